@@ -5,12 +5,15 @@ import json
 import pathlib
 import subprocess
 import sys
+import time
+import types
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from tests.support.box_bank import street_regions
+from urbanverse_mjx import pipeline, progress
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import GraphObject, SceneGraph, Source
 
@@ -129,6 +132,22 @@ def test_folder_with_other_objects_stays_as_it_is(tmp_path: pathlib.Path, capsys
     _refused(path, out / "diary.txt", "a file", capsys)
     assert (out / "diary.txt").read_text() == "dear diary"
     _refused(tmp_path / "nowhere.json", tmp_path / "new", "no such file", capsys)
+
+
+def test_a_long_compilation_says_that_it_goes_on(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def compiles(*arguments: Any) -> Any:
+        time.sleep(0.2)
+        layout = types.SimpleNamespace(id="street")
+        return types.SimpleNamespace(left_out=()), types.SimpleNamespace(layout=layout, metadata={"counts": {}})
+
+    monkeypatch.setattr(pipeline, "compile_graph", compiles)
+    monkeypatch.setattr(progress, "LINE_EVERY", 0.05)
+    assert main(["scene", "compile", "graph.json", "--out", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr()
+    assert said.err.startswith("compiling scenes: 0/1")
+    assert json.loads(said.out)["id"] == "street"
 
 
 def test_as_a_process_without_a_traceback(tmp_path: pathlib.Path) -> None:

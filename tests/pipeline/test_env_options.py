@@ -2,12 +2,14 @@
 
 import dataclasses
 import pathlib
+import time
 from typing import Any
 
 import pytest
 import tyro
 
 from tests.support.unicycle import unicycle_env
+from urbanverse_mjx import progress
 from urbanverse_mjx.cli.benchmark import BenchmarkArgs
 from urbanverse_mjx.cli.evaluate import EvaluateArgs
 from urbanverse_mjx.cli.play import PlayArgs
@@ -56,15 +58,28 @@ def test_every_command_reads_them(kind: Any, first: list[str], capsys: pytest.Ca
 
 @pytest.mark.parametrize("agent", ["go_to_goal", "planner"])
 def test_play_drives_a_chosen_bank_by_a_changed_config(
-    agent: str, bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+    agent: str,
+    bank: pathlib.Path,
+    loads: list[Any],
+    tmp_path: pathlib.Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(rollout_video, "write_episodes", lambda path, *rest, **style: path.write_bytes(b"film"))
+    def film(path: pathlib.Path, *rest: Any, **style: Any) -> None:
+        time.sleep(0.2)
+        path.write_bytes(b"film")
+
+    monkeypatch.setattr(rollout_video, "write_episodes", film)
+    monkeypatch.setattr(progress, "LINE_EVERY", 0.05)
     options = PlayOptions(agent=agent, bank=bank, scenes="all", env_overrides=OVERRIDES)
     done = play(tmp_path / "a.mp4", options)
     ((config, used),) = loads
     assert (config.robot, config.sim_dt) == ("/robots/tug", 0.005)
     assert used.scene_ids == SceneBank.load(bank).scene_ids
     assert len(done["results"]) == 2
+    said = capsys.readouterr().err
+    assert "driving: 0/2 episodes" in said
+    assert "drawing: 0/2 episodes" in said
     with pytest.raises(ValidationError, match="needed a navigation environment such as CocoNav"):
         play(tmp_path / "b.mp4", PlayOptions(agent=agent, env_name="Go2Joystick", bank=bank))
 

@@ -1,9 +1,11 @@
 """Rollout videos: cameras that look where they should, files that play."""
 
 import pathlib
+import warnings
 from typing import Any
 
 import imageio.v2 as imageio
+import jax
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -56,6 +58,15 @@ def test_mp4_round_trip(tmp_path: pathlib.Path) -> None:
     assert meta["size"] == (96, 64)
     assert meta["fps"] == 5
     assert [abs(float(f.mean()) - s) < 6 for f, s in zip(frames, shades, strict=True)] == [True] * 4
+
+
+def test_no_warning_reaches_the_user(tmp_path: pathlib.Path) -> None:
+    """JAX, once it runs, warns of the fork by which imageio starts ffmpeg."""
+    jax.devices()
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        write_video(tmp_path / "a.mp4", [np.zeros((64, 96, 3), np.uint8)], 5)
+    assert [str(w.message) for w in said] == []
 
 
 def test_odd_sizes_leave_no_file(tmp_path: pathlib.Path) -> None:

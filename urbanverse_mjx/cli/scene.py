@@ -12,6 +12,7 @@ import tyro
 from .. import pipeline, settings
 from ..datatypes import SPLITS, SceneBank
 from ..datatypes import validation as v
+from ..progress import Progress
 from . import scene_gallery, scene_library, scene_routes
 
 
@@ -104,9 +105,11 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _compile(args: CompileArgs) -> int:
-    cousin, compiled = pipeline.compile_graph(
-        args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half
-    )
+    with Progress() as progress:
+        progress.task("compiling scenes", total=1)
+        cousin, compiled = pipeline.compile_graph(
+            args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half
+        )
     for gone in cousin.left_out:
         sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")
     print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **compiled.metadata["counts"]}))

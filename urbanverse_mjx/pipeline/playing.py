@@ -51,6 +51,8 @@ class PlayOptions:
     """Of the video, 0 to 10."""
     html: pathlib.Path | None = None
     """Also write the first episode of the video as one HTML file, in which one can look around; not with --fps."""
+    quiet: bool = False
+    """No progress bars."""
 
 
 def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dict[str, Any]:
@@ -65,6 +67,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
     from ..evaluation.planner import Planner
+    from ..progress import Progress
     from .banks import chosen_bank
     from .rollout_video import random_draw, write_episodes
 
@@ -82,13 +85,17 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     if agent is None:
         agent = Planner(env)
     episodes = fixed_episodes(env, options.num_episodes, options.seed)
-    results, poses = Rollout(env, hold=hold).run({options.agent: agent}, episodes)
+    with Progress(options.quiet) as progress:
+        report = progress.task("driving", len(episodes), unit="episodes")
+        results, poses = Rollout(env, hold=hold).run({options.agent: agent}, episodes, lambda ended, _: report(ended))
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
     if not shown:
         raise ValidationError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
     shown = random_draw(shown, options.shown, options.seed)
     style = {"size": options.size, "samples": options.samples, "quality": options.quality}
-    write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, **style)
+    with Progress(options.quiet) as progress:
+        progress.task("drawing", len(shown), unit="episodes")
+        write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, **style)
     if options.html is not None:
         _write_html(options.html, env, options.agent, agent, episodes, shown[0])
     return {"video": str(out), "results": [r.to_json() for r in results]}

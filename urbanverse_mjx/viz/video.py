@@ -1,6 +1,7 @@
 """Rollouts as H.264 videos: the robot from behind, its camera image, and the distance to the goal."""
 
 import pathlib
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -70,7 +71,10 @@ def write_video(
             for frame in frames:
                 writer.append_data(frame)
 
-    v.write_atomically(path, write)
+    with warnings.catch_warnings():
+        # JAX warns of every fork. imageio forks to start ffmpeg, and the child does nothing else.
+        warnings.filterwarnings("ignore", r"os\.fork\(\) was called", RuntimeWarning)
+        v.write_atomically(path, write)
 
 
 def write_rollout_video(
