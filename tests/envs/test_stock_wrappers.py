@@ -72,6 +72,12 @@ def test_episodes_end_by_time_and_begin_again(env: NavEnv, wrap: Callable[..., A
         np.testing.assert_array_equal(pixels[LENGTH - 1], first.obs["pixels/front"])
 
 
+def test_the_page_wraps_an_env_and_steps_it(env: NavEnv) -> None:
+    state = run_block("wrapped.step", env=env, jax=jax, jnp=jnp)["state"]
+    assert state.obs["state"].shape == (4, 7)
+    np.testing.assert_array_equal(state.info["steps"], 1)
+
+
 def test_ends_by_the_task_are_no_truncations(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"episode_length": 200, "terminate_off_traversable": False})
     wrapped: Any = playground.wrap_for_brax_training(env, 200)  # pyright: ignore[reportArgumentType]

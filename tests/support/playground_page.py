@@ -8,6 +8,7 @@ PAGE = pathlib.Path(__file__).parents[2] / "docs" / "playground.md"
 #: What a block alone holds -> the test that runs it.
 MARKERS = {
     "env.render(": "envs/test_render.py",
+    "wrapped.step": "envs/test_stock_wrappers.py",
     "load_ppo()": "envs/test_stock_wrappers.py",
     "import urbanverse_mjx.gym\n": "gym/test_gym.py",
     "OnPolicyRunner(": "gym/test_torch_trainers.py",
