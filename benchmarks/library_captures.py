@@ -21,7 +21,7 @@ from PIL import Image
 
 from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx import settings
-from urbanverse_mjx.citygen import cities
+from urbanverse_mjx.citygen import city_blocks
 from urbanverse_mjx.citygen.city_blocks.block import LENGTH
 from urbanverse_mjx.datatypes import Recording, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes import validation as v
@@ -33,7 +33,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.library_captures", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--set", choices=sorted(cities.PROFILES), action="append", help="default: all")
+    parser.add_argument("--set", choices=sorted(city_blocks.PROFILES), action="append", help="default: all")
     parser.add_argument("--only", default="", help="layouts with this in their id")
     parser.add_argument("--workers", type=int, default=settings.num_threads())
     parser.add_argument("--length", type=float, default=LENGTH, help="m of street; shorter ones to try it out")
@@ -41,8 +41,8 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     jobs = [
         (name, layout, arguments.out, arguments.keep, arguments.length)
-        for name in arguments.set or sorted(cities.PROFILES)
-        for layout in cities.layouts(name)
+        for name in arguments.set or sorted(city_blocks.PROFILES)
+        for layout in city_blocks.layouts(name)
         if arguments.only in layout and not all(p.is_file() for p in _files(arguments.out, name, layout))
     ]
     begin, failed = time.monotonic(), {}
@@ -79,7 +79,7 @@ def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: floa
     begin, processor = time.monotonic(), time.process_time()
     with work_folder("urbanverse-capture-") as work:
         folder = out / "recordings" / layout if keep else pathlib.Path(work)
-        made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder, length)
+        made = film(city_blocks.layouts(name)[layout], city_blocks.SEEDS[name], layout, folder, length)
         ground_truth = SceneGraph.load(folder / "truth.json").objects
         seen = scores.seen_objects(made.recording, ground_truth)
         _sheet(made.recording, out / "sheets" / f"{layout}.jpg")

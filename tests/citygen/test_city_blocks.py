@@ -12,7 +12,7 @@ import pytest
 import shapely
 
 from urbanverse_mjx import settings
-from urbanverse_mjx.citygen import cities, clearance
+from urbanverse_mjx.citygen import city_blocks, clearance
 from urbanverse_mjx.citygen.city_blocks import tables
 from urbanverse_mjx.citygen.city_blocks.block import plan_of
 from urbanverse_mjx.citygen.city_blocks.filling import Filler
@@ -28,7 +28,7 @@ PAPER = (
     "Singapore, Seoul, Ho Chi Minh City, Paris, Reykjavik, Naples, Amsterdam, Barcelona, Stockholm, Riyadh, Dubai, "
     "Toronto, Puerto Vallarta, Los Angeles, Sydney, Auckland, Buenos Aires, São Paulo, Rio de Janeiro, Bogotá"
 ).split(", ")
-ALL = [p for profiles in cities.PROFILES.values() for p in profiles]
+ALL = [p for profiles in city_blocks.PROFILES.values() for p in profiles]
 
 
 def city(name: str) -> CityProfile:
@@ -36,12 +36,12 @@ def city(name: str) -> CityProfile:
 
 
 def test_the_library_holds_the_papers_cities_and_autobench_others() -> None:
-    library, other = ([p.city for p in cities.PROFILES[name]] for name in ("urbanverse160", "autobench"))
+    library, other = ([p.city for p in city_blocks.PROFILES[name]] for name in ("urbanverse160", "autobench"))
     assert sorted(library) == sorted(PAPER)
     assert len(other) == len(set(other)) == 10
     assert not set(other) & set(library)
-    for name in cities.PROFILES:
-        for layout in cities.layouts(name):
+    for name in city_blocks.PROFILES:
+        for layout in city_blocks.layouts(name):
             assert re.fullmatch(r"[A-Za-z]+_[A-Za-z]+_[A-Za-z]+_(walk|drive)_01", layout)
 
 
@@ -107,11 +107,11 @@ def test_a_bend_keeps_widths_and_shares_corners() -> None:
 
 @pytest.fixture(scope="module")
 def tokyo() -> SceneGraph:
-    return cities.block(city("Tokyo"), 3, "tokyo", length=70.0)
+    return city_blocks.block(city("Tokyo"), 3, "tokyo", length=70.0)
 
 
 def test_the_same_seed_gives_the_same_block_and_another_does_not(tokyo: SceneGraph) -> None:
-    again, other = (cities.block(city("Tokyo"), seed, "tokyo", length=70.0) for seed in (3, 4))
+    again, other = (city_blocks.block(city("Tokyo"), seed, "tokyo", length=70.0) for seed in (3, 4))
     assert again.content_hash() == tokyo.content_hash() != other.content_hash()
 
 
@@ -129,7 +129,7 @@ def test_nothing_stands_in_something_else(tokyo: SceneGraph) -> None:
 
 def test_cars_keep_to_their_side() -> None:
     for name, sign in (("London", 1.0), ("Paris", -1.0)):
-        graph = cities.block(city(name), 1, "x", length=80.0)
+        graph = city_blocks.block(city(name), 1, "x", length=80.0)
         cars = [o for o in graph.objects if o.label in ("hatchback car", "sedan", "suv") and abs(np.sin(o.yaw)) < 0.5]
         agree = [np.sign(o.center[1] * np.cos(o.yaw)) == sign for o in cars]
         assert len(cars) >= 4
@@ -150,11 +150,11 @@ def test_the_lane_stays_free() -> None:
     assert len(filler.objects) > 15
 
 
-@pytest.mark.parametrize("name", sorted(cities.PROFILES))
+@pytest.mark.parametrize("name", sorted(city_blocks.PROFILES))
 def test_committed_graphs_are_the_layouts(name: str) -> None:
     folder = settings.scene_root() / name
     found = {p.parent.name: p for p in folder.glob("*/graph.json.gz")}
-    wanted = cities.layouts(name)
+    wanted = city_blocks.layouts(name)
     assert set(found) == set(wanted)
     total = 0
     for layout, path in found.items():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from urbanverse_mjx.citygen import clearance, places
+from urbanverse_mjx.citygen import clearance, procedural_places
 from urbanverse_mjx.citygen.canvas.ground_layers import seams
 from urbanverse_mjx.citygen.procedural_places import COUNT, TEMPLATES, build, site_of, stock, template_of
 from urbanverse_mjx.citygen.procedural_places.site import Site
@@ -163,7 +163,7 @@ def test_the_library_builds_the_set_as_committed() -> None:
     from urbanverse_mjx.scene import library
 
     scenes = library.scene_set("places")
-    assert len(layouts_of(scenes)) == places.COUNT == 96
+    assert len(layouts_of(scenes)) == procedural_places.COUNT == 96
     assert graph_of(scenes, "places_005").ground == build(5).ground
     known = library.shipped_hashes("places")
     assert set(known) == set(layouts_of(scenes))

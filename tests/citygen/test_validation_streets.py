@@ -6,7 +6,7 @@ import math
 import pytest
 import shapely
 
-from urbanverse_mjx.citygen import craft
+from urbanverse_mjx.citygen import craftbench
 from urbanverse_mjx.citygen.validation_streets import BUILDERS, build
 from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.scene import library
@@ -58,7 +58,7 @@ def test_no_object_is_stretched(graph):
 def test_no_two_scenes_are_alike_and_none_is_like_craftbench():
     """Alike: 70 % of the labels, or ground that covers 85 % of the other's when both are laid on one another."""
     ours = [build(scene_id) for scene_id in IDS]
-    theirs = [craft.build(scene_id) for scene_id in craft.BUILDERS]
+    theirs = [craftbench.build(scene_id) for scene_id in craftbench.BUILDERS]
     for a, b in [*itertools.combinations(ours, 2), *itertools.product(ours, theirs)]:
         assert composed.shared_labels(a, b) < 0.7, (a.id, b.id)
         assert _overlap(a, b) < 0.85, (a.id, b.id)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets.appearances.skies import build_sky
-from urbanverse_mjx.citygen import craft, validation
+from urbanverse_mjx.citygen import craftbench, validation_streets
 from urbanverse_mjx.datatypes import traversable
 from urbanverse_mjx.materialisation import index_of, materialise_cousins
 from urbanverse_mjx.pipeline import make_controller
@@ -17,7 +17,7 @@ from urbanverse_mjx.scene.episodes import EpisodeRules
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.reference.drives import ground_height
 
-BUILDERS = {**craft.BUILDERS, **validation.BUILDERS}
+BUILDERS = {**craftbench.BUILDERS, **validation_streets.BUILDERS}
 POSES, ROWS = 10_000, 512
 
 
