@@ -21,7 +21,7 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
 
 INDEX = load_index()
 LICENCE = "CC-BY-4.0"
-#: leaf -> file name that somebody might give it.
+#: leaf -> a plausible file name for it.
 GOOD_GLB = {
     "traffic cone": "orange_traffic_cone.glb",
     "bench": "ParkBench.glb",

@@ -11,7 +11,7 @@ from urbanverse_mjx.assets.meshes import recipe, shapes
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes.shared import forms, sizes
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
+#: Every mesh of some hundred leaves takes minutes; `test_index` always builds every 18th leaf.
 pytestmark = pytest.mark.slow
 
 #: First parts of the recipes' names.

@@ -10,7 +10,7 @@ from urbanverse_mjx.assets.categories.priors import Prior, prior
 from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
+#: Every mesh of some hundred leaves takes minutes; `test_index` always builds every 18th leaf.
 pytestmark = pytest.mark.slow
 
 TOPS = ("building", "road", "nature")

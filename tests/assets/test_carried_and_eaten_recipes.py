@@ -11,7 +11,7 @@ from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset
 from urbanverse_mjx.assets.records.index import make_record
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
+#: Every mesh of some hundred leaves takes minutes; `test_index` always builds every 18th leaf.
 pytestmark = pytest.mark.slow
 
 MIDDLES = ("personal item", "fruits", "vegetables", "drinks", "food", "kitchenware", "personal care product")

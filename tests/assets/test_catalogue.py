@@ -19,7 +19,7 @@ from urbanverse_mjx.datatypes import ValidationError
 
 INDEX = load_index()
 #: Of every tenth leaf without any recipe's records, so that it changes with the priors, materials and ontology alone.
-#: After a change of those: look at what changed, then write what the test found here.
+#: After a change of those check the differences, then store the value that the test found here.
 PRIOR_HASH = "fc2eeb1cd7d5898be7fc7202a29aa8e2d5700b4bb41e32fce39d4af98f7bd61f"
 
 

@@ -11,7 +11,7 @@ from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset
 from urbanverse_mjx.assets.recipes.urban_object.sports.balls import _folded_seam, directions
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
+#: Every mesh of some hundred leaves takes minutes; `test_index` always builds every 18th leaf.
 pytestmark = pytest.mark.slow
 
 MIDDLES = (
@@ -88,7 +88,7 @@ def test_variants_differ_in_shape_or_paint(built: Built, leaf: str) -> None:
 
 
 def enclosed(vertices: np.ndarray, faces: np.ndarray) -> float | None:
-    """m^3 inside a part, negative where its faces look inwards; None for a sheet."""
+    """m^3 inside a part, negative where its faces point inwards; None for a sheet."""
     _, place = np.unique(np.round(vertices / 1e-7).astype(np.int64), axis=0, return_inverse=True)
     shared = place.reshape(-1)[faces]
     edges = np.sort(np.concatenate([shared[:, [0, 1]], shared[:, [1, 2]], shared[:, [2, 0]]]), axis=1)
@@ -100,7 +100,7 @@ def enclosed(vertices: np.ndarray, faces: np.ndarray) -> float | None:
 
 
 def test_closed_parts_have_their_faces_outside(built: Built) -> None:
-    """A part turned inside out looks hollow from one side and weighs less than nothing."""
+    """A part turned inside out is invisible from one side and has a negative mass."""
     wrong = []
     for asset in itertools.chain.from_iterable(built.values()):
         matter, start = 0.0, 0

@@ -1,4 +1,4 @@
-"""Anyone's mesh files: 20 good ones come in as they are, broken and hostile ones are named and hurt nothing."""
+"""Import of mesh files: 20 good ones are imported unchanged, broken and hostile ones are refused without harm."""
 
 import json
 import os
@@ -125,7 +125,7 @@ def test_the_report_says_it_all(street) -> None:
 
 
 def test_a_second_import_reads_the_journal(street, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is made again, except what the journal lost: a line cut off, an asset removed."""
+    """Only files that the journal lost are imported again: a truncated line, a removed asset."""
     folder, cache, _, _, entries = street
     root = cache / "assets" / "imported"
     made = []

@@ -42,7 +42,7 @@ def test_a_car_that_stands_across_is_turned() -> None:
 
 @pytest.mark.parametrize("view", [0, 1, 2, 3])
 def test_the_annotated_view_becomes_the_front(view: int) -> None:
-    """View k looks at the side that lies k quarters counter-clockwise from the file's +x."""
+    """View k shows the side k quarters counter-clockwise from the file's +x."""
     ours = vertices_of("bench")
     file = ours @ quarter_turns(view).T @ TO_GLTF.T
     placed = place(file, True, prior("bench"), front_view=view)

@@ -35,7 +35,7 @@ ANSWER = {
 
 
 class Model(http.server.ThreadingHTTPServer):
-    """An endpoint that remembers what it was asked and answers in turn from `answers` (a status or a message)."""
+    """An endpoint that records its requests and replies in turn from `answers` (a status or a message)."""
 
     def __init__(self) -> None:
         super().__init__(("127.0.0.1", 0), Asked)
@@ -87,7 +87,7 @@ def ask(folder: pathlib.Path, server: Model) -> Entry:
 
 
 def test_an_endpoint_names_what_its_file_does_not(model: Model, folder: pathlib.Path) -> None:
-    """It is asked again after a 503, sees four images, and what it says wrongly is left out."""
+    """A 503 is retried, the request has four images, and invalid fields of the reply are left out."""
     put(folder, "qz81_final.glb")
     model.answers = [503, f"Here it is:\n```json\n{json.dumps(ANSWER)}\n```"]
     entry = ask(folder, model)

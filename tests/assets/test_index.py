@@ -79,7 +79,7 @@ def test_variants_differ_visibly(leaf: str) -> None:
     assert len(seen) == len(INDEX.by_leaf(leaf))
 
 
-# Front and sides by hand: who sits on a bench looks along +x and has its back behind, at -x.
+# Front and sides, checked by geometry: the sitter of a bench faces +x, the backrest is at -x.
 def test_a_bench_is_long_across_and_its_back_is_behind() -> None:
     record = next(r for r in INDEX.by_leaf("bench") if r.params.get("style") == "slatted iron")
     x, y, z = record.extent_xyz

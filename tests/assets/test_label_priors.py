@@ -1,4 +1,4 @@
-"""What the distillation is told about labels: sizes, shapes and which way they face."""
+"""The distillation's knowledge about labels: sizes, shapes and fronts."""
 
 import numpy as np
 

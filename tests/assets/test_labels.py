@@ -29,7 +29,7 @@ FREE = pathlib.Path(__file__).with_name("free_labels.csv")
 SIZES = {"cityscapes": 30, "nuscenes": 23, "ade20k": 149, "lvis": 1203, "openimages": 601, "osm": 1001}
 
 
-#: Stand-ins of another top-level category than their leaf's, because they look alike all the same.
+#: Substitutes from another top-level category than their leaf's, because of their similar appearance.
 ACROSS = {("bulletin board", "advertising board"), ("information point", "kiosk"), ("toll booth", "kiosk")}
 
 

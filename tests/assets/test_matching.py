@@ -40,7 +40,7 @@ def test_a_hundred_free_labels_show_a_sensible_leaf(objects: ObjectLibrary) -> N
 
 
 def test_letters_alone_find_most_free_labels() -> None:
-    """Without the rules for phrases: what the embedding is good for where they say nothing."""
+    """Without the rules for phrases: the accuracy of the embedding alone."""
     index = NgramIndex(known_names())
     hits = sum(index.leaves[int(index.scores(label).argmax())] in leaves for label, leaves in free_labels())
     assert hits >= 0.9 * len(free_labels())

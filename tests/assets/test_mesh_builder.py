@@ -31,7 +31,7 @@ SOLIDS: list[tuple[str, Shape, float]] = [
 def test_solids_are_closed_outward_and_of_the_known_volume(name: str, shape: Shape, volume: float) -> None:
     solid = trimesh.Trimesh(shape.vertices, shape.faces, process=True)
     assert solid.is_watertight
-    # trimesh's volume is negative where faces look inwards.
+    # trimesh's volume is negative where faces point inwards.
     assert solid.volume == pytest.approx(volume, rel=1e-2)
     assert shapes.volume(shape) == pytest.approx(volume, rel=1e-2)
 
@@ -58,7 +58,7 @@ def test_creases_split_and_smooth_surfaces_do_not() -> None:
 
 
 def test_colours_and_images_come_back_from_the_texture() -> None:
-    """Look up every face's middle in the texture: it shows what the part was given."""
+    """Look up every face's middle in the texture: it has the part's colour or image."""
     image = np.zeros((20, 10, 3), np.uint8)
     image[:10] = (10, 20, 30)  # upper half
     image[10:] = (200, 100, 50)

@@ -1,4 +1,4 @@
-"""Base meshes in the cache: the same to the bit, found again, and never in the way."""
+"""Base meshes in the cache: bit-equal, found again, and harmless if damaged or read-only."""
 
 import pathlib
 

@@ -1,4 +1,4 @@
-"""The category tree and the way from a label to a leaf."""
+"""The category tree and the mapping from a label to a leaf."""
 
 import contextlib
 

@@ -72,7 +72,7 @@ BOUNDS = {
     "public vehicle": (9000, 60_000, 6, 30),
     "watercraft vehicle": (20, 5e6, 3, 90),
 }
-# Single objects everybody can weigh against experience (kg, of the median).
+# Common objects of known mass (kg, of the median).
 KNOWN = {
     "car": (1000, 2500),
     "sedan": (1200, 1700),

@@ -18,7 +18,7 @@ from urbanverse_mjx.assets.recipes.street_user import limbs
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
+#: Every mesh of some hundred leaves takes minutes; `test_index` always builds every 18th leaf.
 pytestmark = pytest.mark.slow
 
 Variants = Callable[[str], list[BuiltAsset]]

@@ -44,7 +44,7 @@ def built(leaf: str) -> list[BuiltAsset]:
 
 
 def closed_volume(asset: BuiltAsset) -> float:
-    """m^3 of the largest piece without any hole among those the convex decomposition sees."""
+    """m^3 of the largest piece without any hole in the input of the convex decomposition."""
     volumes = [0.0]
     for vertices, faces in decompose.connected_pieces(asset.mesh, asset.part_faces):
         edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
@@ -69,7 +69,7 @@ def test_sizes_are_those_of_the_kind(leaf: str) -> None:
 
 @pytest.mark.parametrize("name", ["SEDAN", "HATCHBACK", "SUV", "VAN", "MINIVAN", "PICKUP"])
 def test_car_bodies_are_closed_and_as_voluminous_as_cars(name: str) -> None:
-    """Closed, so that CoACD sees a solid; the volume is checked against an independent integration of the sections."""
+    """Closed, so that CoACD gets a solid; the volume is checked against an independent integration of the sections."""
     shape = getattr(car_shapes, name)
     body = Body(MeshBuilder(), shape)
     body.shell("red")
@@ -79,7 +79,7 @@ def test_car_bodies_are_closed_and_as_voluminous_as_cars(name: str) -> None:
     x = np.linspace(upper[:, 0].min(), upper[:, 0].max(), 400)
     levels = [np.linspace(shape.sill, _height(upper, at), 50) for at in x]
     slices = [np.trapezoid(shape.width * np.interp(z, heights, shares), z) for z in levels]
-    # The integration knows neither wheel arches, nor tapered ends, nor the bulge: 25 % is what those can take or give.
+    # The integration has neither wheel arches, nor tapered ends, nor the bulge, which change the volume by up to 25 %.
     assert volume == pytest.approx(np.trapezoid(slices, x), rel=0.25)
 
 
@@ -136,7 +136,7 @@ def test_figures_are_as_tall_as_asked_and_seven_heads_high(height: float) -> Non
     assert high[2] - low[2] == pytest.approx(height, rel=0.03)
     head = 2 * figure.head_radii[2]
     assert 6.7 < height / head < 7.8
-    # Face and toes look along +x: the toes reach further from the ankles than the heels do.
+    # Face and toes point along +x: the toes reach further from the ankles than the heels do.
     assert high[0] - figure.ankles[0][0] > 0.08 * height
     assert figure.ankles[0][0] - low[0] < 0.08 * height
 

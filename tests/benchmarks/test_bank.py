@@ -122,7 +122,7 @@ def test_the_same_seed_makes_the_same_street(bench_bank: SceneBank) -> None:
 
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
 def test_robots_drive_in_it(bench_bank: SceneBank, impl: str) -> None:
-    """On the real engine: dropped at its first start a robot rests on the ground, and it drives off when told to."""
+    """On the real engine: placed at its first start a robot rests on the ground, and it drives on command."""
     robot = make_coco()
     engine = make_engine(bench_bank, robot, impl=impl)
     start = bench_bank.episode_start[:, 0]

@@ -32,7 +32,7 @@ def test_a_robot_that_stands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixtu
     assert flat["error_linear_m_s"] == pytest.approx(np.linalg.norm(commands[:, :2], axis=1).mean(), abs=0.03)
     assert flat["error_angular_rad_s"] == pytest.approx(np.abs(commands[:, 2]).mean(), abs=0.03)
     assert flat["falls_percent"] == flat["touch_percent"] == 0.0
-    # It carries 15 kg on bent knees: the torques are far from the limits and far from nothing.
+    # It carries 15 kg on bent knees: the torques are far below the limits and far above 0.
     assert 0.05 < flat["torque_share_p99"] < 0.5
     assert flat["beyond_range_max_rad"] == 0.0
     assert found["pushes"]["survived_percent"] == 100.0
@@ -46,7 +46,7 @@ def test_a_robot_that_stands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixtu
     page = capsys.readouterr().out
     assert "| falls, % | 1 | 0 |" in page
     assert "| kerb of 12 cm up, % of 1 | 90 | 0 |" in page
-    # It has no history of training and climbed nothing: nothing of its own stands beside those figures.
+    # Without a training record and climbs, its own column is empty in these rows.
     assert "| env-steps/s with PPO | not tried | 476 k |" in page
     assert "| highest step, cm | not tried | 16 |" in page
 

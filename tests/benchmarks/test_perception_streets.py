@@ -1,4 +1,4 @@
-"""The streets that the perception model learns on: what the splits share, and that processes change nothing."""
+"""The training streets of the perception model: separate splits, equal for any number of processes."""
 
 import pytest
 

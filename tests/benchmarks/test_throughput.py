@@ -271,7 +271,7 @@ def test_the_hash_of_a_bank_tells_banks_apart(small_bank: SceneBank) -> None:
 
 
 def test_an_isolated_case_that_dies_becomes_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The process prints one row and is killed: the row is kept, and one more says how it ended."""
+    """The process prints one row and is killed: the row is kept, and another one records how the process ended."""
 
     def run(command: list[str], input: str, **options: Any) -> Any:
         code = "import os; print('{}', flush=True); os.kill(os.getpid(), 9)"

@@ -1,5 +1,4 @@
-"""Captures carry the ground truth of the scene they film: geometry, labels, poses and the graph agree with each
-other."""
+"""Captures contain the scene's ground truth: geometry, labels, poses and the graph agree with each other."""
 
 import pathlib
 
@@ -76,7 +75,7 @@ def test_the_camera_walks_where_one_can_walk(small_bank: SceneBank) -> None:
 
 def test_camera_axes() -> None:
     (pose,) = camera_poses(np.array([[1.0, 2.0, 3.0]]), np.array([np.pi / 2]), np.radians(10.0))
-    np.testing.assert_allclose(pose[:3, 0], [1, 0, 0], atol=1e-12)  # looks along +y: its right is +x
+    np.testing.assert_allclose(pose[:3, 0], [1, 0, 0], atol=1e-12)  # its view is along +y, so its right is +x
     assert pose[2, 2] == pytest.approx(np.sin(np.radians(10.0)))
     assert pose[2, 1] < -0.9  # its down is down
 

@@ -10,7 +10,7 @@ from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import AssetRecord, SceneGraph
 from urbanverse_mjx.scene.ground import check_regions, ground_prisms
 
-#: Ground prisms that an engine looks at, and how far around a robot's middle (scene.grids), m.
+#: Ground prisms in an engine's slots, and their range around a robot's middle (scene.grids), m.
 PRISMS, REACH = 8, 0.55 + 2.0 * 0.2
 
 
@@ -60,7 +60,7 @@ def stretched(graph: SceneGraph) -> list[str]:
 
 
 def shared_labels(a: SceneGraph, b: SceneGraph) -> float:
-    """Share of the objects of the larger of two scenes that the other has too, told by their labels alone."""
+    """Share of the objects of the larger of two scenes that the other has too, by labels alone."""
     counts = []
     for graph in (a, b):
         labels = [o.label for o in graph.objects]

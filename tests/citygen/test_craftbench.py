@@ -69,7 +69,7 @@ def test_ground_compiles_and_no_place_has_more_prisms_than_an_engine_looks_at(gr
 
 
 def test_every_object_has_an_asset_of_its_size(graph):
-    """Nothing but house fronts, hedges and fences is stretched when assets are chosen."""
+    """Materialisation stretches only house fronts, hedges and fences."""
     assert composed.stretched(graph) == []
 
 

@@ -1,4 +1,4 @@
-"""`urbanverse gen` on broken sources: one sentence, exit status 2, and nothing half-written."""
+"""`urbanverse gen` on broken sources: one sentence, exit status 2, and no partly written file."""
 
 import json
 import pathlib
@@ -41,7 +41,7 @@ def _recording(folder: pathlib.Path) -> pathlib.Path:
 
 
 def _huge_image() -> bytes:
-    """A PNG of a few bytes that says it has 50,000 x 50,000 pixels."""
+    """A PNG of a few bytes with a header of 50,000 x 50,000 pixels."""
 
     def chunk(kind: bytes, body: bytes) -> bytes:
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
@@ -62,7 +62,7 @@ TEXTURE = np.random.default_rng(0).integers(0, 255, (180, 320, 3)).astype(np.uin
 
 
 def _broken(kind: str, folder: pathlib.Path) -> pathlib.Path:
-    """A source that looks right until it is opened."""
+    """A source that is invalid only in its contents."""
     source = folder / "source.mp4"
     if kind == "not a video":
         source.write_text("this is not a video")

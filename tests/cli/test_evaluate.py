@@ -47,7 +47,7 @@ SMALL_STREET = {
 
 
 class MovableEngine(UnicycleEngine):
-    """The kinematic engine beside movable objects that nothing moves."""
+    """The kinematic engine with movable objects that stay at rest."""
 
     def __init__(self, bank: SceneBank, sizes: Sizes, *args: Any) -> None:
         super().__init__(*args)
@@ -71,7 +71,7 @@ class MovableEngine(UnicycleEngine):
 
 
 class BodyImage(GoalImage):
-    """A renderer that is told where the movable objects are."""
+    """A renderer that takes the poses of movable objects."""
 
     def __call__(
         self,

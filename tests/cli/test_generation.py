@@ -153,7 +153,7 @@ def test_one_run_at_a_time(tmp_path: pathlib.Path) -> None:
 
 
 class Killed(BaseException):
-    """What a kill looks like from inside."""
+    """Simulates a kill inside the process."""
 
 
 def test_a_killed_run_goes_on_where_it_stopped(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -259,7 +259,7 @@ def test_a_source_runs_in_a_process_of_its_own(tmp_path: pathlib.Path) -> None:
 
 
 def test_a_source_ends_with_its_batch(tmp_path: pathlib.Path) -> None:
-    """Told of a batch that is gone, it ends long before it has made anything."""
+    """Started for a batch whose process has ended, it exits before it makes any file."""
     job = batch.job_of(GRAPH, tmp_path, GenerationOptions())
     command = [sys.executable, "-m", one_source.__name__, one_source.argument(job, parent=1)]
     assert subprocess.run(command, capture_output=True, check=False).returncode == 1
@@ -307,7 +307,7 @@ def test_a_batch_on_two_ray_workers(tmp_path: pathlib.Path) -> None:
 
 @pytest.mark.slow
 def test_a_graph_becomes_scenes_that_stand_still(tmp_path: pathlib.Path) -> None:
-    """Two cousins of a shipped street, compiled in processes; stock MuJoCo loads them; a second call does nothing."""
+    """Two cousins of a shipped street, compiled in processes; stock MuJoCo loads them; a second call does no work."""
     out = tmp_path / "run"
     options = GenerationOptions(cousins=2, pictures=False)
     done = generate(GRAPH, out, options)

@@ -1,4 +1,4 @@
-"""`urbanverse scene compile` on broken input: status 2, one sentence, nothing written."""
+"""`urbanverse scene compile` on broken input: status 2, one sentence, no file written."""
 
 import copy
 import json

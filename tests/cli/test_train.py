@@ -1,4 +1,4 @@
-"""A resumed run trains what its record says, refuses to train anything else, and its record keeps its history."""
+"""A resumed run keeps the settings of its record, refuses others, and its record lists all segments."""
 
 import dataclasses
 import json

@@ -1,7 +1,7 @@
 """The published ORCA, written plainly: float64, one agent at a time, lines as a point and a direction.
 
 Follows van den Berg, Guy, Lin and Manocha, "Reciprocal n-body collision avoidance" (2011) and the conventions of the
-authors' library: what is permitted lies to the left of a line. It shares nothing with the code that it judges.
+authors' library: the permitted side is to the left of a line. It shares no code with the implementation under test.
 """
 
 import dataclasses

@@ -22,7 +22,7 @@ from urbanverse_mjx.crowds import (
     traits_of,
 )
 
-#: m, goals of flows: nobody arrives, so that nobody stands in another's way for good.
+#: m, goals of flows, beyond reach, so that no arrived agent blocks others.
 FAR = 100.0
 
 
@@ -82,7 +82,7 @@ def segment_distance(points: np.ndarray, centre: np.ndarray, axis: np.ndarray) -
 
 
 def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options: object) -> Run:
-    """Everybody heads for its goal, slowing down at it."""
+    """Preferred velocities towards the goals, slowing down there."""
     number = len(scene.kinds)
     rolling = sum(k.wheeled for k in scene.kinds)
     opts = Options(dt=dt, num_wheeled=rolling, **{"num_neighbours": min(8, max(1, number - 1)), **options})  # type: ignore[arg-type]

@@ -14,7 +14,7 @@ from urbanverse_mjx.datatypes import ValidationError
 
 
 def met_within(apart: np.ndarray, velocity: np.ndarray, reach: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """(n,) bool: whether who are (2, n) m apart come within reach while one moves (2, n) m/s towards the other.
+    """(n,) bool: whether two agents (2, n) m apart come into contact at a relative velocity of (2, n) m/s.
 
     Those in reach already: whether they still are at the end of the time.
     """
@@ -39,7 +39,7 @@ def test_towards_discs_they_are_the_published_ones(dtype: type) -> None:
         )
     found = np.stack([np.asarray(row)[0] for row in rows])
     places, own, theirs = ((x + 1j * y).tolist() for x, y in (apart, velocity, other))
-    # Who would meet changes by its share; who would not may use up room by its other one.
+    # On a collision course the velocity changes by the agent's share; otherwise it may approach by the other share.
     meets = met_within(apart, velocity - other, reach, np.where(np.hypot(*apart) < reach, 0.1, horizon))
     assert 0.1 < meets.mean() < 0.9
     part = np.where(meets, share, spare)
@@ -88,7 +88,7 @@ def test_capsules_are_as_near_as_their_nearest_discs() -> None:
     crossing = distance < 0.05
     found = np.hypot(np.asarray(dx)[0], np.asarray(dy)[0])
     assert crossing.mean() < 0.2
-    # The way starts at the place on the own axis that it names.
+    # The displacement starts at the returned position on the own axis.
     away = apart - np.asarray(place) * axes[0] - np.stack([np.asarray(dx)[0], np.asarray(dy)[0]])
     along = (away * axes[1]).sum(0) / (axes[1] ** 2).sum(0)
     np.testing.assert_allclose(away, along * axes[1], atol=1e-4)

@@ -50,7 +50,7 @@ def distances(bodies: Bodies, half: np.ndarray, crossed: bool) -> np.ndarray:
 
 
 def crowd(rng: np.random.Generator, side: float, reach: float) -> tuple[Bodies, Bodies, np.ndarray, np.ndarray]:
-    """Bodies at random (agents and the robot), where they want to be, and who is there and may go."""
+    """Random bodies (agents and the robot), their desired positions, and flags of presence and permission."""
     now = [rng.uniform(0, side, AGENTS + 1), rng.uniform(0, side, AGENTS + 1)]
     velocity = [rng.normal(0, 1, AGENTS + 1) for _ in range(2)]
     heading = rng.uniform(-np.pi, np.pi, AGENTS + 1)
@@ -82,10 +82,10 @@ def test_no_overlap_grows(seed: int, side: float, reach: float) -> None:
     later = Bodies(*(jnp.append(a, b[-1]) for a, b in zip(found, bodies, strict=True)))
     was, now = (distances(b, half, crossed=False) for b in (bodies, later))
     assert (now >= np.minimum(need - 1e-4, was) - 2e-5)[pairs].all()
-    # Who stood clear does so afterwards, by the distance that knows axes that cross.
+    # Bodies without overlap have none afterwards, by a distance that handles crossing axes.
     was, now = (distances(b, half, crossed=True) for b in (bodies, later))
     assert (now >= need - 1.2e-4)[pairs & (was >= need)].all()
-    # Everybody took the whole step or none; who may not go does not.
+    # Every body takes the whole step or none; a body without permission holds.
     went = np.asarray(found.x == after.x) & np.asarray(found.y == after.y) & np.asarray(found.heading == after.heading)
     stays = np.asarray(found.x == bodies.x[:-1]) & np.asarray(found.y == bodies.y[:-1])
     rest = (np.asarray(found.vx) == 0.0) & (np.asarray(found.vy) == 0.0)
@@ -94,7 +94,7 @@ def test_no_overlap_grows(seed: int, side: float, reach: float) -> None:
     assert not (went & present & ~may & moved).any()
     long = half[:-1] > 0.0
     assert (went | (np.asarray(found.heading) == np.asarray(bodies.heading[:-1])) | ~long).all()
-    # Nobody is held whose step is clear of everybody's place and step.
+    # A body whose step is clear of all places and steps is never held.
     ends = Bodies(*(jnp.append(a, b[-1]) for a, b in zip(after, bodies, strict=True)))
     both = Bodies(*(jnp.concatenate([a, b]) for a, b in zip(ends, bodies, strict=True)))
     apart = distances(both, np.tile(half, 2), crossed=False)[: AGENTS + 1]
@@ -113,7 +113,7 @@ def test_holding_is_always_allowed() -> None:
 
 @pytest.mark.parametrize("leader", [0, 1, 2])
 def test_one_may_follow_into_the_place_that_another_leaves(leader: int) -> None:
-    """Three people who touch in a row and all go on by 0.1 m, whichever of them comes first in the arrays."""
+    """Three people in contact in a row all move by 0.1 m, whatever their order in the arrays."""
     row = (np.arange(3) + leader) % 3
     x = -0.54 * row.astype(np.float64)
     zero = jnp.zeros(3)

@@ -1,4 +1,4 @@
-"""Known scenes of the field: nobody overlaps by more than 2 cm, and everybody gets through."""
+"""Standard scenes of the literature: overlap is at most 2 cm, and all agents get through."""
 
 import dataclasses
 
@@ -40,7 +40,7 @@ def test_head_on(one: object, other: object, apart: float, seconds: float) -> No
     path = scenes.run(scene, seconds)
     assert path.overlap() <= DEEPEST
     assert path.away(scene).max() < 1.0
-    # They go out of the way, but not for a walk.
+    # They avoid each other without a large detour.
     assert np.abs(path.y).max() < 2.0 * (scene.kinds[0].size + scene.kinds[1].size)
 
 
@@ -82,7 +82,7 @@ def test_flows_cross() -> None:
     scene = scenes.crossing(16)
     path = scenes.run(scene, 18.0)
     assert path.overlap() <= DEEPEST
-    # Nobody loses more than a third of the way that it would have made alone.
+    # No agent loses more than a third of the distance that it would cover alone.
     assert (path.progress(scene) > 0.66 * (18.0 - 0.5) * scene.speed).mean() > 0.9
     assert path.progress(scene).min() > 10.0
 

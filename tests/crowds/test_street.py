@@ -112,7 +112,7 @@ def test_walls_stop_a_walker_at_the_body(spaces: dict[str, FreeSpace]) -> None:
     radius, horizon = 0.27, 0.8
     walls = flats.walls_at(table, jnp.int32(0), x, y, np.float32(radius), np.float32(horizon))
     nearest = -np.asarray(walls.offset).max(0) * horizon + radius
-    # The nearest flat is as far as the map says, but for the coarse cell that it is looked up in.
+    # The nearest flat has the map's distance, up to the size of its coarse cell.
     np.testing.assert_allclose(nearest, distance[tuple(cells.T)], atol=0.13)
 
 
@@ -172,7 +172,7 @@ def test_crossing_waits_for_what_comes_and_not_for_what_does_not() -> None:
     # A car that has stopped lets one go, and one past the crossing does not count.
     assert not walkers_and_cars([(24.0, 0.0)], kerb).wait[0]
     assert not walkers_and_cars([(36.0, 8.0)], kerb).wait[0]
-    # Away from the kerb nobody waits.
+    # Away from the kerb no agent waits.
     assert not walkers_and_cars([(10.5, 8.0)], (30.0, -6.0)).wait[0]
 
 
@@ -181,7 +181,8 @@ def test_vehicles_stop_for_walkers_if_they_can() -> None:
         limit = float(walkers_and_cars([(10.5, 6.0)], walker).limit[1])
         assert np.isfinite(limit) == stops
         if stops:
-            # v² = 2 b d, with 1.7 m/s² and the way from the front (12.87 m) to a metre before the crossing (27.x m).
+            # v² = 2 b d, with 1.7 m/s² and the distance from the front (12.87 m) to a metre before the crossing (27.x
+            # m).
             assert 6.0 < limit < np.sqrt(2 * 1.7 * 15.2)
     # 8 m/s five metres before it: too late to stop gently.
     assert not np.isfinite(float(walkers_and_cars([(21.0, 8.0)], (30.0, 0.0)).limit[1]))
@@ -285,14 +286,14 @@ def test_a_crowd_lives_in_streets_it_does_not_leave(small_bank: SceneBank, table
         for i, kind in enumerate(model.kinds):
             cells = np.floor((np.stack([x[:, e, i], y[:, e, i]], -1) - space["foot"].origin) / CELL).astype(int)
             assert space[kind.surface].free[tuple(cells.T)].all(), kind.name
-    # Those who talk stay; most others get somewhere.
+    # Talking agents stay; most others make progress.
     moved = np.hypot(x[-1] - x[0], y[-1] - y[0])
     assert moved[:, :2].max() < 0.7
     assert np.median(moved[:, 2:8]) > 5.0
 
 
 def test_who_looks_at_nothing_still_runs_into_nobody(small_bank: SceneBank, tables: CrowdTables) -> None:
-    """Agents that walk and drive in circles of 7.5 m, whoever or whatever is there: each is held before it touches."""
+    """Agents that move in circles of 7.5 m without avoidance: each is stopped before contact."""
     kinds = ("pedestrian",) * 9 + ("wheelchair", "scooter", "cyclist", "car", "car")
     model = CrowdModel(tables, kinds)
 
@@ -330,7 +331,7 @@ def test_who_looks_at_nothing_still_runs_into_nobody(small_bank: SceneBank, tabl
 
 
 def test_vehicles_drive_no_faster_than_they_can_stop() -> None:
-    """A car at 8 m/s that wants to go on, with another across its lane, beside it, driving away, and behind it."""
+    """A car that prefers 8 m/s, with another across its lane, beside it, driving away, and behind it."""
     kinds = [KINDS["pedestrian"], KINDS["car"], KINDS["car"]]
     traits = jax.tree.map(lambda a: a[:, 0], traits_of(kinds))
     car = KINDS["car"]

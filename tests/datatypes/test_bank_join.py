@@ -1,4 +1,4 @@
-"""Joined banks: every scene looks up the same hulls, meshes, textures, skies and episodes as before."""
+"""Joined banks: every scene has the same hulls, meshes, textures, skies and episodes as before."""
 
 import dataclasses
 import pathlib

@@ -8,7 +8,7 @@ from urbanverse_mjx.distillation import bearings
 from urbanverse_mjx.distillation.depth_scale import DepthScale
 from urbanverse_mjx.distillation.lifting import POINTS, Views
 
-#: T_world_camera of a level camera that looks along +x: its z ahead, its y down.
+#: T_world_camera of a level camera with its view along +x: its z ahead, its y down.
 LEVEL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 NOISE = 0.04
 

@@ -25,8 +25,8 @@ def _chair(rng: np.random.Generator, count: int) -> np.ndarray:
 
 @pytest.mark.parametrize("yaw", np.radians([0.0, 35.0, 100.0, 250.0]))
 def test_a_part_of_a_front_is_no_side_wall(yaw: float) -> None:
-    """9 m of a front of 13 m, as long as the house is deep, and 2 m of a wall, seen from far along the street: from
-    there the wall is what is looked at."""
+    """9 m of a front of 13 m, as long as the house is deep, and 2 m of a wall, seen from far along the street, from
+    where the wall is the visible face."""
     rng = np.random.default_rng(0)
     front = np.stack([np.zeros(600), rng.uniform(0, 9, 600), rng.uniform(0, 8, 600)], -1)
     wall = np.stack([rng.uniform(-2, 0, 200), np.full(200, 9.0), rng.uniform(0, 8, 200)], -1)
@@ -54,7 +54,7 @@ def test_a_front_like_none_that_is_known_has_a_depth_all_the_same() -> None:
 
 @pytest.mark.parametrize("degrees", [0, 75, 140, 310])
 def test_a_known_shape_tells_front_from_back(degrees: int) -> None:
-    """A chair seen from behind: its box says nothing, and the side that was looked at is the wrong one."""
+    """A chair seen from behind: its box is ambiguous, and the visible side is the back."""
     rng = np.random.default_rng(1)
     shape = _chair(rng, 1500)
     prior = LabelPrior(np.array([[0.5, 0.5, 0.9]]), shapes=(shape,))

@@ -1,4 +1,4 @@
-"""Drawn streets whose ground truth is known come back as graphs; broken ones are refused in one sentence."""
+"""Graphs of drawn streets match their ground truth; broken recordings are refused with one sentence."""
 
 import dataclasses
 import pathlib
@@ -90,7 +90,7 @@ def test_the_ground_tiles_and_the_kerb_is_found(made: Distillation) -> None:
     road = shapely.union_all([a for r, a in areas if r.kind == "road"])
     true_road = shapely.box(10, -street.HALF_ROAD, 40, street.HALF_ROAD)
     for car in (t for t in OBJECTS if t.label == "sedan"):
-        # What lies under a car beside the kerb nobody sees: it may be taken for pavement.
+        # The ground under a car at the kerb is hidden and may be classified as pavement.
         true_road -= shapely.Point(car.center[:2]).buffer(2.5)
     assert road.intersection(true_road).area > 0.97 * true_road.area
     (kerb,) = made.kerbs
@@ -133,7 +133,7 @@ def test_a_object_on_the_wrong_ground_is_pulled_back_only_as_far_as_it_can_be_of
         return LabelPrior(prior_of(label).extents, stands_on=kinds)
 
     made = distil(recording, on_road)
-    # Depth is perfect, the bins are 0.7 m from the kerb: nothing may move them there.
+    # Depth is perfect and the bins are 0.7 m from the kerb: they must not be moved to it.
     assert all(e.moved <= 0.15 for e in made.evidence)
 
 

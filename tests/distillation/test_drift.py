@@ -8,7 +8,7 @@ from urbanverse_mjx.distillation.lifting import POINTS, Views
 
 
 def two_passes(shift: float) -> tuple[Views, Placed, np.ndarray, np.ndarray, np.ndarray]:
-    """Twenty posts seen on the way out and on the way back, where poses are off by up to `shift` m at the end.
+    """Twenty posts observed on the outward and on the return path, where poses are off by up to `shift` m at the end.
 
     Returns views, where they are, objects (each pass its own), the drifted poses and the drift (m, 2).
     """

@@ -1,4 +1,4 @@
-"""Foundation models behind `Predictor`: what is made of their answers, on answers made up here; no model is run."""
+"""Foundation models behind `Predictor`: processing of their outputs, tested on synthetic outputs; no model is run."""
 
 import contextlib
 import pathlib
@@ -101,7 +101,7 @@ class Inputs(dict):
 
 
 class Detector:
-    """Asked for 70 words in two lists; sees the 66th in the left half of the image."""
+    """Takes 70 words in two lists; detects the 66th in the left half of the image."""
 
     asked: tuple[str, ...] = ()
 

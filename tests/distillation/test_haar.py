@@ -34,7 +34,7 @@ def fake_cv2(folder: pathlib.Path) -> Any:
 
 def test_profiles_are_found_on_both_sides() -> None:
     rgb = np.zeros((60, 100, 3), np.uint8)
-    rgb[30, 90] = 255  # in the right half: only the mirrored profile sees it
+    rgb[30, 90] = 255  # in the right half: only the mirrored profile cascade finds it
     found = HaarDetector([Cascade(), Cascade(), Cascade()])(rgb)
     np.testing.assert_allclose(found, [[81, 30, 91, 50]])
     rgb[5, 3] = 255

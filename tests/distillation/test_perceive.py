@@ -42,7 +42,7 @@ TEXTURES = [_texture(k) for k in range(3)]
 
 
 def _pose(along: float, yaw: float, pitch: float = -0.1) -> np.ndarray:
-    """(4, 4) T_world_camera at x = along, y = 0.3 and `HEIGHT`; looks along x turned by yaw, up by pitch."""
+    """(4, 4) T_world_camera at x = along, y = 0.3 and `HEIGHT`; view along x rotated by yaw, up by pitch."""
     c, s = np.cos(yaw), np.sin(yaw)
     forward = np.array([c * np.cos(pitch), s * np.cos(pitch), np.sin(pitch)])
     right = np.array([s, -c, 0.0])

@@ -57,7 +57,7 @@ def _answer(wanted: GroundTruth) -> Decoded:
 
 
 def _right(wanted: GroundTruth) -> Seen:
-    """What a network that knows the ground truth would say."""
+    """Output of a perfect network."""
     logits = 8.0 * np.eye(len(NAMES), dtype=np.float32)[wanted.classes]
     coarse = np.asarray(wanted.leaf)[::LEAF_STRIDE, ::LEAF_STRIDE, None]
     # Other classes' leaves are loud: they must not be listened to.

@@ -19,7 +19,7 @@ from urbanverse_mjx.distillation.perception.structure import Structure
 CAMERA = Camera(320, 180, 210.0, 210.0, 160.0, 90.0)
 HEIGHT = 1.5  # m
 SIDEWALK = GROUND_KINDS.index("sidewalk")
-OUT = 36  # frames of the way there
+OUT = 36  # frames of the outward path
 
 
 def _street() -> tuple[np.ndarray, np.ndarray]:
@@ -88,7 +88,7 @@ def _structure(models: list[dict[str, np.ndarray]]) -> tuple[Structure, np.ndarr
 
 
 def _off(structure: Structure, metric: Metric) -> float:
-    """m, the worst place after the two ways were laid on each other."""
+    """m, largest position error after alignment of the two paths."""
     return trajectory_error(metric.poses, TRAJECTORY[structure.registered[metric.kept]]).worst
 
 
@@ -121,7 +121,7 @@ def test_a_unit_that_changes_on_the_way_is_fixed(factor: float):
     model = _model(THERE, 1, 1.0)
     at = 20
     anchor = model["poses"][at, :3, 3].copy()
-    # Later frames have points of their own, as COLMAP's have where next to nothing leads across.
+    # Later frames have points of their own, as COLMAP's have where almost no match connects them.
     later = model["frame"] > at
     grown = anchor + factor * (model["points"] - anchor)
     model["points"] = np.concatenate([model["points"], grown])
@@ -136,7 +136,7 @@ def test_a_unit_that_changes_on_the_way_is_fixed(factor: float):
 
 def test_a_jump_to_a_house_that_looks_alike_is_undone():
     model = _model(np.arange(2 * OUT), 1, 1.0)
-    # Behind the turn COLMAP goes on 11 m ahead, turned by a quarter.
+    # Behind the turn COLMAP's model continues 11 m ahead, rotated by a quarter turn.
     up = -model["poses"][:, :3, 1].mean(0)
     wrong = Rotation.from_rotvec(np.pi / 2 * up / np.linalg.norm(up)).as_matrix()
     anchor = model["poses"][OUT, :3, 3].copy()

@@ -21,7 +21,7 @@ WIDTH, HEIGHT, FOCAL = 64, 24, 40.0
 CAR_SIZE, CAR_YAW = np.array([4.0, 2.0, 1.5]), np.radians(20.0)
 CAMERA_HEIGHT = 1.55
 ORIGIN = np.array([1000.0, 3000.0, 115.0])
-#: Our camera axes (x right, y down, z ahead) in KITTI-360's IMU (x ahead, y left, z up here: the file says which).
+#: Our camera axes (x right, y down, z ahead) in KITTI-360's IMU (x ahead, y left, z up here, as the file states).
 T_IMU_CAMERA = np.array([[0, 0, 1, 0.8], [-1, 0, 0, 0.3], [0, -1, 0, 1.0], [0, 0, 0, 1]], float)
 R_RECT = Rotation.from_euler("xyz", [0.5, -0.3, 0.2], degrees=True).as_matrix()
 
@@ -42,7 +42,7 @@ def write_kitti(root: pathlib.Path) -> dict[int, np.ndarray]:
     )
     turn = np.eye(4)
     turn[:3, :3] = R_RECT
-    mounted = T_IMU_CAMERA @ turn  # so that the rectified camera looks straight ahead
+    mounted = T_IMU_CAMERA @ turn  # so that the rectified camera faces straight ahead
     lines = [f"image_{k:02d}: {text_of(mounted[:3])}" for k in range(4)]
     (calibration / "calib_cam_to_pose.txt").write_text("\n".join(lines) + "\n")
     (calibration / "calib_cam_to_velo.txt").write_text(text_of(T_IMU_CAMERA[:3]) + "\n")
@@ -66,7 +66,7 @@ def write_kitti(root: pathlib.Path) -> dict[int, np.ndarray]:
         instance = semantic.astype(np.uint16) * 1000
         car = car_pixels(cameras[frame])
         semantic[car], instance[car] = 26, 26 * 1000 + 3
-        instance[0, 0] = 11 * 1000  # a building that nobody counted
+        instance[0, 0] = 11 * 1000  # a building without an instance number
         Image.fromarray(semantic).save(labels / "semantic" / f"{frame:010d}.png")
         Image.fromarray(instance).save(labels / "instance" / f"{frame:010d}.png")
         rgb = np.full((HEIGHT, WIDTH, 3), 50 + frame, np.uint8)

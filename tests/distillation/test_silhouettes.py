@@ -1,4 +1,4 @@
-"""Headings told by how wide an object looks from where."""
+"""Headings from the angular widths of an object in several views."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ SCOOTER = LabelPrior(extents=np.array([[1.2, 0.5, 1.2], [1.0, 0.45, 1.1]]))
 
 
 def passing(yaw: float, size: tuple[float, float], rim: float = 0.0, side: float = 4.0) -> Bearings:
-    """A box at (1, 2) as somebody sees it who walks past it along x at `side` m; directions are off by `rim` rad."""
+    """A box at (1, 2) observed on a walk along x at `side` m; directions have an error of `rim` rad."""
     rng = np.random.default_rng(2)
     c, s = np.cos(yaw), np.sin(yaw)
     corners = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * np.array(size) / 2 @ np.array([[c, s], [-s, c]]) + [1, 2]

@@ -1,4 +1,4 @@
-"""Nothing that leaves `step` is NaN or infinite, whatever the state, the action or the engine holds."""
+"""All outputs of `step` are finite, whatever values the state, the action or the engine has."""
 
 import dataclasses
 from typing import Any
@@ -16,7 +16,7 @@ from urbanverse_mjx.envs.finite import LARGEST, is_sound
 
 
 class BrokenEngine(UnicycleEngine):
-    """Spoils one float of what it returns where the friction scale of an env says which leaf, from 2 on."""
+    """Corrupts one float of its result; the friction scale of an env, from 2 on, selects the leaf."""
 
     def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
         sim = super().step(state, ctrl, agents)._replace(friction_scale=state.friction_scale)

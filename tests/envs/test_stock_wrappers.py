@@ -51,11 +51,11 @@ def test_episodes_end_by_time_and_begin_again(env: NavEnv, wrap: Callable[..., A
         shown = {name: state.info[name] for name in ("steps", "truncation", "result", "scene")}
         return state, (state.done, state.data.steps, state.data.goal, state.obs["pixels/front"], shown)
 
-    # scan takes nothing whose structure, shapes or types change from step to step, as the first stock trainer would.
+    # scan requires constant structure, shapes and types, as the stock trainers do.
     last, (done, steps, goal, pixels, shown) = jax.jit(lambda s: jax.lax.scan(step, s, None, 9))(first)
     ends = np.arange(1, 10) % LENGTH == 0
     np.testing.assert_array_equal(done, np.tile(ends[:, None], NUM))
-    # A full reset replaces `info`, too: what Playground's wrapper then says of truncations is always 0.
+    # A full reset also replaces `info`, so truncation is always 0 in Playground's wrapper.
     np.testing.assert_array_equal(shown["truncation"], 0.0 * done if wrap is full_reset else done)
     np.testing.assert_array_equal(shown["steps"], np.tile(np.arange(9)[:, None] % LENGTH + 1, NUM))
     timed_out = (shown["steps"] == LENGTH) & (wrap is not full_reset)

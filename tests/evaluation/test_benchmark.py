@@ -52,7 +52,7 @@ def test_scores_by_hand() -> None:
 
 @pytest.mark.parametrize(("driven", "route", "share"), [(20.0, 10.0, 50.0), (10.0, 10.0, 100.0), (15.73, 16.52, 100.0)])
 def test_spl_of_a_success_by_hand(driven: float, route: float, share: float) -> None:
-    """Who stops at the rim of the goal's circle has driven less than the route: no more than all of it counts."""
+    """A robot that stops at the edge of the goal's circle has driven less than the route; completion is at most 1."""
     assert scores([_result(touches=0, path_length=driven, route_length=route)])["SPL"] == pytest.approx(share)
 
 

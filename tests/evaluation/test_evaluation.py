@@ -148,7 +148,7 @@ def test_another_way_than_the_lists_completes_no_more_than_is_true(small_bank: S
     for r in ended:
         most = min(r.path_length, r.route_length - r.distance_to_goal)
         assert 0.05 < r.route_completion * r.route_length <= most + 1e-4
-    # Past the middle the second leg is the nearer one, at half its length or more: the nearest point alone says 75 %.
+    # Past the middle the second leg is the nearer one, at half its length or more: the nearest point alone gives 75 %.
     beyond = [r for r in ended if r.distance_to_goal < 0.48 * r.route_length / np.sqrt(2.0)]
     assert beyond
     assert all(r.route_completion < 0.71 for r in beyond)

@@ -45,7 +45,7 @@ def test_the_model_of_coco_stays_beside_c_mujoco(drive: str, command: tuple[floa
 
 
 def test_the_model_of_the_go2_stays_beside_c_mujoco() -> None:
-    """Two seconds after a start from rest within 0.1 m and 9°; where it is told too little to walk, both stand."""
+    """Two seconds after a start from rest within 0.1 m and 9°; at commands too small to walk, both stand still."""
     told = np.array([(1.0, 0.0), (0.5, 0.6), (1.0, 1.0), (0.4, 0.0), (0.0, 1.0), (0.2, 0.25), (0.2, 0.0), (0.0, 0.25)])
     stand = 5
     judge, seconds, dt = Judge(make_go2(), load_gait()), 2.0, 0.02

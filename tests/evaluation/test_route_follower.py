@@ -29,8 +29,7 @@ def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
 
 
 def test_it_comes_through_a_furnished_scene_without_touching_a_hull(small_bank: SceneBank) -> None:
-    """The kinematic engine feels no contact, so the distances say whether one would have been: under a disc's radius
-    less what a look-up may be off."""
+    """The kinematic engine has no contacts, so distances below a disc's radius minus the look-up error count as one."""
     env = unicycle_env(small_bank)
     follower = RouteFollower(env)
     episodes = np.linspace(0, int(small_bank.num_episodes[0]) - 1, 6).astype(np.int32)

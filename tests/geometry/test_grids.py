@@ -1,4 +1,4 @@
-"""Cells are looked up, drawn and measured as Shapely says."""
+"""Look-up, rasterisation and measurement of cells agree with Shapely."""
 
 import jax
 import jax.numpy as jnp

@@ -58,7 +58,7 @@ def test_every_registered_environment_has_an_id(name: str) -> None:
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 def test_a_vector_is_as_gymnasiums_own_of_single_envs(name: str, mode: AutoresetMode) -> None:
-    """Equal in all until an episode ends and in what is told of its end; the next episode is drawn otherwise."""
+    """Equal until an episode ends and in the report of its end; the next episode is drawn differently."""
     ours, theirs = vector(name, autoreset_mode=mode), reference(name, mode)
     assert ours.metadata["autoreset_mode"] is theirs.metadata["autoreset_mode"] is mode
     assert ours.observation_space == theirs.observation_space

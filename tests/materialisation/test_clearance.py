@@ -1,4 +1,4 @@
-"""Nothing solid stands where the camera went; crowns above and kerbs below it do not count."""
+"""The camera's path is free of solid objects; crowns above and kerbs below it do not count."""
 
 import dataclasses
 
@@ -37,7 +37,7 @@ STRIP = clearance.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5,
         (body(5, 1.0, 0, 1), True),
         (body(5, 0, 2.2, 5), False),  # a crown
         (body(5, 0, 0, 0.2), False),  # a manhole's rim
-        (body(25, 0, 0, 1), False),  # the trajectory jumped: nobody knows who stands there
+        (body(25, 0, 0, 1), False),  # the trajectory jumped: the path in between is unknown
         (body(42, 0, 0, 1), True),
     ],
 )

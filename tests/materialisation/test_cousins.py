@@ -177,7 +177,7 @@ def test_nothing_shares_a_place_and_moves_are_small(cousins):
 
 
 def test_the_nearest_cousin_is_what_was_seen(cousins):
-    """A node with a record's box and descriptor gets that record, or one that looks as much like it."""
+    """A node with a record's box and descriptor gets that record, or one of equal similarity."""
     record = cousins[2].chosen["car"].record
     appearance = tuple(int(x) for x in _own_descriptor(record))
     node = obj("car", "sedan", 5, -4, 0.0, size=record.extent_xyz, descriptor=appearance)

@@ -71,7 +71,7 @@ def test_assets_are_as_large_as_the_graph_says(street):
 
 
 def test_assets_differ_as_they_do_in_a_street(street):
-    """Nearly half as many assets as objects (objects of one series look alike), and nobody who is everywhere."""
+    """Nearly half as many assets as objects (series share an asset), and no person asset is repeated often."""
     _, done = street
     counts = collections.Counter(placed.asset_uid for placed in done.layout.objects)
     assert len(counts) >= 0.45 * len(done.layout.objects)

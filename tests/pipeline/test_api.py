@@ -1,4 +1,4 @@
-"""What `urbanverse_mjx.pipeline` offers: every name is there, documented, and costs nothing before it is used."""
+"""What `urbanverse_mjx.pipeline` offers: every name exists, is documented, and is imported on first use only."""
 
 import ast
 import inspect

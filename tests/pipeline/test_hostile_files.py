@@ -31,7 +31,7 @@ from urbanverse_mjx.training.policy import PolicySpec
 from urbanverse_mjx.training.record import RunRecord
 
 WHEELCHAIR = pathlib.Path(load_gait.__code__.co_filename).parent / "wheelchair"
-#: s of the processor for one file: what takes longer hangs for whoever waits.
+#: s of the processor for one file: longer counts as a hang.
 LONGEST = 10.0
 ROUTES = {"format": 1, "scene": "s", "routes": [{"id": "r1", "start": [0, 0], "goal": [9, 0], "via": [[4, 1]]}]}
 RECORD = {"environment": "CocoNav", "env": {"a": 1}, "ppo": {"num_timesteps": 9}, "segments": [{"from_steps": 0}]}
@@ -99,7 +99,7 @@ def spoiled(name: str, body: bytes) -> Iterator[tuple[str, bytes]]:
 
 
 def _spoiled_json(body: bytes) -> Iterator[bytes]:
-    """JSON that is none, is of something else, or hurts who reads it."""
+    """Invalid JSON, JSON of another type, and JSON that is expensive to read."""
     yield from (
         b"null",
         b"[]",

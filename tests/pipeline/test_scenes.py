@@ -18,7 +18,7 @@ from urbanverse_mjx.scene import compiler, library
 
 @pytest.fixture
 def compiled(monkeypatch: pytest.MonkeyPatch) -> list[SceneLayout]:
-    """The layouts that would be compiled; nothing is."""
+    """The layouts that would be compiled, without compiling them."""
     found: list[SceneLayout] = []
 
     def compile_scene(layout: SceneLayout, *_: Any, **__: Any) -> SceneLayout:

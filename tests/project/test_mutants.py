@@ -1,4 +1,4 @@
-"""`make mutants`: changes are of code and of one place each, coverage knows the tests of a line, a copy is judged."""
+"""`make mutants`: each change is in code and at one place, coverage maps lines to tests, and tests run in a copy."""
 
 import ast
 import difflib

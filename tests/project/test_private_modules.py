@@ -1,4 +1,4 @@
-"""Private modules of other packages: one adapter each imports them, and says where a version lacks one."""
+"""Private modules of other packages: one adapter each imports them, and reports a version that lacks one."""
 
 import ast
 import importlib
@@ -45,7 +45,7 @@ def test_adapters_alone_import_private_modules() -> None:
     for package in OURS:
         for path in (ROOT / package).rglob("*.py"):
             text = path.read_text(encoding="utf-8")
-            # Parsing takes seconds for all; the letters are looked for first.
+            # Parsing all files takes seconds, so a text search comes first.
             if re.search(r"_src\b|import.*[. ]_[a-z]|\._[a-z]\w* import", text) and (
                 names := privates(ast.parse(text))
             ):

@@ -80,7 +80,7 @@ def test_the_counts_are_those_of_the_tables() -> None:
 
 
 def test_scores_are_those_of_the_report_beside_them() -> None:
-    """A score depends on streets, machine and versions: each row names the report that says which."""
+    """A score depends on streets, machine and versions: each row links the report that names them."""
     assert "URBANVERSE_BANK" in TEXT
     rows = [line for line in TEXT.splitlines() if re.search(r"\d (?:±|\[)", line)]
     for row in rows:

@@ -37,7 +37,7 @@ def test_cache_follows_own_variable_then_xdg_then_home(monkeypatch: pytest.Monke
 
 
 def test_what_one_process_compiles_the_next_one_finds(tmp_path: pathlib.Path) -> None:
-    """As a command does: the folder is named before JAX is imported, and what the user says about it stays."""
+    """As a command does: the folder is named before JAX is imported, and a user's own setting is kept."""
     code = "from urbanverse_mjx import settings; settings.use_compilation_cache(); import jax; "
     code += "jax.config.update('jax_persistent_cache_min_compile_time_secs', 0.0); "
     code += "jax.config.update('jax_persistent_cache_min_entry_size_bytes', 0); "
@@ -76,7 +76,7 @@ def test_data_roots_can_be_moved_and_a_wrong_one_is_refused(root, variable, monk
 def test_an_installed_package_finds_the_data_inside(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     package = tmp_path / "site-packages" / "urbanverse_mjx"
     (package / "_data" / "scenes").mkdir(parents=True)
-    # A folder of the same name that somebody else installed beside the package must not be taken.
+    # A folder of the same name from another package in site-packages must not be used.
     (tmp_path / "site-packages" / "scenes").mkdir()
     monkeypatch.setattr(settings, "_PACKAGE", package)
     assert settings.scene_root() == package / "_data" / "scenes"

@@ -1,4 +1,4 @@
-"""`.ci/setup` chooses an interpreter that works, or says in one sentence what to install."""
+"""`.ci/setup` chooses an interpreter that works, or names in one sentence what to install."""
 
 import os
 import pathlib
@@ -61,7 +61,7 @@ def test_shims_that_fail_and_old_pythons_are_passed_over(clone: pathlib.Path) ->
     good = clone / "pyenv" / "versions" / "3.12.1" / "bin" / "python"
     script(good, f'echo "$@" >>"{clone}/calls"; [ "$1" = -m ] && exit 5; [ "$1" = -c ]')
     done = setup(clone)
-    # The good one is asked to make the environment; it refuses here, so that nothing is downloaded.
+    # The valid interpreter is called to make the environment; it refuses here, so that no package is downloaded.
     assert done.returncode == 5
     assert (clone / "calls").read_text().splitlines()[-1] == "-m venv .venv"
 

@@ -23,7 +23,7 @@ ELSEWHERE = {
     "sources/brax_over_warp": None,
 }
 every_page = pytest.mark.parametrize("name", PAGES)
-#: A comment above a block says that the README's test runs it.
+#: A comment above a block marks it as run by the README's test.
 MARKER = re.compile(
     r"^<!-- not executed by the test of this page: [^\n]+-->\n```python\n(.*?)^```", re.MULTILINE | re.DOTALL
 )

@@ -1,4 +1,4 @@
-"""Small functions, locks that agree, and no path of somebody's machine."""
+"""Small functions, locks that agree, and no path of a developer's machine."""
 
 import json
 import pathlib
@@ -15,7 +15,7 @@ def function(arguments: str = "", body: str = "") -> str:
     return f"def planted({arguments}):\n{body}    return None\n"
 
 
-#: Rule -> code that breaks it: more ways, branches, arguments or statements than a reader holds in mind.
+#: Rule -> code that breaks it: too many paths, branches, arguments or statements.
 LARGE = {
     "C901": function("a", "".join(f"    assert a != {k} or a == {k + 1}\n    for b in a: a = b\n" for k in range(12))),
     "PLR0912": function("a", "".join(f"    if a == {k}: a = 0\n" for k in range(13))),

@@ -232,7 +232,7 @@ def test_of_holds_what_is_used_at_every_remove(monkeypatch: pytest.MonkeyPatch) 
     assert versions.of("bank")["catalogue"] == raised
 
 
-# Nothing reads sources -----------------------------------------------------------------------------------------------
+# No module reads sources ---------------------------------------------------------------------------------------------
 
 
 def reads_sources(tree: ast.Module) -> list[int]:

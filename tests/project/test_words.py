@@ -1,4 +1,4 @@
-"""Retired words stay retired: each of them once meant several things, and a better one names each of these."""
+"""Retired words do not return: each was ambiguous, and more precise terms replace it."""
 
 import io
 import pathlib

@@ -84,7 +84,7 @@ def test_velocity_follows_the_command(robot: RobotSpec, speed: float, yaw_rate: 
         yaw_rate = float(np.clip(yaw_rate, -tightest, tightest))
     assert abs(v - speed) < 0.05 * speed
     assert abs(w - yaw_rate) < 0.10 * abs(yaw_rate) + 1e-3
-    # The lag is the stated one: 63 % of the way after one time constant, if the tyres hold.
+    # The lag is the stated one: 63 % of the change after one time constant, if the tyres do not slip.
     controller = Controller(robot, ground([(-60.0, 60.0, 0.0, 0.0)], half_width=60.0))
     controller.drive(0.5, 0.0, 0.3)
     assert 0.5 * 0.5 < controller.velocity()[0] < 0.75 * 0.5

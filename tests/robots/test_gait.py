@@ -1,4 +1,4 @@
-"""The gait file: what it says by hand, on NumPy and in JAX alike, and what it refuses to be."""
+"""The gait file: equal actions by hand, in NumPy and in JAX, and errors for invalid files."""
 
 import pathlib
 

@@ -16,7 +16,7 @@ LINKS = {
     "thigh": (1.152, (-0.00374, -0.0223, -0.0327), (0.00594973, 0.00584149, 0.000878787)),
     "calf": (0.241352, (0.00629595, -0.000622121, -0.141417), (0.0014901, 0.00146356, 5.31397e-05)),
 }
-#: The same, quaternions (wxyz) of the principal axes of two legs that mirror each other in both ways.
+#: The same, quaternions (wxyz) of the principal axes of two legs that are mirrored along both axes.
 AXES = {
     "base": (-0.000543471, 0.713435, -0.00173769, 0.700719),
     "FL_hip": (0.497014, 0.499245, 0.505462, 0.498237),

@@ -68,7 +68,7 @@ def test_seams_are_not_felt(drive: Drive) -> None:
     rolling = route[route[:, 0] > 3.0]
     assert rolling[-1, 0] - rolling[0, 0] > 20.0
     assert np.ptp(rolling[:, 2]) < 0.002
-    # Nobody steers: at a skewed seam a wheel touches two prisms and is nudged aside, a hundredth of the way in all.
+    # Without steering: at a skewed seam a wheel touches two prisms and is pushed aside, by 1 % of the distance in all.
     assert np.ptp(rolling[:, 1]) < 0.01 * np.ptp(rolling[:, 0])
 
 

@@ -1,4 +1,4 @@
-"""Half-length scenes: nothing is lost, nothing twice, ground still meets."""
+"""Half-length scenes: no object is lost or duplicated, and the ground has no gaps."""
 
 import numpy as np
 import pytest

@@ -11,7 +11,7 @@ from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.stability import _around_movable, displacements
 
 CUBE = np.array([[x, y, z] for x in (-0.2, 0.2) for y in (-0.2, 0.2) for z in (0.0, 0.4)], np.float32)
-#: A post as high as a door on a foot of two centimetres, leaning: nothing holds it up.
+#: A post as high as a door on a foot of two centimetres, leaning, without support.
 LEANING = CUBE * np.array([0.05, 0.05, 5.0], np.float32) + np.where(CUBE[:, 2:] > 0, [[0.3, 0, 0]], 0).astype(
     np.float32
 )

@@ -1,4 +1,4 @@
-"""A toy street in numbers that can be told beforehand: two pavements of 60 m by 4 m."""
+"""A simple street with known statistics: two pavements of 60 m by 4 m."""
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def test_a_house_is_the_pavements_rim() -> None:
 
 
 def test_blockage_is_the_share_of_the_way() -> None:
-    """6 m of 120 m of pavement with 0.5 m left on one side and nothing on the other."""
+    """6 m of 120 m of pavement with 0.5 m left on one side and 0 m on the other."""
     told = scene_statistics(_street((40.0, 6.3, (6.0, 3.4, 1.5))))["pavement"]
     assert told["narrower_than"]["robot"] == pytest.approx(6 / told["length_m"], abs=0.02)
     assert told["narrower_than"]["robot"] <= told["narrower_than"]["ada"] <= told["narrower_than"]["prowag"]

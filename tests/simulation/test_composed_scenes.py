@@ -43,5 +43,5 @@ def test_a_hand_made_scene_compiles_whole(scene_id, tmp_path):
     place = jnp.asarray(np.column_stack([xy, ground_height(bank, 0, xy) + engine.robot.spawn_height]), jnp.float32)
     nearby, missing = jax.jit(jax.vmap(engine.find_slots))(jnp.zeros(POSES, jnp.int32), place)
     assert int(missing.max()) == 0
-    # Scenes in which slots stay empty would prove nothing.
+    # Scenes with empty slots would not test the limit.
     assert np.asarray(nearby.valid)[:, : engine.num_slots].sum(1).max() >= engine.num_slots // 2

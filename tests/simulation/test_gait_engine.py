@@ -1,4 +1,4 @@
-"""A gait in the loop: what Warp makes of it is what C MuJoCo makes of it, and nothing is forgotten on the way."""
+"""A gait in the loop: Warp agrees with C MuJoCo, and the gait's history is kept."""
 
 import jax
 import jax.numpy as jnp

@@ -1,4 +1,4 @@
-"""The engine in the six shipped streets: no hull and no contact is ever left out for want of a place."""
+"""The engine in the six shipped streets: no hull and no contact is ever left out for lack of a slot."""
 
 import jax
 import jax.numpy as jnp
@@ -47,7 +47,7 @@ def test_every_hull_in_reach_finds_a_slot(
     scene, qpos = poses
     nearby, missing = jax.jit(jax.vmap(engine.find_slots))(scene, jnp.asarray(qpos[:, :3]))
     assert int(missing.max()) == 0
-    # Streets in which slots stay empty would prove nothing.
+    # Streets with empty slots would not test the limit.
     assert np.asarray(nearby.valid)[:, : engine.num_slots].sum(1).max() >= engine.num_slots // 2
 
 

@@ -1,4 +1,4 @@
-"""Warp starts without telling a machine without CUDA that it has no CUDA, and keeps nothing else to itself."""
+"""Warp starts without its message about a missing CUDA driver, and prints all other messages."""
 
 import os
 import subprocess

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
-#: No sandbox for who is root; WebGL in software; nothing that asks other hosts.
+#: No sandbox for root; WebGL in software; no requests to other hosts.
 _ARGUMENTS = [
     "--no-sandbox",
     "--use-angle=swiftshader",

@@ -215,7 +215,7 @@ def _is_module(parts: list[str], root: pathlib.Path) -> bool:
 
 
 def main() -> None:
-    """Stores today's digests and says what changed."""
+    """Stores the current digests and prints the changes."""
     lines = complaints(stored() if STORED.is_file() else {})
     STORED.write_text(json.dumps(digests(), indent=1) + "\n", encoding="utf-8")
     sys.stdout.write("\n".join([*lines, f"{STORED.relative_to(ROOT)}: {len(lines)} changed"]) + "\n")

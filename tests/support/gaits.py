@@ -1,4 +1,4 @@
-"""Gaits nobody trained: one that stands, or random small networks."""
+"""Untrained gaits: one that stands, or random small networks."""
 
 import numpy as np
 

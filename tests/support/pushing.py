@@ -60,7 +60,7 @@ def hulls_of(bank: SceneBank, category: str) -> tuple[list[np.ndarray], float, f
 
 
 def object_scene(objects: Sequence[MovableObject]) -> SceneGeometry:
-    """A box street that holds these objects and nothing else."""
+    """A box street with these objects only."""
     base = box_scene(0, 0, 1)
     first = len(base.hulls) - len(base.prism_hull)
     hulls = [np.asarray(h, np.float32) for t in objects for h in t.hulls]

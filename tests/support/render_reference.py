@@ -7,7 +7,7 @@ import numpy as np
 
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 
-#: Groups that are seen: the scene's meshes (0) and the robot's looks (2), not its collision spheres (3).
+#: Visible groups: the scene's meshes (0) and the robot's visual geoms (2), not its collision spheres (3).
 _SEEN = np.array([1, 0, 1, 0, 0, 0], np.uint8)
 
 
@@ -21,7 +21,7 @@ class Street:
 
 
 def build_street(bank: SceneBank, scene: int, robot: RobotSpec) -> Street:
-    """Meshes as MuJoCo itself places them: body poses from the bank, nothing compensated by us."""
+    """Meshes as MuJoCo itself places them: body poses from the bank, without our compensation of inertial frames."""
     spec = mujoco.MjSpec.from_string(robot.mjcf)
     for slot, mesh in enumerate(bank.slot_mesh[scene]):
         if mesh < 0:
@@ -70,7 +70,7 @@ def pixel_rays(fovy: float, height: int, width: int) -> np.ndarray:
 
 
 def cast(street: Street, camera: str, height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Planar depth (H, W), 0 = nothing, and slot (H, W), -1 = nothing, -2 = the robot, by `mj_ray`."""
+    """Planar depth (H, W), 0 = no hit, and slot (H, W), -1 = no hit, -2 = the robot, by `mj_ray`."""
     number = mujoco.mj_name2id(street.model, mujoco.mjtObj.mjOBJ_CAMERA, camera)
     rays = pixel_rays(np.radians(street.model.cam_fovy[number]), height, width)
     world = rays @ street.data.cam_xmat[number].reshape(3, 3).T
@@ -88,6 +88,6 @@ def cast(street: Street, camera: str, height: int, width: int) -> tuple[np.ndarr
 
 
 def is_free(street: Street, point: np.ndarray, direction: np.ndarray) -> bool:
-    """Whether nothing that is seen lies on the way from `point` along `direction`."""
+    """Whether no visible geom is on the ray from `point` along `direction`."""
     geom = np.zeros(1, np.int32)
     return mujoco.mj_ray(street.model, street.data, point, direction, _SEEN, 1, -1, geom, None) < 0

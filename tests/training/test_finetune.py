@@ -45,7 +45,7 @@ def test_the_ratio_is_that_of_two_normal_densities() -> None:
 
 
 def test_the_actor_waits_for_the_critic_and_then_earns_more(small_bank: SceneBank) -> None:
-    """From a student that does nothing in particular, with no anchor, on nothing but progress towards the goal."""
+    """From a random student, without the imitation term, with progress towards the goal as the only reward."""
     env = seeing_env(small_bank)
     imitation = dagger.default_dagger_config()
     imitation.network.update({"layers": LAYERS, "hidden": 32, "memory": 8, "bfloat16": False})

@@ -21,7 +21,8 @@ def test_its_return_improves(tmp_path: pathlib.Path) -> None:
     rows = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     rows = [r for r in rows if "episode/sum_reward" in r]
     returns, falls = (np.array([r[f"episode/{name}"] for r in rows]) for name in ("sum_reward", "fall"))
-    # The first episodes to end are those that fell at once: from a tenth of the way on the averages hold all lengths.
+    # The first episodes to end are those that fell at once: from a tenth of the run on the averages include all
+    # lengths.
     begin, end = slice(len(rows) // 10, len(rows) // 4), slice(-len(rows) // 10, None)
     assert returns[end].mean() > returns[begin].mean() + 1.0
     assert falls[end].mean() < 0.5 * falls[begin].mean()

@@ -37,7 +37,7 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Also where the newest state and an older policy are damaged: it goes on from the state before."""
+    """Also where the newest state and an older policy are damaged: it continues from the previous state."""
     env, config = seeing_env(small_bank), small_config()
     whole = distil("CocoNav", env, config, tmp_path / "whole", teach, quiet=True)
     assert whole.steps == 96

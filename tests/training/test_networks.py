@@ -86,7 +86,7 @@ def test_asymmetric_critic_has_no_cnn_and_the_policy_no_privileges() -> None:
 def test_goal_features_are_finite_at_the_goal_with_finite_gradients() -> None:
     grad = jax.grad(lambda g: goal_features(g).sum())(jnp.zeros(2))
     assert np.isfinite(np.asarray(goal_features(jnp.zeros(2)))).all()
-    del grad  # the goal is an observation: nothing is differentiated with respect to it
+    del grad  # the goal is an observation: no gradient is taken with respect to it
 
 
 def test_both_convolutions_give_the_same_network() -> None:

@@ -63,7 +63,7 @@ def test_a_sequence_at_once_is_the_sequence_step_by_step_and_forgets_at_a_begin(
         each.append(action[0])
     np.testing.assert_allclose(whole, jnp.stack(each), atol=1e-5)
     np.testing.assert_allclose(last, kept, atol=1e-5)
-    # Env 1 forgot at step 2 what the others still know.
+    # The memory of env 1 is reset at step 2, that of the others is not.
     other, forgot, _ = applied(network, params, obs, -memory, begins)
     changed = np.abs(np.asarray(other - whole)).max(-1) > 1e-7
     assert changed[:2].all()
@@ -117,7 +117,7 @@ def test_seen_in_a_mirror_twice_is_seen_as_it_is() -> None:
 def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
     small_bank: SceneBank, tmp_path: pathlib.Path
 ) -> None:
-    """The teacher goes straight for the goal, which the student sees: a few iterations bring it near."""
+    """The teacher drives straight to the goal, which the student observes: a few iterations bring it near."""
     env = seeing_env(small_bank)
     config = dagger.default_dagger_config()
     config.update({"num_envs": 8, "unroll_length": 8, "minibatches": 2, "learning_rate": 3e-3, "warm_up": 0})
@@ -146,7 +146,7 @@ def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
 
 
 def test_a_rollout_keeps_what_each_agent_remembers(small_bank: SceneBank) -> None:
-    """An agent that drives for three steps and then stands: it can only know by counting."""
+    """An agent that drives for three steps and then stands, which needs a step counter in its memory."""
 
     class Counts:
         def first_memory(self) -> jax.Array:

@@ -146,7 +146,7 @@ def test_the_dome_shows_the_sky_by_direction(bank: SceneBank) -> None:
         low, high = near.min(0) ** (1 / 2.4) * 1.055 - 0.055, near.max(0) ** (1 / 2.4) * 1.055 - 0.055
         assert (shown >= 255 * np.clip(low, 0, 1) - 24).all()
         assert (shown <= 255 * np.clip(high, 0, 1) + 24).all()
-    # It is looked at from within.
+    # The view is from inside.
     inwards = np.einsum("fi,fi->f", dome.face_normals, dome.triangles_center)
     assert inwards[dome.area_faces > 1.0].max() < 0.0
     assert (dome.area_faces > 1.0).mean() > 0.9

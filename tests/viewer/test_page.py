@@ -1,4 +1,4 @@
-"""The page in a real browser: it opens, its buttons do what they say, and a browser that leaves stops nothing."""
+"""The page in a real browser: it opens, its buttons work, and closing a browser does not stop the viewer."""
 
 import dataclasses
 import io
@@ -23,7 +23,7 @@ from urbanverse_mjx.viewer.recording import html_recording, start_server
 from urbanverse_mjx.viewer.session import Driver, Machine, Session
 from urbanverse_mjx.viewer.street import StreetMeshes
 
-#: A box with a camera, moved by the kinematic engine: nothing that takes long to compile.
+#: A box with a camera, moved by the kinematic engine, which compiles fast.
 _BOX = """<mujoco><worldbody><body name="base" pos="0 0 0.3"><freejoint/>
 <geom type="box" size="0.4 0.3 0.2" group="2" rgba="0.9 0.1 0.1 1"/>
 <camera name="front" pos="0.4 0 0.1" xyaxes="0 -1 0 0 0 1" fovy="60"/></body></worldbody></mujoco>"""

@@ -73,7 +73,7 @@ def test_one_of_many_episodes_is_driven_again_by_its_key(env) -> None:
 
 
 class Counting:
-    """Goes straight on; counts how often it was asked, and how many robots it was told of."""
+    """Drives straight ahead; counts its calls and the robots in them."""
 
     observations = ("goal",)
 
@@ -97,7 +97,7 @@ def test_a_person_takes_over_one_robot_and_gives_it_back(env) -> None:
     np.testing.assert_array_equal(frame.by_hand, [False, True])
     after = session.step()
     assert not after.by_hand.any()
-    # It is asked in every step: who remembers must see what happened meanwhile.
+    # It is called in every step, because an agent with memory needs all observations.
     assert (agent.asked, agent.begun) == (3, [2])
     turned = np.asarray(frame.nav.sim.qvel)[:, 5]
     assert abs(turned[0]) < 1e-6 < abs(turned[1])

@@ -1,4 +1,4 @@
-"""The page of scenes: which folders it takes, what it says, and what it draws anew."""
+"""The page of scenes: the folders it accepts, its text, and the images it draws again."""
 
 import json
 import pathlib

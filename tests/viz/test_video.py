@@ -1,4 +1,4 @@
-"""Rollout videos: cameras that look where they should, files that play."""
+"""Rollout videos: directions of the cameras, playable files."""
 
 import pathlib
 import warnings

@@ -35,7 +35,7 @@ def load(**overrides: Any) -> JoystickEnv:
 
 @pytest.fixture(scope="module")
 def calm() -> JoystickEnv:
-    """Level ground, nothing random about the robot; in Warp, whose program is compiled sooner."""
+    """Level ground, no randomisation of the robot; in Warp, which compiles faster."""
     return load(preset="cpu", impl="warp", **{"noise.scale": 0.0})
 
 

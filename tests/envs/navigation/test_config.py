@@ -24,8 +24,8 @@ SPEEDS = np.array([0.0, 0.05, 0.2, 0.5, 1.0, 2.0])  # m/s; the last is COCO's gr
 class Returns:
     """Discounted returns of one preset on open ground, (distances, speeds), and how the episodes end.
 
-    A time-out is a truncation: the trainer puts the value of the last state in place of what would follow, which is
-    the last reward for ever where a robot stands.
+    A time-out is a truncation: the trainer bootstraps with the value of the last state, which for a standing robot is
+    the last reward for ever.
     """
 
     def __init__(self, preset: str, bank: SceneBank):

@@ -1,4 +1,4 @@
-"""Grip, mass and appearance of episodes: within their ranges, another every time, and nothing else changes."""
+"""Friction, mass and appearance of episodes: within their ranges, different every time, and without other effects."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Dynamic streets in the environment: who is there, what happens near the route, how the robot stands to people."""
+"""Dynamic streets in the environment: agents, encounters near the route, distances of the robot to people."""
 
 import dataclasses
 from typing import Any
@@ -95,7 +95,7 @@ def test_gaps_and_metrics_by_hand(env: NavEnv) -> None:
 
 @pytest.mark.slow
 def test_touching_a_person_is_a_result_of_its_own(env: NavEnv, begun: Any) -> None:
-    """The robot is put where somebody stands; one env touches, the others do not."""
+    """The robot is placed on an agent; one env has contact, the others do not."""
     state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 24))
     nav = state.data
     who = int(np.argmax(np.asarray(nav.crowd.present[3])))

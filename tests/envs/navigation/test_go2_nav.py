@@ -102,7 +102,7 @@ def test_the_shipped_gait_walks_towards_waypoints(small_bank: SceneBank) -> None
     first, yaw = walk([0.0, 0.0], 1)
     there, _ = walk([1.0, 0.0], 20)
     ahead = ((there - first) * np.stack([np.cos(yaw), np.sin(yaw)], 1)).sum(1)
-    # 4 m less what getting going takes, and what stands in the way.
+    # 4 m less the distance lost in acceleration and to obstacles.
     assert (ahead > 3.0).all()
     assert (ahead < 4.3).all()
     _, before = walk([0.0, 0.0], 3)

@@ -82,7 +82,7 @@ def test_sizes_belong_to_the_scenario_dynamic(small_bank: SceneBank) -> None:
 
 @pytest.mark.slow
 def test_objects_are_pushed_in_an_episode_and_stand_in_their_places_in_the_next(small_bank: SceneBank) -> None:
-    """A robot that drives into an object pushes it where hits end nothing; a new episode has all objects at home."""
+    """A robot that drives into an object pushes it where hits end no episode; a reset restores all objects."""
     env = registry.load("CocoNav", config_overrides={**ONE_WALKER, "terminate_on_hit": False}, bank=small_bank)
     assert env.movables is not None
     nav = jax.jit(jax.vmap(env.begin))(jax.random.split(jax.random.key(0), 8))

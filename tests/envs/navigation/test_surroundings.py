@@ -36,7 +36,7 @@ def test_distance_to_hulls(small_bank: SceneBank, surroundings: Surroundings) ->
             local = (points - small_bank.inst_position[scene, q, :2]) @ rotation[:2, :2] - centre[:2]
             wanted = np.minimum(wanted, np.linalg.norm(np.maximum(np.abs(local) - half[:2], 0.0), axis=1))
         got = np.asarray(surroundings.distances(scene, jnp.asarray(points)))[:, 0]
-        # A distance changes by no more than the way to the cell's middle, and is kept in whole centimetres.
+        # A distance has at most the error of the distance to the cell's middle, and is stored in whole centimetres.
         assert np.abs(got - wanted).max() <= CELL * np.sqrt(0.5) + 0.006
         assert (wanted < FAR).mean() > 0.1
 

@@ -30,7 +30,7 @@ def test_route_position_is_arc_length(point: tuple[float, float], arc: float) ->
         ((2.0, 0.0), 2.0, 2.0),
         ((5.0, 3.0), 9.0, 8.0),
         ((-3.0, 0.0), 3.0, 0.0),
-        # Near the goal but not at it: beyond it, and on the way along the other two sides of the square.
+        # Near the goal but not at it: beyond it, and along the other two sides of the square.
         ((5.0, 9.0), 20.0, 6.0),
         ((1.0, 5.0), 6.0, 6.0),
         ((1.0, 5.0), 30.0, 6.0),

@@ -1,4 +1,4 @@
-"""Agents in the engines: distances, runs against C MuJoCo's mocap bodies, and nothing where there are none."""
+"""Agents in the engines: distances, runs against C MuJoCo's mocap bodies, and no effect without agents."""
 
 import functools
 from typing import Any
@@ -46,7 +46,7 @@ def with_prisms(spec: mujoco.MjSpec) -> mujoco.MjSpec:
 
 
 def motions() -> AgentMotion:
-    """(encounter, control step, agent, ...): where everybody is at the beginning of every control step."""
+    """(encounter, control step, agent, ...): poses of all agents at the beginning of every control step."""
     rows = [pair for _, *pair in ENCOUNTERS.values()]
     place = np.array([[[*agent[0], 0.0] for agent in row] for row in rows])
     velocity = np.array([[[*agent[1], 0.0] for agent in row] for row in rows])
@@ -143,7 +143,7 @@ def test_distances_are_those_of_c_mujoco() -> None:
         mujoco.mj_kinematics(model, data)
         for a in range(2):
             nearest = min(mujoco.mj_geomDistance(model, data, g, probe, 10.0, line) for g in geoms[a])
-            # Inside, each part of the union knows its own way out only.
+            # Inside, each part of the union gives only its own exit direction.
             assert gap[a] <= nearest + 2e-5
             assert gap[a] <= 0.0 or gap[a] == pytest.approx(nearest, abs=2e-5)
 

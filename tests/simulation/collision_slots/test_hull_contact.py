@@ -125,7 +125,7 @@ def test_distances_are_those_of_c_mujoco(case: Case) -> None:
     assert sure.sum() > 0.85 * touching.sum()
     np.testing.assert_allclose(distance[sure], reference[sure], atol=1e-4)
     np.testing.assert_allclose(distance[touching], reference[touching], atol=5e-3)
-    # The way out of a convex body is that through its nearest plane: an exact answer wherever the centre is inside.
+    # The shortest exit from a convex body is through its nearest plane, which is exact for any centre inside.
     local = np.einsum("hij,hsi->hsj", case.rotation, case.centre - case.position[:, None])
     planes = case.table["hull_planes"]
     height = np.einsum("hfi,hsi->hsf", planes[..., :3], local) - planes[:, None, :, 3]
@@ -139,7 +139,7 @@ def test_distances_are_those_of_c_mujoco(case: Case) -> None:
     # The normal points from the hull to the sphere; C gives the vector between the nearest points.
     deep = touching & (reference < -0.005)
     expected = -route[deep] / np.linalg.norm(route[deep], axis=1, keepdims=True)
-    # Where several ways out are nearly equally long (inside, at an edge) C and we may differ, though not in depth.
+    # Where several exits are nearly equally long (inside, at an edge) C MuJoCo may choose another one of equal depth.
     assert (np.einsum("ni,ni->n", normal[deep], expected) > 0.999).mean() > 0.97
     np.testing.assert_allclose(np.linalg.norm(normal, axis=-1), 1.0, atol=1e-5)
     # The contact lies half-way between the two surfaces.

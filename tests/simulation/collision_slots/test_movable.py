@@ -1,4 +1,4 @@
-"""Objects that can be pushed: runs against C MuJoCo's free bodies, sleep, and nothing where there are none."""
+"""Objects that can be pushed: runs against C MuJoCo's free bodies, sleep, and no effect without such objects."""
 
 import functools
 from typing import Any
@@ -81,12 +81,13 @@ def runs_of_c_mujoco(name: str) -> np.ndarray:
 
 @pytest.mark.parametrize("impl", ENGINES)
 def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
-    """Before the touch nothing differs, 0.2 s after it the box is within 1 cm. Over 2 m it comes as far to 10 %.
+    """Before the touch the runs are equal, 0.2 s after it the box is within 1 cm. After 2 m its distance is within 10
+    %.
 
-    Which way it slips aside meanwhile no two runs of C MuJoCo agree on: where the robot starts 0.1 mm aside, the box is
-    6 to 20 mm elsewhere 0.2 s after the touch (it sticks or slips on its edges), and up to 63 cm after 2 m for 1 mm. So
-    its path is held against those of 21 runs whose robots start up to 1 mm aside: all the way it is within 20 cm of one
-    of them. Each of theirs is within 11 cm of another (docs/decisions/movable.md)."""
+    The lateral slip differs between runs of C MuJoCo: where the robot starts 0.1 mm aside, the box is 6 to 20 mm
+    elsewhere 0.2 s after the touch (it sticks or slips on its edges), and up to 63 cm after 2 m for 1 mm. So its path
+    is compared with those of 21 runs whose robots start up to 1 mm aside: it is always within 20 cm of one of them.
+    Each of these is within 11 cm of another (docs/decisions/movable.md)."""
     reference, (found, state) = in_c_mujoco("a box of 10 kg"), in_engine("a box of 10 kg", impl)
     route, ours = (np.linalg.norm(x.places[:, 0, :2] - x.places[0, 0, :2], axis=-1) for x in (reference, found))
     assert route[-1] > 2.0

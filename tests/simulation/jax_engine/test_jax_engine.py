@@ -1,4 +1,4 @@
-"""The MJX engine: pure, one compilation for all scenes, envs that do not know each other, slots that are counted."""
+"""The MJX engine: pure, one compilation for all scenes, independent envs, counted slots."""
 
 import dataclasses
 from typing import Any
@@ -69,12 +69,12 @@ def test_step_is_pure_and_envs_are_independent(jax_engine: JaxEngine, small_bank
     order = np.array([3, 5, 0, 1, 4, 2])
     shuffled = roll(jax_step, jax.tree.map(lambda x: x[order], state), ctrl[order], 5)
     assert_equal(jax.tree.map(lambda x: x[order], first), shuffled)
-    # A neighbour that is all NaN changes nothing.
+    # A neighbour of NaN has no effect.
     nan = {name: jnp.asarray(getattr(state, name)).at[2].set(jnp.nan) for name in ("qpos", "qvel", "xpos")}
     spoilt = roll(jax_step, state._replace(**nan), ctrl, 5)
     well = np.array([0, 1, 3, 4, 5])
     assert_equal(jax.tree.map(lambda x: x[well], first), jax.tree.map(lambda x: x[well], spoilt))
-    assert np.isnan(np.array(spoilt.qpos[2])).any()  # and the ill one stays ill, so that the env sees it
+    assert np.isnan(np.array(spoilt.qpos[2])).any()  # and NaN stays, so that the env detects it
 
 
 def test_init_reports_kinematics_and_no_contact(jax_engine: JaxEngine, small_bank: SceneBank) -> None:
@@ -118,7 +118,7 @@ def test_hulls_without_a_slot_are_counted(slots: int) -> None:
     valid = np.array(nearby.valid)[: engine.num_slots]
     assert valid.sum() == min(slots, 20)
     assert len(set(objects[valid])) == min(slots, 20)
-    # Ten metres on nothing is within reach.
+    # Ten metres farther no hull is within reach.
     assert int(jax.jit(engine.find_slots)(0, place + jnp.array([10.0, 0, 0]))[1]) == 0
 
 

@@ -89,7 +89,7 @@ def test_sixty_drives_in_twenty_scenes_at_once(impl: str) -> None:
 
 
 def test_drives_meet_what_they_are_meant_to() -> None:
-    """What C MuJoCo says of each kind; robots between two objects touch both and stay where they are."""
+    """Contacts in C MuJoCo of each kind; robots between two objects touch both and stay in place."""
     _, _, drives, trace = driven("differential", 6, 35)
     kind = np.array(drives.kind)
     climbed = np.ptp(trace.qpos[..., 2], axis=1)

@@ -1,4 +1,4 @@
-"""Draws the committed images anew: `python -m tests.simulation.rendering.make_golden`; look before committing."""
+"""Draws the committed images anew: `python -m tests.simulation.rendering.make_golden`; inspect them."""
 
 import imageio.v3 as iio
 import jax

@@ -13,15 +13,15 @@ from urbanverse_mjx.simulation.rendering.renderer import Renderer
 HEIGHT, WIDTH = 36, 64
 #: Slots of a box street that are objects; the ground follows.
 OBJECTS = 40
-#: Looks along +x with +z up.
+#: View along +x with +z up.
 AHEAD = np.array([0.5, 0.5, -0.5, -0.5])
-#: Looks straight down, +y up in the image.
+#: View straight down, +y up in the image.
 DOWN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 @dataclasses.dataclass(frozen=True)
 class Places:
-    """Robots in scenes: scene (n,), xpos (n, nbody, 3), xquat (n, nbody, 4), and what `mj_ray` sees there."""
+    """Robots in scenes: scene (n,), xpos (n, nbody, 3), xquat (n, nbody, 4), and the hits of `mj_ray` there."""
 
     scene: np.ndarray
     xpos: np.ndarray

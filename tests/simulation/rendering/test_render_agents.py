@@ -1,4 +1,4 @@
-"""Moving agents in images: where they stand, what they are labelled, and nobody where nobody is."""
+"""Moving agents in images: positions, labels, and no image of absent agents."""
 
 import jax
 import jax.numpy as jnp
@@ -33,7 +33,7 @@ def renderer() -> Renderer:
 
 
 def test_agents_are_seen_where_they_stand(renderer: Renderer) -> None:
-    """The middle ray of a camera at 1 m height that looks along the street, three streets at once."""
+    """The middle ray of a camera at 1 m height along the street, three streets at once."""
     people = [
         standing((25.0, 6.0, 0.0, True), (40.0, -2.0, 0.0, True)),
         standing((25.0, 6.0, np.pi / 2, True), (30.0, 6.0, 0.0, True)),

@@ -1,4 +1,4 @@
-"""Objects that were pushed in images: as if the bank had them there, and the same image where nothing moved."""
+"""Objects that were pushed in images: equal to a bank that has them there, and unchanged where no object moved."""
 
 import dataclasses
 
@@ -18,7 +18,7 @@ CAMERA_POSITION, AT = np.array([20.0, 0.0, 5.0]), np.array([26.0, 6.0, 0.0])
 
 
 def looking() -> np.ndarray:
-    """Quaternion of a camera at `CAMERA_POSITION` that looks at `AT`."""
+    """Quaternion of a camera at `CAMERA_POSITION` towards `AT`."""
     back = (CAMERA_POSITION - AT) / np.linalg.norm(CAMERA_POSITION - AT)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
@@ -33,7 +33,7 @@ def bank() -> SceneBank:
 
 
 def homes(bank: SceneBank) -> tuple[np.ndarray, Bodies]:
-    """Two objects of the first street that the camera sees and an empty slot, where the bank has them."""
+    """Two objects of the first street in the camera's view and an empty slot, where the bank has them."""
     found = np.flatnonzero(bank.slot_movable[0])
     away = np.linalg.norm(bank.slot_position[0, found, :2] - AT[:2], axis=1)
     slots = np.append(found[np.argsort(away)[:2]], -1)

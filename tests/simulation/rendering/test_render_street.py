@@ -54,7 +54,7 @@ def _items(trees: Trees, nodes: np.ndarray, root: int, box: tuple[np.ndarray, np
 def test_every_item_stands_in_one_leaf_of_its_own_tree(leaf_size: int) -> None:
     rng = np.random.default_rng(0)
     group = rng.integers(0, 9, 500)
-    group[group == 5] = 4  # nothing stands in tree 5
+    group[group == 5] = 4  # tree 5 is empty
     group[group == 7] = 6
     group[0] = 7  # one object alone in tree 7
     lower = rng.uniform(-50, 50, (500, 3))
@@ -159,7 +159,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_primitives_are_closed_meshes_on_their_surfaces(name: str) -> None:
-    """Volume by the divergence theorem, within what 128 slices cut off; normals as faces look, and as `mj_ray` says."""
+    """Volume by the divergence theorem, within the error of 128 slices; normals are those of faces and of `mj_ray`."""
     kind, size, volume = SHAPES[name]
     vertices, normals, faces = primitive_mesh(int(kind), np.array(size))
     corners = vertices[faces]

@@ -54,7 +54,7 @@ def test_shapes_and_types(frames: dict[str, np.ndarray]) -> None:
 
 
 def test_every_pixel_is_what_mj_ray_hits(frames: dict[str, np.ndarray], places: cases.Places) -> None:
-    """46,080 rays: an edge may fall on either side, nothing else may differ; 1e-4 of the distance."""
+    """46,080 rays: only edges may fall on either side; distances differ by at most 1e-4."""
     same = frames["object"] == places.slot
     assert same.mean() > 0.9998
     assert (places.slot >= 0).mean() > 0.3
@@ -84,7 +84,7 @@ def test_normals_are_unit_and_face_the_camera(
 
 @pytest.mark.parametrize("who", ["coco", "wheelchair"])
 def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> None:
-    """COCO, and who has parts a metre away from the body that they belong to."""
+    """COCO, and a robot with parts a metre away from their body."""
     robot = make_coco() if who == "coco" else load(who)
     start = np.array([10.0, 6.5, 0.15, 0.7])
     street = render_reference.build_street(bank, 0, robot)
@@ -99,7 +99,7 @@ def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> No
     assert (slot == ROBOT_LABEL).sum() > 60
     same = np.asarray(image["object"]) == slot
     assert same.mean() > 0.998
-    # MuJoCo meets cylinders and meshes of the robot with the same rays; where we draw facets, it knows round shapes.
+    # MuJoCo's rays hit the same cylinders and meshes of the robot; its cylinders are round where ours have facets.
     off = 1e-4 if who == "coco" else 2e-3
     np.testing.assert_allclose(np.asarray(image["depth"])[same], depth[same], rtol=1e-4, atol=off)
     without = renderer.view(0, camera_position, cases.DOWN, fovy)
@@ -120,7 +120,7 @@ def test_empty_slots_are_not_seen(bank: SceneBank, robot: RobotSpec, places: cas
 def test_two_faces_in_one_place_are_seen_from_both_sides(
     bank: SceneBank, robot: RobotSpec, places: cases.Places, shading: str
 ) -> None:
-    """Leaves and paint have a back: whichever face a ray meets, nothing behind it shines through."""
+    """Leaves and paint have a back: whichever face a ray hits, it is opaque."""
     cut = zip(bank.mesh_face_start[:-1], bank.mesh_face_start[1:], strict=True)
     faces = [half for a, b in cut for half in (bank.mesh_faces[a:b], bank.mesh_faces[a:b, ::-1])]
     doubled = dataclasses.replace(bank, mesh_faces=np.concatenate(faces), mesh_face_start=2 * bank.mesh_face_start)
@@ -221,7 +221,7 @@ def test_the_sun_turns_with_the_scene(bank: SceneBank) -> None:
 
 
 def test_a_face_seen_from_behind_turns_its_normal_to_the_camera(bank: SceneBank) -> None:
-    """The camera stands in an object, whose faces look away from it."""
+    """The camera is inside an object, whose faces point away from it."""
     hull = bank.inst_hull[0, 0]
     inside = bank.inst_position[0, 0] + bank.inst_rotation[0, 0] @ bank.hull_box[hull, 0]
     fovy = 1.2
@@ -233,7 +233,7 @@ def test_a_face_seen_from_behind_turns_its_normal_to_the_camera(bank: SceneBank)
 
 @pytest.mark.parametrize("shading", ["matte", "pbr"])
 def test_shadows_are_where_mj_ray_finds_the_sun_hidden(bank: SceneBank, robot: RobotSpec, shading: str) -> None:
-    """With the sun as the only light what is black faces away from it or is hidden from it, and nothing else."""
+    """With the sun as the only light exactly the surfaces that face away or are in shadow are black."""
     sun = np.array([0.8, 0.36, 0.48])
     light = cases.with_light(cases.plain_bank(bank, 0.5), np.zeros((16, 32, 3)), sun, np.full(3, 3.0))
     camera_position, fovy = np.array([20.0, 6.0, 7.0]), 1.2

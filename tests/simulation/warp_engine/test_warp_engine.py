@@ -1,4 +1,4 @@
-"""The Warp engine: pure, one capture per batch, the slots of the MJX engine, envs that do not know each other."""
+"""The Warp engine: pure, one capture per batch, the slots of the MJX engine, independent envs."""
 
 import dataclasses
 import gc
@@ -157,7 +157,7 @@ def test_a_world_of_nans_disturbs_no_other_and_leaves_nothing_behind(
         well = np.array([0, 1, 3, 4, 5])
         assert_equal(jax.tree.map(lambda x, w=well: x[w], first), jax.tree.map(lambda x, w=well: x[w], spoilt))
         if fields != ("carry",):
-            assert np.isnan(np.array(spoilt.qpos[2])).any()  # the ill one stays ill, so that the env sees it
+            assert np.isnan(np.array(spoilt.qpos[2])).any()  # NaN stays, so that the env detects it
         assert_equal(first, roll(batched, state, ctrl, 12))
 
 

@@ -1,6 +1,7 @@
-"""Plants faults and says which the tests miss: `make mutants`; `python -m tests.support.mutants --help` has options.
+"""Inserts faults and lists those that no test detects: `make mutants`; `python -m tests.support.mutants --help` has
+options.
 
-What is done is kept in the folder of results: a run that was ended goes on, `--again` begins anew.
+Results are kept in a folder: an interrupted run continues, `--again` begins anew.
 """
 
 import argparse
@@ -25,7 +26,7 @@ from .operators import Mutant, places_of, plant
 
 ROOT = pathlib.Path(__file__).parents[3]
 PACKAGE = "urbanverse_mjx"
-#: What is changed: where a wrong number would look like a right one.
+#: Packages to change: those where a wrong number is hard to notice.
 TARGETS = ("envs/navigation", "envs/joystick", "evaluation", "scene", "simulation", "crowds", "training")
 #: Tests of the text of the code notice every change of it.
 LEFT_OUT = ("tests/project/",)
@@ -153,7 +154,7 @@ def planted(mutant: Mutant, root: pathlib.Path) -> Iterator[tuple[pathlib.Path, 
 
 
 def _link(source: str, target: str) -> None:
-    """A second name of a file: nothing here changes a file in place."""
+    """A hard link, since files are never changed in place."""
     try:
         os.link(source, target)
     except OSError:  # another disk

@@ -1,6 +1,6 @@
 """A pytest plugin that writes down which lines each test runs: `-p tests.support.mutants.covered`.
 
-Only in Python 3.12 and newer, whose `sys.monitoring` reports a line once and then costs nothing.
+Only in Python 3.12 and newer, whose `sys.monitoring` reports a line once and has no cost afterwards.
 """
 
 import collections
