@@ -2,11 +2,11 @@
 
     python -m benchmarks.crosswalk --impl warp --seconds 32 --every 2 --quality 3 --out docs/crosswalk.mp4
 
-drives COCO in the environment's own physics along an episode's route that uses a crosswalk, while four people come
-over it towards the robot and the rest of the street lives as in the scenario `dynamic`. Nothing learnt drives: a rule
-that knows where everybody is follows the route, stops at the kerb while somebody is on the crosswalk or a vehicle
-nears it, and stops for whoever is right ahead. The image shows what the robot's camera sees and the crosswalk from
-above. The last line of stdout is one JSON object: how long it waited, how it ended, how near it came to people.
+drives COCO in the environment's own physics along an episode's route that uses a crosswalk, while four people come over
+it towards the robot and the other agents move as in the scenario `dynamic`. The controller is a privileged rule, not a
+policy: it follows the route, stops at the kerb while a person is on the crosswalk or a vehicle approaches it, and stops
+for agents right ahead. The video shows the robot's camera image and the crosswalk from above. The last line of stdout
+is one JSON object: waiting time, result, least distance to people.
 """
 
 import argparse
@@ -36,7 +36,7 @@ from urbanverse_mjx.viz.video import write_video
 HEIGHT, WIDTH, FOV = 180, 320, 0.9
 #: m: how far ahead of the robot it aims, before the crosswalk it waits, and within which it stops for people ahead.
 _AHEAD, _LINE, _STOP = 0.8, 0.7, 1.3
-#: m ahead of its middle at which it sees the crosswalk begin.
+#: m ahead of its middle at which it detects the crosswalk.
 _FRONT = (0.7, 0.9, 1.1)
 #: rad by which it may turn off its way, and m that it keeps its middle from what stands (COCO touches at 0.4).
 _TURNS, _CLEAR = jnp.radians(jnp.arange(-75.0, 76.0, 15.0)), 0.6
@@ -46,7 +46,7 @@ _BEFORE, _BEHIND = 4.5, 2.6
 _VEHICLE, _ROLLING = 12.0, 0.8
 #: m/s, how fast people come over: unhurried, so that they are still on the crosswalk when the robot comes to it.
 _STROLL = (0.7, 0.6, 0.55, 0.5)
-#: m from its way across, beside and above, from where the crosswalk is seen.
+#: m of the camera on the crosswalk, beside and above the robot's path across.
 _CAMERA_POSITION = (6.0, 6.0)
 
 
@@ -89,7 +89,7 @@ def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]
 
 
 def people_coming(start: Any, waypoints: Any, first: float, last: float) -> behaviours.Script:
-    """Four who start on the far pavement, two on either side of the route, and come over the crosswalk."""
+    """Four people that start on the far pavement, two on either side of the route, and come over the crosswalk."""
     scripts = []
     places = ((1.2, 2.0), (1.6, -2.2), (2.2, 1.0), (2.6, -1.2))
     for (back, left), speed in zip(places, _STROLL, strict=True):
@@ -119,7 +119,7 @@ class Controller:
         self.drives = jnp.array([k.surface == "road" for k in self.dynamic.model.kinds])
 
     def taken(self, crowd: Any) -> Any:
-        """() bool: somebody is on the crosswalk or about to be, or a moving vehicle nears it."""
+        """() bool: a person is on the crosswalk or about to be, or a moving vehicle approaches it."""
         body = crowd.bodies
         reach = jnp.array([0.0, 0.8])[:, None]
         x, y = (p + reach * f(body.heading) for p, f in ((body.x, jnp.cos), (body.y, jnp.sin)))
@@ -147,7 +147,7 @@ class Controller:
         ahead = p_xy + terms.to_world(jnp.array([[0.6, 0.0], [1.1, 0.0]]), yaw)
         blocked = self.dynamic.gaps(nav.crowd, ahead).min() < _STOP - 0.6
         at_line = waits & (comes | (line - arc < 0.1))
-        # Who waits looks over the crosswalk: a waypoint 2 mm away turns it there and moves it by nothing.
+        # A waiting robot faces the crosswalk: a waypoint 2 mm away turns it there without moving it.
         over = terms.limit_norm(terms.to_body(self.over - p_xy, yaw), 0.002)
         still = jnp.where(at_line & ~blocked, over, 0.0)
         # A waypoint 1 m ahead means 2 m/s: this is at most 1.1 m/s, less where it is to stop.
@@ -180,7 +180,7 @@ def drive(env: NavEnv, controller: Controller, nav: Any, steps: int) -> tuple[An
 
 
 def film(env: NavEnv, controller: Controller, path: Any, every: int) -> list[np.ndarray]:
-    """What the robot sees, beside the crosswalk from above."""
+    """The robot's camera image, next to the crosswalk from above."""
     assert env.dynamic is not None, "the scenario is dynamic"
     appearances = slot_appearances(env.dynamic.kinds, env.bank)
     renderer = Renderer(env.bank, env.robot, HEIGHT, WIDTH, shadows=True, agents=appearances)

@@ -2,18 +2,17 @@
 
     python -m benchmarks.crowds --json
 
-steps crowds on a wrapped square, everybody moving in some direction, and prints one JSON line for each size
-`ENVSxAGENTSxNEIGHBOURS` as soon as it is measured: agent-steps/s (median over the repeats; `*_spread` is
-(slowest - fastest) / median), seconds to compile, and with --parts the seconds of a step that looking around, building
-half-planes, the programs and the resolution of collisions take when run alone over the same state. It needs numpy and
-jax, no bank and no scene.
+steps crowds on a periodic square, each agent with a random direction, and prints one JSON line for each size
+`ENVSxAGENTSxNEIGHBOURS` as soon as it is measured: agent-steps/s (median over the repeats; `*_spread` is (slowest -
+fastest) / median), seconds to compile, and with --parts the seconds of a step for neighbour search, half-planes, the
+programs and the resolution of collisions, each run alone over the same state. It needs numpy and jax, no bank and no
+scene.
 
 `--environment` measures, instead, env-steps/s of CocoNav with the crowd of its scenario `dynamic` and without, in turn
-in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl); with `--movable 8` also with so many objects that
-can be pushed beside the crowd, at most --awake of them at once (--push: hits end no episode). `--minutes 10000` lets
-crowds without robot live for so many agent-minutes, and tells how deep bodies overlap, how many stand inside an
-obstacle and how many are stuck.
-Both need a bank (--bank, or the one that `urbanverse scene bank` built).
+in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl); with `--movable 8` also with that many movable
+objects in addition to the crowd, at most --awake of them at once (--push: hits end no episode). `--minutes 10000`
+simulates crowds without a robot for that many agent-minutes, and reports the deepest overlap, agents inside obstacles
+and stuck agents. Both need a bank (--bank, or the one that `urbanverse scene bank` built).
 
 `--mix walkers` are pedestrians; in `--mix street` an eighth of the agents are wheelchairs,
 scooters, cyclists and cars, which pays for capsules and controls; `--walls 4` adds as many flats around every agent.

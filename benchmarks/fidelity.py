@@ -1,27 +1,25 @@
-"""How faithful the graphs are that are distilled from recordings: the paper's table on streets whose ground truth is
-known.
+"""Fidelity of graphs distilled from recordings: the paper's table on streets with known ground truth.
 
     python -m benchmarks.fidelity --banks bank16.npz --scenes 10 --frames 180 --markdown fidelity.md --json
 
 films captures through the streets of banks (default: the six shipped ones), distils each and scores the graph against
 the true one. Alignment: SE(3) on the trajectory, no scale. Matching: Hungarian on the distance of centres, 5 m gate,
 whatever the label. Columns, over matches: Cat, share of right labels; Dist, m between centres; Ori, degrees between
-headings modulo half a turn (depth and masks do not tell front from back; front_percent says how often the sign is
-right, too), of objects whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
-average precision at a 3D IoU of 0.25), of objects under 50 m^3; Ast, share of matches that get the very base shape back
-that was filmed (`lib.fidelity_captures.retrieved`), where looks are described. Recall and precision over objects. A
-true object counts as seen where it covers 0.15 % of some frame; finding one that was hardly seen is neither right nor
-wrong.
+headings modulo half a turn (depth and masks do not distinguish front and back; front_percent is the share with the
+correct sign), of objects whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
+average precision at a 3D IoU of 0.25), of objects under 50 m^3; Ast, share of matches whose chosen base shape is the
+filmed one (`lib.fidelity_captures.retrieved`), where the graph has descriptors. Recall and precision over objects. A
+true object counts as visible where it covers 0.15 % of some frame; detecting one that was hardly visible counts neither
+as right nor as wrong.
 
 Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from its view of median size alone and fused;
-with --rgb, from captures with images: perfect inputs with Ast, the small network on true poses and depth, and all
-from the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same
-captures: NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes
-as ground truth. Tracks are never used. One process films and scores one street, with images or without; a row that
-fails on a street is named and missing there. --results keeps what was scored, and a second call goes on with the rest:
-empty it when the code changes.
-`--scaling` times instead how long the first 10, 40, 80, 180 and 720 frames of one capture take, or those named, from
-the recording to five compiled cousins (`lib.fidelity_scaling`).
+with --rgb, from captures with images: perfect inputs with Ast, the small network on true poses and depth, and all from
+the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same captures:
+NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes as ground
+truth. Tracks are never used. One process films and scores one street, with images or without; a row that fails on a
+street is reported and missing there. --results keeps the scores, and a second call continues with the rest: empty it
+when the code changes. `--scaling` measures instead the time for the first 10, 40, 80, 180 and 720 frames of one
+capture, or the given numbers, from the recording to five compiled cousins (`lib.fidelity_scaling`).
 """
 
 import argparse
@@ -76,8 +74,8 @@ def without_tracks(recording: Recording) -> Recording:
 def judge(
     given: Recording, filmed: Capture, priors: LabelPriors, options: DistilOptions, describe: Describe | None = None
 ) -> tuple[scores.Scores, dict[str, float]]:
-    """Distils a recording of a capture and scores it; figures of the trajectory beside, and Ast where looks are
-    described."""
+    """Distils a recording of a capture and scores it, with figures of the trajectory, and Ast where it has
+    descriptors."""
     begin = time.process_time()
     made = distil(without_tracks(given), priors, describe=describe, options=options)
     figures = {"processor_s": time.process_time() - begin, "registered": len(given.registered) / len(given)}
@@ -116,8 +114,7 @@ class Street:
     """One street's work, whole in one process: bank file and row, or an imported recording; which rows it has.
 
     captures: folder of the films. frames, size: of the capture. rgb: whether it is filmed with images, for the rows
-    that look at them. others: folders of recordings of the same captures. seed: of the errors. results: folder of
-    scores.
+    that use them. others: folders of recordings of the same captures. seed: of the errors. results: folder of scores.
     """
 
     bank: pathlib.Path | None
@@ -308,7 +305,7 @@ def _worked(streets: Sequence[Street], processes: int, threads: int) -> Iterator
 
 
 def _pin_to_cores(taken: Any, threads: int) -> None:
-    """Keeps this process on cores of its own, the next that no other has: XLA takes as many threads as it sees."""
+    """Keeps this process on cores of its own, not used by the others: XLA starts one thread for each visible core."""
     if hasattr(os, "sched_setaffinity"):
         cores = sorted(os.sched_getaffinity(0))
         with taken.get_lock():

@@ -4,11 +4,11 @@
 
 walks the shipped gait of the Go2 (or `--gait`, a gait file): random commands on level ground (velocity error, falls,
 cost of transport, foot slip, torque, speed and joint limits), full speed ahead, kicks, kerbs up and down by height,
-ramps. One JSON line says what was found and which of the issue's goals hold; the exit status is 1 where one does not.
+ramps. One JSON line holds the results and which goals are met; the exit status is 1 if one is not.
 
-Without `--json` it prints two tables: what was found beside the goals, and beside figures that others published
-(`lib.gait_published`). `--show FILE` prints them of an earlier JSON line. The whole is 47,000 s of walking, half an
-hour of one processor core.
+Without `--json` it prints two tables: the results with the goals, and with published figures (`lib.gait_published`).
+`--show FILE` prints them for an earlier JSON line. The whole benchmark is 47,000 s of walking, half an hour of one
+processor core.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from urbanverse_mjx.robots.go2 import load_gait
 from .lib.gait_published import goals_table, published_table
 from .lib.gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps, judge_straight
 
-#: What a gait has to reach: at most, or at least. Kerbs in both ways, every ramp of a street (1:8).
+#: Goals of a gait: upper or lower limits. Kerbs up and down, every ramp of a street (1:8).
 AT_MOST = {"error_linear_m_s": 0.1, "error_angular_rad_s": 0.15, "falls_percent": 1.0}
 KERB_GOALS = {0.12: 90.0, 0.15: 70.0}
 PUSH_GOAL, RAMP_GOAL = 95.0, 100.0
@@ -102,7 +102,7 @@ def goals(found: dict[str, Any]) -> dict[str, bool]:
 
 
 def tables(found: Mapping[str, Any]) -> str:
-    """Markdown: what was found beside the goals, and beside what others published."""
+    """Markdown: the results with the goals, and with published figures."""
     return f"{goals_table(found, AT_MOST, KERB_GOALS, PUSH_GOAL, RAMP_GOAL)}\n\n{published_table(found)}"
 
 

@@ -2,10 +2,10 @@
 
     python -m benchmarks.library_captures --out DIR [--set autobench] [--only Tokyo] [--workers 16]
 
-writes DIR/<set>/<layout>/graph.json.gz (what `scenes/` holds) and DIR/scores/<set>/<layout>.json: how faithful the
-graph is to what stood there, as `benchmarks.fidelity` scores it, and DIR/sheets/<layout>.jpg: 12 frames. Layouts whose
-graph and scores are there are left alone, so a stopped run goes on. One process a layout at a time, on the CPU; some
-1.5 GB each. Prints one JSON line.
+writes DIR/<set>/<layout>/graph.json.gz (what `scenes/` holds) and DIR/scores/<set>/<layout>.json: the graph's fidelity
+to the true scene, as in `benchmarks.fidelity`, and DIR/sheets/<layout>.jpg: 12 frames. Layouts with a graph and scores
+are skipped, so a stopped run continues. One process a layout at a time, on the CPU; some 1.5 GB each. Prints one JSON
+line.
 """
 
 import argparse

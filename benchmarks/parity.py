@@ -4,11 +4,11 @@
 
 drives robots through the shipped streets (compiled anew, C MuJoCo in each saved `scene.xml`) and through box streets,
 each engine with all drives of a suite in one batch: free driving, ramps, kerbs, grazing and head-on hits, gaps too
-narrow for the robot, and drives aimed at objects at any angle. One JSON line says, per engine and suite, the largest
-difference before the first contact and one second after it, in which scene, drive and second, the physics steps
-between the onsets, and what differs otherwise. The exit status is 1 where a tolerance of the design is broken: 1 mm
-before contact, onset within one physics step, one second later 5 mm in the median and 50 mm at most, no hit in one
-engine alone, and no episode that would end for another reason.
+narrow for the robot, and drives aimed at objects at any angle. One JSON line holds, per engine and suite, the largest
+difference before the first contact and one second after it, in which scene, drive and second, the physics steps between
+the onsets, and other differences. The exit status is 1 where a tolerance of the design is broken: 1 mm before contact,
+onset within one physics step, one second later 5 mm in the median and 50 mm at most, no hit in one engine alone, and no
+episode that would end for another reason.
 
     python -m benchmarks.parity --keep FOLDER                     # C MuJoCo's part, where scenes can be compiled
     python -m benchmarks.parity --kept FOLDER --impl warp --json # on a GPU machine, which needs the runtime alone

@@ -1,4 +1,4 @@
-"""Makes the streets that the small network learns on and is scored on: images only, nothing to collide with.
+"""Makes the training and test streets of the small network: for images only, without collision hulls.
 
     python -m benchmarks.perception_streets --split train --layouts 256 --processes 16 --out perception_train.npz
     python -m benchmarks.perception_streets --split test --layouts 20 --out perception_test.npz
@@ -47,10 +47,10 @@ SEEDS = {"train": 11, "test": 12}
 LENGTH = 70.0  # m; what is farther than this from an eye at 1.5 m is a few pixels high
 #: Houses among them; the more there stands, the more there is to learn from a image.
 OBJECTS = {"train": (90, 140), "test": (70, 120)}
-#: Instances of the training variants of each leaf that stand beside them.
+#: Number of instances added to the training variants of each leaf.
 INSTANCES = 16
 _ENDS: tuple[section.End, section.End] = ("court", "junction")
-MAP_CELL = 0.25  # m; the map only says where a camera may stand
+MAP_CELL = 0.25  # m; the map only gives camera positions
 
 HOUSES = (*streets.HOUSES, "school", "garage", "library", "post office", "bistro", "shoe store", "ice cream shop")
 _MORE = {
@@ -163,7 +163,7 @@ def _paint(street: section.StreetSection, rng: np.random.Generator) -> list[Grou
 
 
 def _point_hull(_: AssetRecord) -> HullSet:
-    """A tetrahedron of a millimetre: nothing ever collides in these streets, and hulls take most of a bank."""
+    """A tetrahedron of a millimetre: these streets are never simulated, and hulls take most of a bank."""
     return HullSet((np.concatenate([np.zeros((1, 3)), np.eye(3)]).astype(np.float32) * 1e-3,))
 
 
@@ -176,7 +176,7 @@ def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout
 
 
 def _walk(street: section.StreetSection) -> EpisodeTable:
-    """The one episode that a bank wants of every scene: along the left pavement's middle."""
+    """The one episode that a bank needs of every scene: along the left pavement's middle."""
     y, z = street.half + street.left / 2.0, section.KERB
     start, goal = np.array([[1.0, y, z, 0.0]]), np.array([[street.length - 1.0, y, z]])
     length = goal[0, 0] - start[0, 0]

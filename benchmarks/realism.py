@@ -1,8 +1,8 @@
 """`python -m benchmarks.realism --out FILE.png NAME=FOLDER ...`: families of compiled scenes beside real streets.
 
-Objects, categories, spacing, pavement widths, what is left of them, trees and kerbs of every scene, from the scenes'
-own `metadata.json`; how much cousins, layouts and procedural scenes differ, from their layouts. One figure, and the
-same numbers as JSON beside it. What is published for real streets stands in `PUBLISHED` with its address.
+Objects, categories, spacing, pavement widths, their free parts, trees and kerbs of every scene, from the scenes' own
+`metadata.json`; differences between cousins, layouts and procedural scenes, from their layouts. One figure, and a JSON
+file with the same numbers. `PUBLISHED` holds figures of real streets with their addresses.
 """
 
 import argparse
@@ -104,7 +104,7 @@ def measures(metadata: Mapping[str, Any]) -> dict[str, float]:
 
 
 def diversity(layouts: Sequence[SceneLayout]) -> dict[str, float]:
-    """How much scenes differ: mean Bray-Curtis distance of their counts (0 the same, 1 nothing in common).
+    """Difference of scenes: mean Bray-Curtis distance of their counts (0 equal, 1 disjoint).
 
     Returns:
       `cousin_assets`, `cousin_objects`: between cousins of one graph, by asset and by category; `layout_assets`,

@@ -99,7 +99,7 @@ def random_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int) -> 
     xpos = np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (number, len(z)))], -1) + place[:, None]
     xpos[..., 2] += robot.spawn_height
     xquat = rotations.product(rotations.from_yaw(yaw[:, None]), data.xquat)
-    # The world body stays where it is; nothing is drawn of it.
+    # The world body is static and not drawn.
     return scene, xpos.astype(np.float32), xquat.astype(np.float32)
 
 

@@ -2,11 +2,11 @@
 
     python -m benchmarks.throughput --impl jax --num-envs 64 --pixels 36x64 --json
 
-prints one JSON line: env-steps/s with auto-reset and one frame a step, as PPO sees it; the seconds of a step that
-physics, refit and render, and resets take when run alone over the same states, and the rest; compile seconds; peak
-memory; and the physics alone in the dearest places of the bank (robots driven into what stands nearest), with its cost
-as a ratio to the same robot on the same ground without hull slots. Every figure is the median over the repeats;
-`*_spread` is (slowest - fastest) / median. Without --json the same is printed one figure a line.
+prints one JSON line: env-steps/s with auto-reset and one frame a step, as in PPO; the seconds of a step for physics,
+refit and render, and resets, each run alone over the same states, and the rest; compile seconds; peak memory; and the
+physics alone at the most expensive places of the bank (robots driven into the nearest object), with its cost as a ratio
+to the same robot on the same ground without hull slots. Every figure is the median over the repeats; `*_spread` is
+(slowest - fastest) / median. Without --json the same is printed one figure a line.
 
 Options that take a comma list are measured in every combination, and --grid FILE names the combinations one by one (a
 JSON list of objects with fields of `benchmarks.lib.cases.Case`):
@@ -16,10 +16,10 @@ JSON list of objects with fields of `benchmarks.lib.cases.Case`):
     python -m benchmarks.throughput --bank bank160.npz --grid benchmarks/grids/gpu.json --isolate --append rows.jsonl
 
 Each row is appended to --append's file as soon as it is known. A configuration that fails (out of memory, say) becomes
-a row with "error", and the next one goes on; with --isolate each runs in a process of its own, so that peaks of memory
-are its own and a crash ends nothing else. --compare BASELINE exits with 1 where a rate is slower than the baseline by
+a row with "error", and the next one is measured; with --isolate each runs in a process of its own, so that memory peaks
+are separate and a crash affects no other. --compare BASELINE exits with 1 where a rate is slower than the baseline by
 more than --tolerance, or a row failed. Measures: step, parts, refit (what a frame costs before its pixels), active (the
-dearest physics), policy (inference, and rollouts with it), learn (the whole PPO training of the preset).
+most expensive physics), policy (inference, and rollouts with it), learn (the whole PPO training of the preset).
 """
 
 import argparse
@@ -238,7 +238,7 @@ def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator
             check=False,
         )
         text, status = done.stdout, done.returncode
-        # A configuration that failed in good order has told so in its row.
+        # A configuration that failed with an exception has reported it in its row.
         how = "" if status in (0, 1, 2) else f"the process ended with status {status}; see its messages above"
     except subprocess.TimeoutExpired as error:
         text = error.stdout.decode() if isinstance(error.stdout, bytes) else error.stdout or ""
@@ -246,7 +246,7 @@ def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator
     lines = [line for line in text.splitlines() if line.startswith("{")]
     yield from (json.loads(line) for line in lines)
     if how or not lines:
-        # Nothing here may touch the device: it belongs to the next process.
+        # This process must not use the device, which belongs to the next process.
         yield {**report.planned(case), "error": how or "no row"}
 
 

@@ -40,7 +40,7 @@ def semantic(seed: int = 0) -> dict[str, Any]:
 
 
 def geometric(objects: ObjectLibrary, matcher: Matcher, count: int, seed: int = 0) -> dict[str, Any]:
-    """Records looked up by their own box with 3 % of noise a side: where they come among those of their leaf."""
+    """Records looked up by their own box with 3 % of noise a side: their rank among those of their leaf."""
     rng = np.random.default_rng(seed)
     ranks, sizes = [], []
     for record in _sample(objects, rng, count):

@@ -1,6 +1,6 @@
-"""What a user would pick instead, on the same scene with the same robot: each row says what it does and does not do.
+"""Other simulators on the same scene with the same robot: each row states what it includes and omits.
 
-None of them puts envs in different scenes, and none resets: that costs them nothing here.
+None of them puts envs in different scenes, and none resets: these costs are missing in their figures.
 """
 
 import dataclasses
@@ -206,7 +206,7 @@ def _full_state(model: mujoco.MjModel, data: mujoco.MjData, qpos: np.ndarray) ->
 def _c_frames(
     model: mujoco.MjModel, data: mujoco.MjData, drive: Drive, found: dict[str, Any], does: str
 ) -> dict[str, Any]:
-    """Frames/s of MuJoCo's renderer, and env-steps/s when every one is drawn; says so where it has no OpenGL."""
+    """Frames/s of MuJoCo's renderer, and env-steps/s when every one is drawn; reports a missing OpenGL."""
     assert drive.size is not None
     option = mujoco.MjvOption()
     option.geomgroup[:] = 0

@@ -75,7 +75,7 @@ class Case:
         return height, width
 
     def config_overrides(self, ctrl_dt: float) -> dict[str, Any]:
-        """What the env's config is told; `ctrl_dt` (s) is the preset's control step."""
+        """Overrides of the env's config; `ctrl_dt` (s) is the preset's control step."""
         found: dict[str, Any] = {"preset": self.preset, "impl": self.impl, **self.overrides}
         if self.size is None:
             found["vision"] = False

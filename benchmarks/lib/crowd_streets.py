@@ -21,7 +21,7 @@ from urbanverse_mjx.envs.registry import load_default_bank
 from urbanverse_mjx.geometry.grids import cell_of
 from urbanverse_mjx.simulation.collision_slots import body_slots
 
-#: s after which somebody with an errand who has hardly moved is stuck, and m that bodies may overlap.
+#: s after which an agent with a goal that has hardly moved is stuck, and m that bodies may overlap.
 STUCK, OVERLAP = 20.0, 0.02
 
 

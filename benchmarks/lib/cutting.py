@@ -73,7 +73,7 @@ def cut(hulls: Sequence[np.ndarray], number: int) -> tuple[np.ndarray, ...]:
 
     Args:
       hulls: (n, 3) float32 corners each, m.
-      number: wanted; fewer come back where nothing can be cut any more, more where there were more.
+      number: wanted; fewer are returned where no hull can be cut any more, more where there were more.
     """
     whole = [convex_part(h) for h in hulls]
     done: list[ConvexPart] = []

@@ -1,5 +1,5 @@
-"""Captures of the fidelity benchmark: filmed streets with their ground truth, and what a row's perception makes of
-them."""
+"""Captures of the fidelity benchmark: filmed streets with their ground truth, and their recordings by a row's
+perception."""
 
 import dataclasses
 import pathlib
@@ -20,13 +20,14 @@ from urbanverse_mjx.distillation.perception_model.inference import PerceptionMod
 from urbanverse_mjx.materialisation import materialise_cousin, materialise_cousins
 from urbanverse_mjx.settings import scene_root
 
-#: Frames per second of the captures with images: COLMAP wants steps of less than a metre.
+#: Frames per second of the captures with images: COLMAP needs steps of less than a metre.
 RGB_RATE = 2.0
 
 
 @dataclasses.dataclass(frozen=True)
 class Capture:
-    """A filmed street: its perfect recording, the true objects seen and hardly seen, and which have a heading.
+    """A filmed street: its perfect recording, the true objects that are visible and hardly visible, and which have a
+    heading.
 
     scene: its name.
     """
@@ -60,7 +61,7 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
 
 
 def imported(folder: pathlib.Path) -> Capture:
-    """A recording that `urbanverse gen import` made of KITTI-360, with the boxes beside it as ground truth.
+    """A recording that `urbanverse gen import` made of KITTI-360, with its boxes as ground truth.
 
     Raises:
       ValidationError: no such recording, or no boxes beside it.
@@ -114,9 +115,9 @@ def seen_by_the_model(filmed: Capture, folder: pathlib.Path) -> Recording:
 def retrieved(filmed: Capture, graph: SceneGraph, pairs: list[tuple[str, str]]) -> np.ndarray | None:
     """(n,) bool over matches whose true asset is known: whether the first cousin stands on the same base shape.
 
-    The paper's Ast is the share of correctly retrieved objects; what is correct there was judged by eye. Here an object
-    counts where the asset chosen among the catalogue's 102,444 is of the very shape that was filmed, whatever its
-    size and tint. None where the street is none of the shipped ones, whose assets are known.
+    The paper's Ast is the share of correctly retrieved objects; people judged correctness there. Here an object counts
+    where the asset chosen among the catalogue's 102,444 has the filmed base shape, whatever its size and tint. None
+    where the street is none of the shipped ones, whose assets are known.
     """
     path = scene_root() / filmed.scene / "graph.json"
     if not path.is_file():

@@ -98,9 +98,8 @@ def score(
     """Scores aligned objects.
 
     Args:
-      found: of the graph. ground_truth: seen objects. others: the true objects that were hardly seen; finding them is
-        neither right nor wrong.
-      turnable: true id -> whether its heading means anything.
+      found: of the graph. ground_truth: seen objects. others: the true objects that were hardly visible; detecting them
+        is neither right nor wrong. turnable: true id -> whether its heading is defined.
     """
     found = [f for f in found if not _is_one_of(f, others, ground_truth)]
     a = np.array([t.center for t in found]).reshape(-1, 3)
@@ -131,7 +130,8 @@ def score(
 
 
 def _is_one_of(obj: GraphObject, others: Sequence[GraphObject], ground_truth: Sequence[GraphObject]) -> bool:
-    """Whether an object is nearer to a hardly seen object than to any seen one, and within half its size or 0.5 m."""
+    """Whether an object is nearer to a hardly visible object than to any visible one, and within half its size or 0.5
+    m."""
 
     def nearest(objects: Sequence[GraphObject]) -> tuple[float, float]:
         away = [(float(np.linalg.norm(np.subtract(t.center, obj.center))), max(t.size)) for t in objects]

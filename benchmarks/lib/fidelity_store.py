@@ -1,4 +1,4 @@
-"""What rows of the fidelity table scored on a street, on disk: a stopped run goes on."""
+"""Scores of the fidelity table's rows on a street, on disk, so that a stopped run continues."""
 
 import dataclasses
 import pathlib

@@ -1,4 +1,4 @@
-"""The tables of `benchmarks.go2_gait`: what a gait reached beside its goals, and beside what others published.
+"""The tables of `benchmarks.go2_gait`: a gait's results with its goals, and with published figures.
 
 Others' figures are taken as they stand at their source; none of them comes from a run of this judge. A quantity for
 which no published figure was found is in the first table alone.
@@ -19,7 +19,7 @@ Found = Mapping[str, Any]
 
 @dataclasses.dataclass(frozen=True)
 class Published:
-    """A figure of somebody else's.
+    """A published figure.
 
     Attributes:
       what: quantity and unit. theirs: as published. whose: robot, engine, device. source: where it stands.
@@ -39,7 +39,7 @@ def _speed(found: Found) -> str | None:
 
 
 def _minutes(found: Found) -> str | None:
-    """Env-steps and wall time of the training, as the gait's file says."""
+    """Env-steps and wall time of the training, from the gait's file."""
     meta = found["meta"]
     if not meta.get("wall_seconds"):
         return None

@@ -31,12 +31,12 @@ KERBS = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20)
 SLOPES = (0.05, 1 / 12, 1 / 8, 0.2, 0.3, 0.4, 0.45)
 #: rad and m/s: how a kerb or a ramp is met; m before it where a robot starts.
 ANGLE, SPEED, RUN_UP = np.pi / 4, (0.5, 1.0), 1.0
-#: 1/s. A commander that wants to go straight turns a robot back by this much yaw rate a radian (mjlab's 0.5).
+#: 1/s. The heading controller of straight commands: yaw rate per radian of heading error (mjlab's 0.5).
 HEADING_GAIN = 0.5
 PUSH, PUSH_AT = 0.5, 2.0  # m/s, s
 #: Robots that one process steps together.
 CHUNK = 10
-#: m, sides of grounds: 20 s at 1.1 m/s straight ahead leave none, nor does who crosses a kerb or a ramp at `ANGLE`.
+#: m, sides of grounds: no robot leaves them in 20 s at 1.1 m/s straight ahead, nor across a kerb or a ramp at `ANGLE`.
 SIDE, KERB_SIDE, RAMP_SIDE = 50.0, 16.0, 36.0
 
 
@@ -101,7 +101,7 @@ class Wandering:
         return self.drawn[:, int(time / HOLD)]
 
     def finished(self, places: np.ndarray, time: float) -> np.ndarray:
-        """Nobody ever."""
+        """No walk stops early."""
         del time
         return np.zeros(len(places), bool)
 
@@ -127,7 +127,7 @@ class Straight:
         return np.stack([self.speed, 0.0 * turn, turn], 1)
 
     def finished(self, places: np.ndarray, time: float) -> np.ndarray:
-        """Who has passed, or is too late."""
+        """Walks that have passed, or are too late."""
         return (places[:, 0] > self.goal) | (time > self.late)
 
 
@@ -205,7 +205,7 @@ def judge_flat(judge: Judge, episodes: int, seconds: float, seed: int) -> dict[s
 
 
 def judge_straight(judge: Judge, episodes: int, seed: int) -> dict[str, Any]:
-    """Told full speed ahead from rest: the mean forward speed once it has settled."""
+    """A command of full speed ahead from rest: the mean forward speed in steady state."""
     model, speed, seconds = judge.model(flat()), float(RANGE[0]), HOLD
     yaws = np.random.default_rng([seed, 3]).uniform(-np.pi, np.pi, episodes)
     told = Wandering(np.tile([speed, 0.0, 0.0], (episodes, 1, 1)))
@@ -232,7 +232,7 @@ def _crossing(
     model = judge.model(regions)
     heading, speed = rng.uniform(-ANGLE, ANGLE, episodes), rng.uniform(*SPEED, episodes)
     places = np.stack([np.full(episodes, -RUN_UP), np.zeros(episodes), np.full(episodes, height)], 1)
-    # Twice the time that the way takes at the speed commanded.
+    # Twice the time for the distance at the commanded speed.
     late = 2.0 * (RUN_UP + length + PASSED) / np.cos(ANGLE) / speed
     told = Straight(speed, heading, length + PASSED, late)
     found = judge.run(model, judge.start(model, places, heading), told, float(late.max()))

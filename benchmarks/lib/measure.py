@@ -21,9 +21,9 @@ class Run:
     """An environment under measurement and what was compiled for it so far.
 
     Attributes:
-      env, case: what is measured; batch: the auto-resetting batch of it.
+      env, case: of the measurement; batch: its auto-resetting batch.
       first: states after a reset; actions: (T, n, action) of an untrained policy that drives forward.
-      state: states in the middle of episodes; sims: the engine's states on the way there, (T, n, ...).
+      state: states in the middle of episodes; sims: the engine's states up to there, (T, n, ...).
     """
 
     env: Any
@@ -42,7 +42,7 @@ class Run:
 
 
 def start(env: Any, case: Case) -> Run:
-    """Resets the environments; compiles that and nothing else."""
+    """Resets the environments; compiles only the reset."""
     run = Run(env, case, wrap_for_training(env, env.config.episode_length))
     keys = jax.random.split(jax.random.key(case.seed), case.num_envs)
     run.first = run.compile_("reset", run.batch.reset, keys)(keys)
@@ -82,7 +82,7 @@ def draw_with(renderer: Any) -> Callable[..., Any]:
 
 
 def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
-    """Env-steps/s with auto-reset as PPO sees them, and what has to be called to time them again."""
+    """Env-steps/s with auto-reset as in PPO, and the function to time them again."""
 
     def whole(state: Any, actions: Any) -> tuple[Any, Any]:
         def one(s: Any, a: Any) -> tuple[Any, Any]:

@@ -118,7 +118,7 @@ def place_robot(tables: RobotTables, xpos: wp.array2d[wp.vec3], xquat: wp.array2
     turn = _matrix(xquat[w, body])
     position = xpos[w, body] + turn @ tables.position[i]
     rotation = turn @ tables.rotation[i]
-    # A state that blew up must not reach the search tree: the robot goes where nobody looks.
+    # A state that blew up must not reach the search tree: the robot is drawn far outside the view.
     if not (wp.isfinite(position) and wp.isfinite(xquat[w, body])):
         position = wp.vec3(0.0, 0.0, _NOWHERE)
         rotation = wp.identity(n=3, dtype=float)

@@ -30,7 +30,7 @@ def warp_mib() -> tuple[float | None, float | None]:
 
 
 def device_mib() -> float | None:
-    """Memory in use on the first GPU by all programs, as nvidia-smi says; None without it.
+    """Memory in use on the first GPU by all programs, by nvidia-smi; None without it.
 
     JAX takes most of a GPU at its start unless XLA_PYTHON_CLIENT_PREALLOCATE=false.
     """
@@ -56,7 +56,7 @@ def in_use_mib() -> float:
 
 
 def report() -> dict[str, float | None]:
-    """All of it. Peaks are of the process so far: measure one configuration per process to know its own."""
+    """All of it. Peaks are of the process so far: measure one configuration per process to get its own."""
     (jax_now, jax_peak), (warp_now, warp_peak) = jax_mib(), warp_mib()
     return {
         "peak_rss_mib": peak_rss_mib(),

@@ -23,7 +23,7 @@ _ROWS = 4  # ticks of an axis
 
 
 def draw(told: Mapping[str, Any], names: Mapping[str, str], path: pathlib.Path) -> None:
-    """Writes the figure of what `realism.measure` told; `names`: measure -> its panel's title."""
+    """Writes the figure of the results of `realism.measure`; `names`: measure -> its panel's title."""
     panels = len(names) + 2
     rows = -(-panels // COLUMNS)
     size = COLUMNS * PANEL[0] + 2 * MARGIN, rows * PANEL[1] + 2 * MARGIN

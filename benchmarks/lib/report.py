@@ -1,4 +1,4 @@
-"""How a measurement is told: where and on what it was made, a table, a proof sheet, a baseline to compare with."""
+"""Report of a measurement: machine and versions, a table, a proof sheet, a baseline for comparison."""
 
 import importlib.metadata
 import json
@@ -79,7 +79,7 @@ def bank_hash(bank: SceneBank) -> str:
 
 
 def planned(case: Any) -> dict[str, Any]:
-    """What was to be measured, for rows of configurations that failed before they told more."""
+    """Keys of a configuration, for rows of configurations that failed without results."""
     return {"benchmark": "throughput", **case.to_json(), "pixels": list(case.size) if case.size else None}
 
 

@@ -1,7 +1,7 @@
 """Seeded streets for benchmarks: a cross-section with kerbs and ramps, house fronts, and objects put down at random.
 
 Scene frame as in `citygen.section`: the street runs along +x, its middle at y = 0. On each side a band along the kerb
-and one along the houses hold objects close together; between them a lane stays open that people stand beside.
+and one along the houses hold objects close together; between them a lane stays open, with people next to it.
 """
 
 import dataclasses
@@ -26,7 +26,7 @@ SECTIONS = 16
 VARIANTS = 2
 #: Bands of a pavement: m from the kerb, and m from the house fronts.
 KERB_BAND, WALL_BAND = (0.25, 1.35), (1.45, 0.05)
-LANE = 1.2  # m that stay free beside whatever stands between the bands: a robot of 0.35 m radius with room
+LANE = 1.2  # m that stay free next to objects between the bands: a robot of 0.35 m radius with margin
 APART = 0.25  # m between two objects
 MOUTH = 2.4  # m on each side of a crosswalk's middle that stay free along the kerb
 FLAT, UP = 0.0, section.KERB
@@ -301,12 +301,12 @@ def _try_place(street: _Street, band: str, side: int, record: AssetRecord) -> bo
     if low > high:
         return False
     x, v = rng.uniform(1.0 + half_x, ground.length - 1.0 - half_x), rng.uniform(low, high)
-    reach = half_x + MOUTH + (4.0 if band == "road" else 0.0)  # nobody parks before a crosswalk
+    reach = half_x + MOUTH + (4.0 if band == "road" else 0.0)  # no parked vehicle before a crosswalk
     if band != "wall" and min(abs(x - c) for c in ground.crosswalks) < reach:
         return False
     y = side * (ground.half + v)
     taken = (x - half_x, x + half_x, y - half_v, y + half_v)
-    if band == "walk":  # nobody stands beside another: together they would close the lane
+    if band == "walk":  # no two people side by side: together they would close the lane
         y0, y1 = sorted(side * (ground.half + edge) for edge in _lane(ground, side))
         taken = (x - half_x - LANE, x + half_x + LANE, y0, y1)
     if not street.is_free(taken):
