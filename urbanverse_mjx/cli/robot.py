@@ -14,8 +14,8 @@ from ..datatypes import validation as v
 
 @dataclasses.dataclass(frozen=True)
 class RobotArgs:
-    """Read a robot; prints a line for each collision shape that spheres replace, with the largest error of the fit, and
-    one JSON line."""
+    """Read a robot; prints a line for each collision shape that spheres replace, with the largest error of the fit, how
+    the robot stands, and one JSON line."""
 
     source: Annotated[str, tyro.conf.Positional]
     """A robot.json, its folder, or wheelchair."""
@@ -27,6 +27,7 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse robot`."""
     args = tyro.cli(RobotArgs, args=list(argv), prog="urbanverse robot")
     from ..robots.description import load_with_fits
+    from ..robots.stance import stance
 
     robot, fits = load_with_fits(args.source)
     for fit in fits:
@@ -34,11 +35,19 @@ def main(argv: Sequence[str]) -> int:
         what = f"{fit.shape}{', rolls' if fit.rolls else ''}"
         errors = f"stand out by {fit.cover.protrudes:.3f} m, fall short by {fit.cover.falls_short:.3f} m"
         sys.stdout.write(f"{name:<24} {what:<16} {len(fit.spheres):>3} spheres {errors}\n")
+    stands = stance(robot)
+    if stands.clearance is not None:
+        sys.stdout.write(f"lowest part that is no foot: {stands.clearance:.3f} m above the ground\n")
+    sys.stdout.write(
+        f"centre of mass: {stands.margin:.3f} m inside the feet, {stands.height:.3f} m high; tips over at "
+        f"{stands.tips_at:.1f} m/s²\n"
+    )
     if args.picture is not None:
         _draw(args.picture, robot, fits)
     worst = max((fit.cover.error for fit in fits), default=0.0)
     said: dict[str, Any] = {"robot": robot.name, "fitted": len(fits), "largest_error": round(worst, 4)}
     said |= {"spawn_height": round(robot.spawn_height, 4), "circumradius": round(robot.circumradius, 4)}
+    said |= {"clearance": stands.clearance and round(stands.clearance, 4), "tips_at": round(stands.tips_at, 2)}
     print(json.dumps(said | {"feet": list(robot.foot_geoms)}))
     return 0
 

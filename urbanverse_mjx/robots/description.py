@@ -159,7 +159,8 @@ def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) ->
     return number
 
 
-def _at_rest(model: mujoco.MjModel) -> mujoco.MjData:
+def at_rest(model: mujoco.MjModel) -> mujoco.MjData:
+    """The first keyframe, or where the MJCF puts each body."""
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
     mujoco.mj_kinematics(model, data)
@@ -168,7 +169,7 @@ def _at_rest(model: mujoco.MjModel) -> mujoco.MjData:
 
 def standing_height(model: mujoco.MjModel, root: int, feet: Sequence[int]) -> float:
     """m, the root's origin above level ground that the lowest foot just touches."""
-    data = _at_rest(model)
+    data = at_rest(model)
     return float(data.xpos[root, 2] - min(data.geom_xpos[g, 2] - model.geom_size[g, 0] for g in feet))
 
 

@@ -1,0 +1,70 @@
+"""How a robot stands, compared with numbers by hand and with C MuJoCo."""
+
+import json
+import pathlib
+
+import mujoco
+import numpy as np
+import pytest
+
+from urbanverse_mjx.cli.main import main
+from urbanverse_mjx.robots.description import load
+from urbanverse_mjx.robots.stance import stance
+
+#: Two wheels behind and a caster in front; the centre of mass 0.05 m before the wheels and 0.3 m above the ground.
+BODY = """
+  <body name="base" pos="0 0 0.1">
+    <freejoint/>
+    <inertial pos="{x} 0 0.2" mass="10" diaginertia="0.2 0.2 0.2"/>
+    <camera name="front" pos="0.3 0 0.1"/>
+    <geom name="left" size="0.1" pos="0 0.2 0" friction="2 0.005 0.0001"/>
+    <geom name="right" size="0.1" pos="0 -0.2 0" friction="2 0.005 0.0001"/>
+    <geom name="caster" size="0.1" pos="0.3 0 0" friction="2 0.005 0.0001"/>
+    <geom name="belly" size="0.05" pos="0.1 0 {z}"/>
+  </body>"""
+
+
+def written(folder: pathlib.Path, x: float = 0.05, z: float = 0.02) -> pathlib.Path:
+    options = '<option integrator="Euler" cone="pyramidal" timestep="0.005"/>'
+    body = BODY.format(x=x, z=z)
+    (folder / "r.xml").write_text(f"<mujoco>{options}<worldbody>{body}</worldbody></mujoco>")
+    limits = {"max_speed": 1.0, "max_yaw_rate": 1.0, "planner": {"radius": 0.4, "height": 0.5, "step": 0.02}}
+    said = {"schema": "urbanverse.robot/1", "name": "r", "mjcf": "r.xml", "root_body": "base", "camera": "front"}
+    said |= {"feet": ["left", "right", "caster"], "drive": {"kind": "gait"}, **limits}
+    (folder / "robot.json").write_text(json.dumps(said))
+    return folder
+
+
+def test_numbers_by_hand(tmp_path: pathlib.Path) -> None:
+    found = stance(load(written(tmp_path)))
+    assert (found.clearance, found.margin, found.height) == pytest.approx((0.07, 0.05, 0.3))
+    assert found.tips_at == pytest.approx(9.81 * 0.05 / 0.3)
+    # Beside the front edge from (0, 0.2) to (0.3, 0), which is nearer than the axle.
+    found = stance(load(written(tmp_path, x=0.25)))
+    assert found.margin == pytest.approx((0.6 - 2 * 0.25) / 13**0.5)
+    found = stance(load(written(tmp_path, x=-0.02, z=-0.06)))
+    assert (found.clearance, found.margin, found.tips_at) == pytest.approx((-0.01, -0.02, 0.0))
+
+
+@pytest.mark.parametrize(("share", "tips"), [(0.9, False), (1.1, True)])
+def test_mujoco_tips_the_robot_over_at_that_acceleration(share: float, tips: bool, tmp_path: pathlib.Path) -> None:
+    """An acceleration forwards is a gravity that pulls backwards."""
+    backwards = share * stance(load(written(tmp_path))).tips_at
+    floor = '<geom type="plane" size="5 5 1" friction="2 0.005 0.0001"/>'
+    body = BODY.format(x=0.05, z=0.02)
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{floor}{body}</worldbody></mujoco>")
+    model.opt.gravity[:] = -backwards, 0.0, -9.81
+    data = mujoco.MjData(model)
+    for _ in range(1000):
+        mujoco.mj_step(model, data)
+    up = data.xmat[1].reshape(3, 3)[2, 2]
+    assert (up < np.cos(0.3)) == tips
+
+
+def test_the_command_says_it(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["robot", str(written(tmp_path))]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "lowest part that is no foot: 0.070 m above the ground"
+    assert lines[1].endswith("tips over at 1.6 m/s²")
+    said = json.loads(lines[-1])
+    assert (said["clearance"], said["tips_at"]) == (0.07, 1.64)
