@@ -1,9 +1,9 @@
 """Metric street assets: ontology, index, parametric recipes, collision hulls, export.
 
-What is known of a category stands in `categories`; how a mesh is built in `meshes`, and the recipes in `recipes`; what
-the index and the catalogue hold in `records`; hulls and inertia in `collision`; ground materials and skies in
-`appearances`; thumbnails and galleries in `images`; which asset fits a label, box or crop in `selection`; GLB, MJCF
-and USD in `exporting`, and the user's own files in `importing`.
+Sub-packages: `categories` (ontology, priors, materials), `meshes` (mesh building), `recipes` (one per asset), `records`
+(index and catalogue), `collision` (hulls and inertia), `appearances` (ground materials and skies), `images` (thumbnails
+and galleries), `selection` (assets for a label, box or crop), `exporting` (GLB, MJCF and USD), `importing` (the user's
+own files).
 """
 
 from .categories.ontology import UnknownLabelError, category_of, match_label, nearest_leaves

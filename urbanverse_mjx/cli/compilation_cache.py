@@ -24,7 +24,7 @@ _WRITTEN = 60.0  # s after which a file is whole: JAX writes it in place
 
 def replace_damaged_entries(folder: pathlib.Path) -> None:
     """Renames files of the compilation cache that changed since a command first saw them, and, from now on, those that
-    JAX cannot read: what it compiles takes their place.
+    JAX cannot read, so that newly compiled ones replace them.
 
     Each is one line on standard error, in place of JAX's warning.
 

@@ -7,9 +7,9 @@ When: every crowd step, inside jit.
 
 The method is the published one (van den Berg, Guy, Lin and Manocha, "Reciprocal n-body collision avoidance", 2011,
 sections 5.2 and 5.3): half-planes are added one after the other, and where the optimum so far violates the next one,
-the new optimum lies on its line. Said so, it is a loop of branches. What makes it wide is that the optimum *on* a line,
-under the lines before it, depends on no earlier result: all of them are computed side by side, and what is left of
-the loop is one select a line. The same holds for the three-dimensional program of crowded places, where "the lines
+the new optimum lies on its line. In this form it is a loop of branches. It can be vectorised because the optimum *on* a
+line, under the lines before it, depends on no earlier result: all of them are computed side by side, and what is left
+of the loop is one select a line. The same holds for the three-dimensional program of crowded places, where "the lines
 before" are the bisectors between two violations.
 
 Arrays have the line as their first axis and agents behind it, so that neighbouring agents lie side by side in memory.

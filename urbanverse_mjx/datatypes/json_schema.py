@@ -146,7 +146,7 @@ def _merged(base: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
 
 
 def _meanings(kind: type) -> dict[str, str]:
-    """Field -> what the docstring's `Attributes` say of it; "a, b: ..." is about both, "a: ...; b: ..." about each."""
+    """Field -> its text in the docstring's `Attributes`; "a, b: ..." describes both, "a: ...; b: ..." each."""
     _, _, text = inspect.cleandoc(kind.__doc__ or "").partition("Attributes:")
     names = "|".join(field.name for field in dataclasses.fields(kind))
     parts = re.split(rf"(?:^ *|; )((?:{names})(?:, (?:{names}))*): ", text, flags=re.MULTILINE)

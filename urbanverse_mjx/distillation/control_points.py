@@ -14,9 +14,8 @@ class DriftOptions:
 
     Attributes:
       spacing: frames from one control point to the next.
-      shift_sigma: m from control point to control point that the trajectory is off beside what the turn does to it.
-      turn_sigma: rad by which the turn changes from one to the next.
-      bend_sigma: rad by which that change changes.
+      shift_sigma: m, drift of the position from one control point to the next in addition to the effect of the turn.
+        turn_sigma: rad, change of the turn from one to the next. bend_sigma: rad, change of that change.
     """
 
     spacing: int = 8

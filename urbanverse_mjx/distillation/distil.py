@@ -168,8 +168,8 @@ def _fixed(
     depth: DepthScale,
     alike: np.ndarray,
 ) -> tuple[np.ndarray, fusion.Placed, np.ndarray]:
-    """(m, 4, 4) poses after loops were closed, and then adjusted to what every object's views say, with what follows of
-    them; what was given where neither is of use."""
+    """(m, 4, 4) poses after loop closure and the adjustment to all objects' views, with the derived data; the input
+    poses where neither helps."""
     closed = close_loops(views, placed, object_of_view, poses, alike)
     if closed is not None:
         poses = closed

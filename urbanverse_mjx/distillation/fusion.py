@@ -76,7 +76,7 @@ class Placed:
 
 
 def across_error(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """(n,) m: how far the middle of what a view shows is off the object's middle, beside the error of its depth."""
+    """(n,) m: offset of a view's visible centre from the object's centre, in addition to the error of its depth."""
     return PLACE + 0.15 * np.linalg.norm(high - low, axis=-1)
 
 

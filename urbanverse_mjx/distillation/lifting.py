@@ -73,8 +73,8 @@ class GroundPoints:
 
 @dataclasses.dataclass(frozen=True)
 class Lifted:
-    """All that is read of a recording: views, ground, and depth (m, H / COARSE, W / COARSE) m, 0 = unknown, of the
-    registered frames, to tell what is hidden behind something else."""
+    """The data of a recording: views, ground, and depth (m, H / COARSE, W / COARSE) m, 0 = unknown, of the registered
+    frames, for occlusion tests."""
 
     views: Views
     ground: GroundPoints

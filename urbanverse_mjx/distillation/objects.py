@@ -18,10 +18,9 @@ class ObjectOptions:
     Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
 
     Attributes:
-      missed_odds: by this factor an object is less likely for every frame that should show it and does not: detectors
-        miss a quarter to a half of what they could find, and leaves and railings hide more than one ray tells.
-      size_penalty: by so much (log odds) an object is less likely for every e-fold by which its size differs from any
-        known one, beyond `size_spread`.
+      missed_odds: factor on an object's odds for every frame that should show it and does not: detectors miss a quarter
+        to a half of the visible objects, and leaves and railings hide more than one ray indicates. size_penalty:
+        decrease of the log odds for every e-fold by which its size differs from any known one, beyond `size_spread`.
       size_spread: log ratio by which sizes of partly hidden objects differ.
       min_kinship: labels from this similarity on may mean one object.
       min_similarity: labels from this similarity on are one.
@@ -149,7 +148,7 @@ class Street:
 
 
 def _label(fused: Fused, rows: np.ndarray) -> int:
-    """What the views of an object say that it is, near ones first."""
+    """Labels of an object from its views, near ones first."""
     views = fused.views
     return int(np.bincount(views.label[rows], views.score[rows] / fused.placed.sigma[rows], len(views.labels)).argmax())
 
@@ -187,7 +186,7 @@ def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObj
     views, placed, alike = fused.views, fused.placed, fused.alike
     row = {label: i for i, label in enumerate(views.labels)}
     centers = np.array([t.box.center for t in objects])
-    # What was seen of each, without what was completed.
+    # The visible part of each, without completed sides.
     spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in objects]
     frames = [set(views.frame[t.rows].tolist()) for t in objects]
     kept = set(range(len(objects)))

@@ -83,8 +83,8 @@ def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.nda
     low, high = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
     gap = low - floor
     known = prior.extents[:, 2].max() if len(prior.extents) else 0.0
-    # From far above only where what is known of the label is tall enough to reach down to the ground; what was seen
-    # below it is believed unless depth is as blurred as that.
+    # From far above only where the label's known sizes reach down to the ground; a visible gap below the object is kept
+    # unless the depth error is as large.
     if (
         0 < gap <= _OPTIONS.snap_distance + 2 * box.blur
         or (gap > 0 and high - floor <= 1.2 * known)

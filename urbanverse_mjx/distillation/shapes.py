@@ -1,8 +1,8 @@
 """The heading of an object from the known shapes of its label: the heading at which its points lie on one.
 
-The sides of a box do not tell a walker's front from his side, nor a blob's length from its width; what is known of the
-label does. Points are laid on every known shape under every heading, the shape shifted to fit (iterative closest points
-without a turn; Besl and McKay 1992), and what remains is their mean distance from it, long ones cut off.
+The sides of a box do not distinguish a walker's front from the side, nor a blob's length from its width; known shapes
+of the label do. Points are fitted to every known shape under every heading by a shift (iterative closest points without
+rotation; Besl and McKay 1992). The misfit is their mean distance, with long distances cut off.
 """
 
 import dataclasses

@@ -121,7 +121,7 @@ def rate_at(progress: float, peak: float) -> float:
 
 
 class Frame(NamedTuple):
-    """What was seen in one frame, and what is there: (h, w) classes, owner (-1 = none), depth m (0 = unknown), leaf."""
+    """Prediction and ground truth of one frame: (h, w) classes, owner (-1 = none), depth m (0 = unknown), leaf."""
 
     seen: Decoded
     kinds: np.ndarray
@@ -189,7 +189,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     record = _keep(arguments, learner, progress, record)
     if progress.seconds < 60.0 * arguments.minutes:
         return {**record, "paused_after_s": round(progress.seconds, 1)}
-    # What is scored is what the file holds.
+    # The scores are those of the stored weights.
     variables, _ = weights.load(arguments.out)
     table = evaluate(
         model, variables, test, arguments.test_frames, arguments.test_batch, arguments.seed + 1, arguments.cut
@@ -225,7 +225,7 @@ def _run(
 
 
 def _keep(arguments: argparse.Namespace, learner: Learner, done: Progress, record: dict[str, Any]) -> dict[str, Any]:
-    """Writes the weights and, if asked to, the state; the record as it is written."""
+    """Writes the weights and, on request, the state; returns the written record."""
     record = {**record, "steps": done.steps, "frames": done.steps * arguments.batch, "minutes": arguments.minutes}
     weights.save(arguments.out, learner.average, record)
     if arguments.state is not None:

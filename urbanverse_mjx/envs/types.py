@@ -140,8 +140,8 @@ class Carried:
 
 @runtime_checkable
 class StagedEnv[C](Protocol):
-    """What `registry.load` returns and `wrap_for_training` asks of an environment; C is the state that it carries, a
-    pytree of its own."""
+    """The interface that `registry.load` returns and `wrap_for_training` needs; C is the environment's own carried
+    state, a pytree."""
 
     bank: SceneBank
 

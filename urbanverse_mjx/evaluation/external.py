@@ -17,7 +17,7 @@ from ..datatypes.policy_file import PolicyRecord
 from .agents import BatchAgent, Beginning
 
 IMAGE, PROPRIO, PRIVILEGED = "pixels/front", "proprio", "privileged"
-#: Observations that a policy may ask for, and what one is given that names none: what the robot senses.
+#: Observations that a policy may request, and the default: those of the robot's sensors.
 OBSERVATIONS = (IMAGE, "goal", PROPRIO, PRIVILEGED)
 SENSED = (IMAGE, "goal")
 

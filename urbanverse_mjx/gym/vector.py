@@ -28,9 +28,9 @@ class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
       num_envs: how many.
       preset, config_overrides: see `registry.load`.
       bank: the streets, or a file of them; None: the environment's own.
-      observations: names of what the policy gets; None: all but what begins with "privileged".
-      output: "numpy", "torch" or "jax": what observations, rewards and info are arrays of. With "torch" they share
-        JAX's memory. Actions may be of any of the three.
+      observations: names of what the policy gets; None: all but those that begin with "privileged".
+      output: "numpy", "torch" or "jax": array type of observations, rewards and info. With "torch" they share JAX's
+        memory. Actions may be of any of the three.
       autoreset_mode: of `gymnasium.vector.AutoresetMode`. NEXT_STEP shows the last observation of an episode and begins
         the next with the following step, whose action and reward do not count: one image a step. SAME_STEP begins it
         at once: `info["final_obs"]` and `info["final_info"]` are of the step itself, and the images of a step in

@@ -40,9 +40,9 @@ def clear(
 ) -> Cleared:
     """Ends penetrations.
 
-    Objects are moved by at most `overlap.LIMIT`. Of a pair that stays, the movable one is left out: it would be thrown
-    off as soon as physics runs; two fixed objects may share a little. What is sunk in a pavement and found no place
-    beside it is put on it.
+    Objects are moved by at most `overlap.LIMIT`. Of a remaining pair, the movable one is left out, because contact
+    forces would throw it off; two fixed objects may overlap a little. An object sunk in a pavement without a free place
+    next to it is put on it.
     """
     found = list(bodies)
     left = overlap.resolve(found, support, kerbs=True)

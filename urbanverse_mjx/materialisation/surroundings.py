@@ -141,7 +141,7 @@ def _one_each(ranked: Sequence[RankedAppearance], count: int, seed: int, key: st
 
 
 def identity(graph: SceneGraph, cousin: int, seed: int) -> dict[str, Any]:
-    """The fields of a layout that say of what it is a cousin, and how its sky is turned."""
+    """The fields of a layout with its graph, seed and cousin, and the rotation of its sky."""
     return {
         "id": graph.id if cousin == 0 else f"{graph.id}_cousin{cousin}",
         "graph_id": graph.id,

@@ -1,4 +1,4 @@
-"""What a user asks for, as one Python call each; the `urbanverse` command prints what these return.
+"""The tasks of a user, as one Python call each; the `urbanverse` command prints their results.
 
     from urbanverse_mjx import pipeline
 

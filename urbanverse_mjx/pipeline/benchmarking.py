@@ -157,7 +157,7 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
 
 
 def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
-    """The environment, the policy, whether it is asked outside JAX, its name, and what is recorded of it."""
+    """The environment, the policy, whether it is called outside JAX, its name, and its record."""
     from ..evaluation.agents import BASELINES
     from ..evaluation.planner import Planner
 

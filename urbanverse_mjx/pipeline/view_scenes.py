@@ -20,8 +20,8 @@ class ViewScenes:
     """Scenes by name, opened when they are asked for.
 
     Args:
-      given: names, graph.json files, compiled scene folders or banks that are listed beside what ships and what was
-        built into the cache.
+      given: names, graph.json files, compiled scene folders or banks that are listed with the shipped scenes and those
+        in the cache.
 
     Raises:
       ValidationError: a given scene that there is not.
@@ -38,7 +38,7 @@ class ViewScenes:
 
     @property
     def names(self) -> list[str]:
-        """All that can be opened: what was given, what ships, then what was built."""
+        """All scenes that can be opened: given, shipped, then built ones."""
         return list(dict.fromkeys([*self.first, *self._banks, *self._graphs, *self._folders]))
 
     def cousins(self, name: str) -> int:

@@ -1,4 +1,5 @@
-"""What a robot's MJCF asks MuJoCo to make, before MuJoCo makes it: a few bytes can ask for all of the memory.
+"""Size of the model that a robot's MJCF describes, checked before MuJoCo builds it: a few bytes can require all of the
+memory.
 
 Counted are elements that multiply others (`replicate`, `composite`, `flexcomp`) and images and height fields by their
 sizes, in the file and in those that it includes.

@@ -64,7 +64,7 @@ class CompiledScene:
 
 @dataclasses.dataclass(frozen=True)
 class AssetSource:
-    """What turns a record into what is seen and what is hit, both in the asset frame at scale 1."""
+    """Builds a record's visual mesh and collision hulls, both in the asset frame at scale 1."""
 
     mesh: Callable[[AssetRecord], AssetMesh] = build_mesh
     hulls: Callable[[AssetRecord], HullSet] = load_hulls

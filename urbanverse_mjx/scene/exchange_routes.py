@@ -1,6 +1,6 @@
 """Route files of CraftBench-Nav, format 1 (docs/sources/reference_systems.md b.2), read and written.
 
-`<scene>.json` holds what was annotated; the folder `<scene>/` what was planned from it for one robot: `routes.json`,
+`<scene>.json` holds the annotations; the folder `<scene>/` the routes planned from them for one robot: `routes.json`,
 `<id>.npy` (N x 4 float64: x, y, z, yaw) and `routes.txt`.
 """
 

@@ -1,7 +1,7 @@
 """Stability of a whole scene: all objects without a fixture, also cars and benches, are free bodies for two seconds.
 
-Held are: what hangs (awnings, signs, air conditioners), what is rooted (trees, lamps, bollards), what lives and keeps
-its own balance, and houses, because the ground ends a few metres behind their fronts.
+Fixed are: hanging objects (awnings, signs, air conditioners), anchored ones (trees, lamps, bollards), people and
+animals, which balance actively, and houses, because the ground ends a few metres behind their fronts.
 """
 
 import dataclasses

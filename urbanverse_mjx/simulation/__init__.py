@@ -7,8 +7,8 @@ import warp
 from .kernel_cache import check_kernels
 from .warp_start import start_warp
 
-# Warp, which MJX starts too, tells standard output what it finds and loads. Standard output belongs to commands, whose
-# last line programs read. This must stand before whatever starts Warp.
+# Warp, which MJX starts too, prints its devices and modules to standard output. Programs read the last line of a
+# command's standard output, so this must run before Warp starts.
 warp.config.log_level = warp.LOG_WARNING
 start_warp()
 if warp.config.kernel_cache_dir is not None:

@@ -3,8 +3,8 @@
 In: an engine at the gait's rate, the gait; then `SimState` and the gait's command. Out: `SimState`. When: every control
 step of the navigation policy, inside jit, alone or under any nesting of `jax.vmap`.
 
-A control step is several steps of the gait, each of which feels, thinks and asks the servos, as on the robot. What the
-gait remembers travels in `SimState.carry` behind what the engine below keeps there.
+A control step is several steps of the gait, each with sensing, inference and servo targets, as on the robot. The gait's
+history is in `SimState.carry` behind the data of the engine below.
 """
 
 from typing import Any, NamedTuple

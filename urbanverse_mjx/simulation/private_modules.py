@@ -1,4 +1,4 @@
-"""What to say where another package's private modules are not as ours knew them."""
+"""Error for private modules of another package that have changed."""
 
 from importlib import metadata
 
@@ -10,8 +10,8 @@ def missing(package: str, needed: str, purpose: str, error: ImportError) -> Vali
     """The error for a private module or name of a package that cannot be imported.
 
     Args:
-      package: its distribution's name. needed: versions of it that are known to have what is taken, as pip writes them.
-      purpose: what it is taken for, a plural. error: what the import raised.
+      package: its distribution's name. needed: versions of it that have the imported names, in pip's notation. purpose:
+        their use, a plural. error: of the import.
     """
     try:
         found = f"version {metadata.version(package)}"

@@ -1,4 +1,4 @@
-"""`config.json` of a run folder: what the run trains, its segments, and what a resumed run may change."""
+"""`config.json` of a run folder: settings of the run, its segments, and the settings that a resumed run may change."""
 
 import dataclasses
 import datetime

@@ -96,8 +96,7 @@ def write_rollout_video(
 
     Args:
       path: .mp4 to write.
-      bank, robot: what was simulated.
-      trajectory: an `evaluation.Trajectory`.
+      bank, robot: of the simulation. trajectory: an `evaluation.Trajectory`.
       columns: which envs of it; scenes: their rows of the bank; goals: their (3,) m goals.
       outcomes: how each episode ended, of `datatypes.RESULTS`; it stands in every frame of the episode.
       frames_per_second: the control rate shows it in real time.

@@ -117,7 +117,7 @@ class StoredSheet:
         return np.stack([_sheet(self.name)[uid] for uid in uids])
 
     def problems(self) -> list[str]:
-        """What is wrong with the file as it is now."""
+        """The fault of the file's present contents."""
         _sheet.cache_clear()
         try:
             _sheet(self.name)

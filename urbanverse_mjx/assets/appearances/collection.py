@@ -57,12 +57,9 @@ class Collection[R: Record]:
     """Records in a fixed order with filters, a text query, and thumbnails.
 
     Args:
-      kind: what one record is, for messages.
-      records: at least one.
-      levels: fields that class the records, the wider first.
-      filters: what may be asked for.
-      meanings: field -> what it means, of the fields that no filter speaks of.
-      thumbnails: where thumbnails come from.
+      kind: name of one record, for messages. records: at least one. levels: fields that classify the records, the wider
+        first. filters: by name. meanings: field -> its meaning, of the fields without a filter. thumbnails: their
+        source.
 
     Raises:
       ValidationError: a field of the records that neither a filter nor a meaning explains.

@@ -1,4 +1,4 @@
-"""What is said of an imported asset: by its own annotation file, by a vision model, or by the prior of its leaf.
+"""Annotation of an imported asset: from its own annotation file, a vision model, or the prior of its leaf.
 
 The official annotation JSON of UrbanVerse-100K is read under its own field names and units; fields that this package
 does not use are kept. The leaf's prior and the measured mesh supply missing values.

@@ -188,7 +188,7 @@ def _per_face(vertices: np.ndarray, faces: np.ndarray, colors: np.ndarray) -> tu
 
 
 def _opaque(image: Image.Image) -> np.ndarray:
-    """(H, W, 3) uint8; what is transparent takes the mean colour of what is not."""
+    """(H, W, 3) uint8; transparent pixels take the mean colour of the others."""
     pixels = np.asarray(image.convert("RGBA"), np.float64)
     alpha = pixels[..., 3:] / 255.0
     seen = alpha.sum()

@@ -72,7 +72,7 @@ class Entry:
     """One line of the journal: what came of a file.
 
     Attributes:
-      file: path below the imported folder; key: what the line holds for (content, annotation, options).
+      file: path below the imported folder; key: hash of content, annotation and options.
       uid: of the asset, or None where the file was rejected for `reason` (one of a few words) and `why` (a sentence).
       findings: (name, evidence, fixed) of each corruption.
       notes: what was done or left out.
@@ -129,7 +129,7 @@ def mesh_files(folder: pathlib.Path) -> Iterator[pathlib.Path]:
 
 
 def report(entries: list[Entry]) -> dict[str, Any]:
-    """Counts, what was imported and what was rejected and why, as JSON."""
+    """Counts, imported files, and rejected files with the reason, as JSON."""
     good = [e for e in entries if e.uid]
     bad = [e for e in entries if not e.uid]
     reasons = {reason: sum(e.reason == reason for e in bad) for reason in sorted({e.reason for e in bad})}

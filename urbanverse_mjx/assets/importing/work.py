@@ -1,4 +1,4 @@
-"""What is done with one file, each step in a process of its own (`containment`): make the asset, and draw it."""
+"""The steps for one file, each in a process of its own (`containment`): make the asset, and draw it."""
 
 import dataclasses
 import hashlib
@@ -94,7 +94,7 @@ def make_asset(task: Task) -> Made:
 
 
 def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | None, list[Finding]]:
-    """The leaf that the annotation or the names tell, and a finding where the names alone tell none."""
+    """The leaf from the annotation or the names, and a finding where the names give none."""
     names = [task.path.stem, *source.names, *reversed(pathlib.PurePosixPath(task.name).parts[:-1])]
     named = leaf_in(names)
     told = leaf_in([str(fields["category"])]) if "category" in fields else None
@@ -131,7 +131,7 @@ def _asset_mesh(
     faces = faces[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-12]
     used, faces = np.unique(faces, return_inverse=True)
     mesh = AssetMesh(vertices[used], faces.reshape(-1, 3), uv[used], texture, source.roughness, source.metallic)
-    # What is stored is what is measured: the file's float32 numbers.
+    # The measurements use the stored float32 numbers.
     return read_glb(glb_bytes(mesh))
 
 

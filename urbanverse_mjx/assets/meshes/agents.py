@@ -4,8 +4,8 @@ In:   recipes.
 Out:  `AgentAppearance`s, those of a kind in the order in which agents take them.
 When: when a bank is packed.
 
-Meshes of vehicles are fitted to the sides that their kind has in `crowds.kinds`, so that what is seen is what is
-driven around; people keep their own.
+Meshes of vehicles are fitted to the sides that their kind has in `crowds.kinds`, so that image and avoidance agree;
+people keep their own.
 """
 
 import dataclasses

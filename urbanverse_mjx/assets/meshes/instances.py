@@ -44,8 +44,8 @@ _KNOWN_MIDDLES = frozenset(
 )
 _KNOWN_TOPS = frozenset({"vehicle"})
 _RIGID_MIDDLES = frozenset({"traffic signs", "sports equipments", "animal", "person"})
-# Base shapes whose box comes this near to the best one's are as good; which one is taken then falls to the uid. Shapes
-# that are not bent at all differ by pose (a stride is longer than a stance), so more of a miss is forgiven.
+# Base shapes whose box is this near to the best one's rank equally; the uid decides between them. Shapes that are never
+# stretched differ by pose (a stride is longer than a stance), so their tolerance is larger.
 _MISFIT_RATIO, _RIGID_MISFIT_RATIO = 1.15, 1.6
 LEAST_PAINT = 0.02  # share of the surface below which a colour is a detail that keeps its meaning
 #: Key of `AssetRecord.params` that makes a record an instance.

@@ -1,4 +1,4 @@
-"""The user's own assets: meshes from files, kept in the cache beside an index of their own.
+"""The user's own assets: meshes from files, kept in the cache with an index of their own.
 
 A record whose recipe is `file` names its mesh by `params["path"]`, a GLB below the store's folder, and by the SHA-256
 of that file; its hulls are next to the GLB. `assets.importing` writes the store; this module only reads it.

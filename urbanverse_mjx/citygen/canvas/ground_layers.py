@@ -1,4 +1,4 @@
-"""Ground drawn as a painter draws: what is laid later lies where it lies, and what was there before is cut away.
+"""Ground in layers: a later area keeps its outline, and earlier ones are cut away under it.
 
 The result is regions that tile without overlap: simple rings without holes on a fine raster, neighbours sharing
 their corners.

@@ -169,7 +169,7 @@ def _dropped(strips: _Strips, side: int, middle: float) -> None:
     ramp_a, ramp_b = level + slope * (a - piece.begin), level - slope * (b - piece.begin)
     strips.tilted("sidewalk", piece, [(a - flare, kerb), (a, kerb), (a, top)], -slope, rise, ramp_a)
     strips.tilted("sidewalk", piece, [(b, kerb), (b + flare, kerb), (b, top)], slope, rise, ramp_b)
-    # What is level: the strip behind, and the two corners beside the flares.
+    # The level parts: the strip behind, and the two corners beside the flares.
     ring = [(a - flare, kerb), (a, top), (b, top), (b + flare, kerb), (b + flare, back), (a - flare, back)]
     strips.tilted("sidewalk", piece, ring, 0.0, 0.0, high)
 

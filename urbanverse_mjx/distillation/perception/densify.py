@@ -1,9 +1,9 @@
 """Depth for every pixel: what one image lets guess, held to the reconstruction and to the ground.
 
 * Ground is where the ray meets the level on which its kind lies near the camera.
-* An object keeps the shape that the image lets guess; its distance is the weighted mean (of logarithms) of what the
-  points inside its mask say, of where its foot meets the ground, and of the guess itself.
-* All else takes the guess, scaled as a whole. The sky has no depth.
+* An object keeps the shape of the predicted depth; its distance is the weighted mean (of logarithms) of the points
+  inside its mask, of its contact with the ground, and of the prediction.
+* All other pixels take the prediction, scaled as a whole. The sky has no depth.
 """
 
 import dataclasses

@@ -19,8 +19,8 @@ class MetricOptions:
     Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
 
     Attributes:
-      ranges: camera heights; ground nearer than the first tells how high the camera is; the second where the first
-        holds none. What is nearest is what is walked on, the road beside a pavement lies lower.
+      ranges: camera heights; ground nearer than the first gives the camera's height; the second is used where the first
+        holds none. The nearest ground is the one walked on; the road next to a pavement is lower.
       plane_error: share of the camera's height within which points are on the plane; a kerb of 0.15 m under a camera
         at 1.5 m is within.
       trials: random triples of ground points.

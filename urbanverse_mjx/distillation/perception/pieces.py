@@ -184,7 +184,7 @@ def _speed(piece: Piece, row: int) -> np.ndarray:
 
 
 def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | None:
-    """(4, 4) that lays a piece beside what is joined, at the two frames nearest in time; None where no turn fits.
+    """(4, 4) that aligns a piece with the joined ones, at the two frames nearest in time; None where no turn fits.
 
     Args:
       turned: rad, the turn to take where the surroundings name none.

@@ -69,7 +69,7 @@ _YIQ = np.array([[0.299, 0.587, 0.114], [0.596, -0.274, -0.322], [0.211, -0.523,
 def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) -> jax.Array:
     """An image (H, W, 3) u8 whose regions (H, W) i32 < `regions` each have another hue, saturation and brightness.
 
-    Most of the regions keep about their hue. What an object is, its shape has to say.
+    Most regions keep about their hue; objects have to be recognised by shape.
     """
     keys, of = jax.random.split(key, 5), (regions,)
     turn = jax.random.uniform(keys[0], of, minval=-jnp.pi, maxval=jnp.pi)

@@ -1,5 +1,4 @@
-"""What the perception model tells apart: the sky, the kinds of ground, and groups of the ontology's leaves
-(`classes.json`).
+"""Classes of the perception model: the sky, the kinds of ground, and groups of the ontology's leaves (`classes.json`).
 
 A group has the name of a representative leaf, which the asset search accepts. Within a group the perception model gives
 the most similar leaf of its training set (`shown.json`), because sizes are known by leaf.

@@ -114,7 +114,7 @@ class PerceptionNetwork(nn.Module):
             for i in range(blocks):
                 x = _Block(width, 2 if level > 0 and i == 0 else 1, dtype=self.dtype)(x, train)
             levels.append(x)
-        # What the whole image shows tells a wall beside the camera from one across the street.
+        # Global image features distinguish a wall beside the camera from one across the street.
         whole = nn.relu(nn.Dense(self.widths[-1], dtype=self.dtype)(x.mean((1, 2))))
         x = x + whole[:, None, None]
         for width, skip in zip(_PYRAMID, levels[-2::-1], strict=True):

@@ -28,9 +28,9 @@ class LossOptions:
 
     Attributes:
       small_object: output pixels; objects of fewer have the narrow bump.
-      reference_side: output pixels; an object's pixel weighs this over the side of a square with as many output
-        pixels, times what the ground's weighs: otherwise near objects and houses rule the loss, and poles and far
-        objects are lost in it.
+      reference_side: output pixels; an object's pixel has the ground's weight times this over the side of a square with
+        as many output pixels: otherwise near objects and houses dominate the loss, and poles and far objects have no
+        influence.
       min_weight: bound of that ratio.
       max_weight: bound of that ratio.
       narrow_weight: what a miss near the narrow bump of a small object weighs more: the bump has a quarter of the
@@ -56,9 +56,9 @@ _OPTIONS = LossOptions()
 
 
 class GroundTruth(NamedTuple):
-    """At output size h x w: class (h, w) i32; leaf (h, w) i32, its number in `classes.leaves()`, -1 = none; weight
-    (h, w), what a pixel counts; owner (h, w) i32, the object's slot, -1 = no object; centre (h, w) and what a pixel
-    counts for it; offset (h, w, 2) and the pixels it counts at; log_depth (h, w) and the pixels it counts at."""
+    """At output size h x w: class (h, w) i32; leaf (h, w) i32, its number in `classes.leaves()`, -1 = none; weight (h,
+    w) of a pixel; owner (h, w) i32, the object's slot, -1 = no object; centre (h, w) and its weights; offset (h, w, 2)
+    and the pixels where it applies; log_depth (h, w) and the pixels where it applies."""
 
     classes: jax.Array
     leaf: jax.Array

@@ -77,10 +77,9 @@ class Views:
         """Views of a bank.
 
         Args:
-          appearance: by what share colours and light may differ, see `Renderer`.
-          mixed: share of the roads, pavements and grounds that are laid with some other kind's material, so that
-            paving alone does not say what is driven on.
-          samples: rays per pixel and side, as `capture` films: with one, thin objects are broken into dots.
+          appearance: range of random colours and light, see `Renderer`. mixed: share of the roads, pavements and
+            grounds with another kind's material, so that paving alone does not identify the road. samples: rays per
+            pixel and side, as in `capture`: with one, thin objects break into dots.
         """
         bank = _with_mixed_ground(bank, mixed, np.random.default_rng([seed, 1]))
         renderer = Renderer(

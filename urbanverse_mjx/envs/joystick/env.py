@@ -81,13 +81,11 @@ class GaitState(Carried, _GaitFields):
 class JoystickEnv(StagedBase[GaitState]):
     """Walks with the commanded velocity; every env on ground of its own kind and level.
 
-    Observation (dict):
-      history: (H * (9 + 3 J),) f32, the last H steps of `robots.gait.sensor_frame`, newest first, with noise: what a
-        real robot's sensors tell, no velocity and no ground.
-      privileged: (P,) f32 for critics and tests only.
-    Action: (J,) in [-1, 1], joint angles about the standing pose by `config.action_scale` rad, for position servos.
-    Reward: the control step times the sum of `reward_config.scales` times `terms.terms`.
-    Ends: FALL (tilt or trunk on the ground), NON_FINITE, TIMEOUT (also at the rim of a scene; a truncation).
+    Observation (dict): history: (H * (9 + 3 J),) f32, the last H steps of `robots.gait.sensor_frame`, newest first,
+    with noise: readings of a real robot's sensors, without velocity and ground. privileged: (P,) f32 for critics and
+    tests only. Action: (J,) in [-1, 1], joint angles about the standing pose by `config.action_scale` rad, for position
+    servos. Reward: the control step times the sum of `reward_config.scales` times `terms.terms`. Ends: FALL (tilt or
+    trunk on the ground), NON_FINITE, TIMEOUT (also at the rim of a scene; a truncation).
 
         env = registry.load("Go2Joystick", config_overrides={"preset": "cpu"}, bank=terrain_bank())
     """
@@ -250,7 +248,7 @@ class JoystickEnv(StagedBase[GaitState]):
         return self.engine.init(scene, jnp.concatenate([place, rotations.from_yaw(yaw), joints]), qvel)
 
     def _frame(self, sim: SimState, command: jax.Array, action: jax.Array, body: Body, key: jax.Array) -> jax.Array:
-        """(9 + 3 J,) what the sensors say of a state, with their noise."""
+        """(9 + 3 J,) sensor readings of a state, with noise."""
         sensed = self._sensed(sim) + draw_noise(key, self._config.noise, self._legs.number)
         n = self._legs.number
         joints = sensed[6 : 6 + n] + body.joint_bias - self._legs.stand

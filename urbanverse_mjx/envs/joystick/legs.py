@@ -10,7 +10,7 @@ from ...geometry import rotations
 
 
 class Legs:
-    """What the env asks of a robot's model: joints, servos and feet, all constant arrays.
+    """Data of a robot's model for the env: joints, servos and feet, all constant arrays.
 
     Raises:
       ValidationError: servos that are no position servos, one for each joint in order.

@@ -63,7 +63,8 @@ def _paper() -> ConfigDict:
                 "shadows": False,
                 "shading": "pbr",
             },
-            # What a policy, a teacher or an auxiliary loss may see beside pixels, goal and privileged (`NavEnv`).
+            # Further observations for a policy, a teacher or an auxiliary loss, besides pixels, goal and privileged
+            # (`NavEnv`).
             "observations": {"proprio": False, "privileged_map": False},
             "reward_config": {
                 "multiply_by_dt": False,

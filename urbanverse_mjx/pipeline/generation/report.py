@@ -1,4 +1,4 @@
-"""`report.html`: what a run saw, chose and built, with images."""
+"""`report.html`: detected objects, chosen assets and built scenes of a run, with images."""
 
 import colorsys
 import hashlib

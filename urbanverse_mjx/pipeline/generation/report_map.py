@@ -11,7 +11,7 @@ from ...viz.graphs import GROUND_COLOURS
 
 #: m of a cell of the image from above, and every how many pixels and frames the recording is read.
 CELL, PIXEL_STRIDE, MOST_FRAMES = 0.1, 3, 60
-#: m: what is farther from the camera is too coarse for cells of 10 cm; what is higher over it hides the street.
+#: m: points farther from the camera are too coarse for cells of 10 cm; points higher above it hide the street.
 FAR, HIGH = 25.0, 1.0
 _MARGIN = 2.0  # m around the ground
 

@@ -1,7 +1,7 @@
 """The folder of one run, with a record of finished stages, so that a killed run can continue.
 
-`run.json` holds for every finished stage the key of what it was made from (its options, and the key of the stage
-before). A stage whose key and files are there is not done again. Files appear whole or not at all.
+`run.json` holds for every finished stage the key of its inputs (its options, and the key of the previous stage). A
+stage whose key and files exist is skipped. Files are written atomically.
 """
 
 import contextlib

@@ -51,7 +51,7 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
       folder: of the recording, some 30 MB. length: m of street.
 
     Raises:
-      ValidationError: a profile that asks for what the asset index does not hold, or a capture that saw no ground.
+      ValidationError: a profile with records that are not in the asset index, or a capture without ground.
     """
     ground_truth = block(profile, seed, name, length)
     layout = materialise_cousins(ground_truth, 1, kerb=0.0)[0].layout

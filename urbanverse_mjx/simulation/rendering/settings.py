@@ -1,4 +1,4 @@
-"""What the renderer is asked for, and the constants of its images."""
+"""Options of the renderer, and the constants of its images."""
 
 import dataclasses
 

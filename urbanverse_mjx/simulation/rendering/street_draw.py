@@ -1,4 +1,4 @@
-"""The kernel that draws still streets, specialised on what is asked for."""
+"""The kernel that draws static streets, specialised on the requested outputs and options."""
 
 # Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false

@@ -68,7 +68,7 @@ def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple
       masks: (k, H, W) bool. score: (k,).
 
     Returns:
-      (H, W) i32 row of what is kept, -1 = none; and (n,) the numbers of what is kept, surest first.
+      (H, W) i32 row of the kept detection, -1 = none; and (n,) the numbers of the kept ones, highest score first.
     """
     area = masks.sum((1, 2))
     image = np.full(masks.shape[1:], -1, np.int32)
