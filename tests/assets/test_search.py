@@ -102,7 +102,7 @@ def test_any_filter_is_quick_once_its_column_is_decoded(objects: ObjectLibrary) 
         ({"surface_finish": "shiny"}, "'shiny'"),
         ({"affordances": []}, "an empty list"),
         ({"categories": "qwertz"}, "qwertz"),
-        ({"quality_range": (5, 10)}, "nobody has rated"),
+        ({"quality_range": (5, 10)}, "no quality rating"),
     ],
 )
 def test_wrong_filters_are_refused(objects: ObjectLibrary, conditions: dict, said: str) -> None:

@@ -85,9 +85,9 @@ def test_objects_stand_where_an_edge_says():
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda c: c.put("bench", 10.0, 4.0), "half over a kerb"),
+        (lambda c: c.put("bench", 10.0, 4.0), "across a kerb"),
         (lambda c: (c.put("sedan", 5.0, 0.0), c.put("sedan", 6.0, 0.0)), "share"),
-        (lambda c: c.put("chair", 50.0, 8.0), "beside the ground"),
+        (lambda c: c.put("chair", 50.0, 8.0), "outside the ground"),
         (lambda c: c.put("chair", 10.0, 8.0, above=0.1), "off the ground"),
         (lambda c: c.put("wall", 10.0, 8.0, size=(0.3, 7.9, 2.0)), "blocked"),
     ],

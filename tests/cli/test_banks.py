@@ -68,7 +68,7 @@ def test_a_wrong_bank_under_the_shipped_name_is_built_anew(builds, small_bank, t
     path = settings.shipped_bank_path()
     small_bank.save(path)
     wrong = path.read_bytes()
-    with pytest.raises(ValidationError, match=r"found other scenes than its name says.*urbanverse scene bank"):
+    with pytest.raises(ValidationError, match=r"found other scenes than those in its name.*urbanverse scene bank"):
         registry.load_default_bank()
     assert main(["scene", "bank", "--quiet"]) == 0
     captured = capsys.readouterr()

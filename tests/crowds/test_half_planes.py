@@ -183,7 +183,5 @@ def test_a_pair_shares_the_change_it_needs() -> None:
 
 def test_walkers_come_before_vehicles() -> None:
     kinds = [KINDS[name] for name in ("pedestrian", "car", "scooter")]
-    with pytest.raises(
-        ValidationError, match="found a scooter after a car, needed those who walk before those who roll"
-    ):
+    with pytest.raises(ValidationError, match="found a scooter after a car, needed walkers before wheeled kinds"):
         traits_of(kinds)

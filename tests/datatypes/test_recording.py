@@ -122,7 +122,7 @@ def test_an_interrupted_writer_leaves_no_recording(tmp_path: pathlib.Path) -> No
 def test_pictures_that_are_of_no_recording_are_never_removed(tmp_path: pathlib.Path) -> None:
     (tmp_path / "rgb").mkdir()
     (tmp_path / "rgb" / "holiday.jpg").write_text("mine")
-    with pytest.raises(ValidationError, match="files of somebody else"):
+    with pytest.raises(ValidationError, match="files that are not of a recording"):
         RecordingWriter(tmp_path, "walk", SOURCE, CAMERA)
     assert [p.name for p in tmp_path.rglob("*")] == ["rgb", "holiday.jpg"]
 

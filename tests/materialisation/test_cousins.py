@@ -162,7 +162,7 @@ def test_every_node_is_placed_or_named_with_a_reason():
         assert gone.keys() == {"what", "ground", "again"}
         assert "no leaf" in gone["what"]
         assert "regions" in gone["ground"]
-        assert "the same thing" in gone["again"]
+        assert "the same object" in gone["again"]
 
 
 def test_nothing_shares_a_place_and_moves_are_small(cousins):

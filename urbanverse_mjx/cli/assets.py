@@ -38,7 +38,7 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
     records = index.by_label(label)
     print(f"{label!r} is the leaf {leaf!r}")
     if records and index.stand_in(leaf) != leaf:
-        print(f"no asset of this leaf yet; {index.stand_in(leaf)!r} stands in for it")
+        print(f"no asset of this leaf yet; {index.stand_in(leaf)!r} is used instead")
     _print_table(records)
     if not records:
         near = difflib.get_close_matches(leaf, index.leaves, n=3, cutoff=0.0)

@@ -19,10 +19,10 @@ from .packages import MAKERS, missing
 
 #: Command -> (module below `urbanverse_mjx.cli`, one line for --help).
 COMMANDS = {
-    "train": ("train", "train a policy and evaluate it on streets it has never seen"),
+    "train": ("train", "train a policy and evaluate it on held-out streets"),
     "evaluate": ("evaluate", "run a trained or scripted policy over fixed episodes and write a report"),
     "benchmark": ("benchmark", "score a policy on a frozen benchmark"),
-    "view": ("view", "look at streets and policies in a web page"),
+    "view": ("view", "show streets and policies in a web page"),
     "play": ("play", "drive one episode and write it as a video"),
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "export-onnx": ("export_onnx", "write a trained policy as an ONNX file, with how it is driven in its metadata"),

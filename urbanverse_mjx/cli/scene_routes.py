@@ -21,7 +21,7 @@ class RoutesArgs:
     out: pathlib.Path
     """Folder to write: maps/<scene>/, routes/<scene>.json and routes/<scene>/ of every scene."""
     robot: str = "delivery"
-    """Whom the routes are for: delivery, quadruped or wheelchair."""
+    """Kind of robot for the routes: delivery, quadruped or wheelchair."""
     annotations: pathlib.Path | None = None
     """Folder of <scene>.json files, starts and goals to plan; none: twelve routes are chosen."""
     seed: int = 0

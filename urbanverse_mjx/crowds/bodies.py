@@ -96,7 +96,7 @@ def num_wheeled(kinds: Sequence[AgentKind]) -> int:
         first = rolls.index(True)
         late = kinds[rolls.index(False, first)].name
         found = f"a {late} after a {kinds[first].name}"
-        raise v.fail("crowd kinds", found, "those who walk before those who roll", "sort them by `kind.wheeled`")
+        raise v.fail("crowd kinds", found, "walkers before wheeled kinds", "sort them by `kind.wheeled`")
     return sum(rolls)
 
 

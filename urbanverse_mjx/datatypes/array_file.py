@@ -50,11 +50,11 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
     with archive.open(entry) as file:
         shape, _, dtype = _HEADERS[np.lib.format.read_magic(file)](file)
         if math.prod(shape) * dtype.itemsize != entry.file_size - file.tell():
-            raise ValueError(f"{entry.filename} does not have the size that its header tells")
+            raise ValueError(f"{entry.filename} does not have the size that its header gives")
         file.seek(0)
         array = np.lib.format.read_array(file, allow_pickle=False)
         if file.read():
-            raise ValueError(f"{entry.filename} goes on after its end")
+            raise ValueError(f"{entry.filename} has data after its end")
     return array
 
 

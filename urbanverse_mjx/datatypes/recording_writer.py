@@ -64,7 +64,9 @@ class RecordingWriter:
         for kind in () if ours else _KINDS:
             if (self.folder / kind).exists():
                 needed = "an empty folder, or one with a recording"
-                raise v.fail(str(self.folder / kind), "files of somebody else", needed, "choose another folder")
+                raise v.fail(
+                    str(self.folder / kind), "files that are not of a recording", needed, "choose another folder"
+                )
         self.folder.mkdir(parents=True, exist_ok=True)
         (self.folder / _UNFINISHED).touch()
         (self.folder / FILE).unlink(missing_ok=True)

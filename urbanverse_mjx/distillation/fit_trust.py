@@ -59,7 +59,7 @@ def fit(evidence: np.ndarray, is_right: np.ndarray) -> np.ndarray:
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m urbanverse_mjx.distillation.fit_trust", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("--streets", type=pathlib.Path, required=True, help="bank of streets to look at")
+    parser.add_argument("--streets", type=pathlib.Path, required=True, help="bank of streets")
     parser.add_argument("--weights", type=pathlib.Path, help="default: the shipped ones")
     parser.add_argument("--frames", type=int, default=48)
     parser.add_argument("--batch", type=int, default=4)
@@ -76,7 +76,7 @@ def main(argv: list[str] | None = None) -> int:
         ]
         if not parts:
             raise ValidationError(
-                f"{arguments.streets}: found nothing in {arguments.frames} frames, needed objects; add frames."
+                f"{arguments.streets}: found no objects in {arguments.frames} frames, needed objects; add frames."
             )
     except ValidationError as error:
         sys.stderr.write(f"error: {error}\n")

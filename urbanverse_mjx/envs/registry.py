@@ -244,7 +244,7 @@ def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
         raise ValidationError(f"scene bank: found none at {path}, needed one; run `{command}`.")
     bank = SceneBank.load(path)
     if keyed and bank.key != settings.bank_key(path):
-        raise ValidationError(f"{path}: found other scenes than its name says, needed those; run `{command}`.")
+        raise ValidationError(f"{path}: found other scenes than those in its name, needed those; run `{command}`.")
     return bank
 
 

@@ -115,7 +115,7 @@ def to_markdown(title: str, tables: Mapping[str, Mapping[str, Table]], by_scenes
 
 _HEADINGS = {
     "ends": "## Episodes end at contact",
-    "goes_on": "## Episodes go on after contact",
+    "goes_on": "## Episodes continue after contact",
 }
 
 

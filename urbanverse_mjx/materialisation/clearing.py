@@ -81,6 +81,6 @@ def found_twice(graph_objects: Sequence[GraphObject]) -> list[LeftOut]:
         shared = boxes[i].intersection(boxes[j]).area / min(boxes[i].area, boxes[j].area)
         if shared > SAME_PLACE:
             k, kept = (i, b) if (a.score, b.id) < (b.score, a.id) else (j, a)
-            reason = f"it shares {100 * shared:.0f} % of its ground with {kept.id!r}, which is the same thing"
+            reason = f"it shares {100 * shared:.0f} % of its ground with {kept.id!r}, which is the same object"
             doubles[k] = LeftOut(graph_objects[k].id, graph_objects[k].label, reason)
     return list(doubles.values())

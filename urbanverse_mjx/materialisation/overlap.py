@@ -112,7 +112,7 @@ def prisms_of(placed: PlacedObject, hulls: HullSet) -> list[Prism]:
     if not shapes:
         where = f"object {placed.id!r} ({placed.asset_uid})"
         raise v.fail(
-            where, "hulls without area seen from above", "at least one solid hull", "rebuild the asset's hulls"
+            where, "hulls without area in the ground plane", "at least one solid hull", "rebuild the asset's hulls"
         )
     return shapes
 

@@ -115,7 +115,7 @@ def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank
     """
     key = settings.bank_key(path)
     if path.is_file():
-        reason = f"{path}: found other scenes than its name says"
+        reason = f"{path}: found other scenes than those in its name"
         try:
             bank = SceneBank.load(path)
             if bank.key == key:

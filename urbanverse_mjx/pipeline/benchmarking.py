@@ -20,7 +20,7 @@ class BenchmarkOptions:
     """What is driven, and how."""
 
     policy: str = "planner"
-    """zero, random, go_to_goal, planner (told of the whole scene), a policy folder, module:callable, FILE.onnx."""
+    """zero, random, go_to_goal, planner (which has the whole scene), a policy folder, module:callable, FILE.onnx."""
     protocol: Literal["paper", "full"] = "paper"
     """paper: 5 runs over ten scenes; full: every frozen episode of every scene, intervals over scenes."""
     contact: Literal["both", "ends", "goes_on"] = "both"
@@ -148,7 +148,7 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
         "full": "Means over episodes ± standard error, [95 % interval], both from a bootstrap over scenes.",
     }[runs.kind]
     if privileged:
-        how += "\n\nprivileged: true. The policy is told what no sensor of the robot measures."
+        how += "\n\nprivileged: true. The policy has data that no sensor of the robot measures."
     if options.env_overrides:
         how += f"\n\nConfig overrides: `{json.dumps(dict(options.env_overrides))}`."
     page = benchmark.to_markdown(title, tables, scenes, how)

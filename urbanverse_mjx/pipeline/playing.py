@@ -37,7 +37,7 @@ class PlayOptions:
     num_episodes: int = 2
     """Episodes that are driven; all are in the video but for --only-successes and --shown."""
     only_successes: bool = False
-    """Leave out of the video what did not end at its goal."""
+    """Leave episodes that did not reach their goal out of the video."""
     shown: int | None = None
     """At most so many episodes in the video, drawn at random with --seed."""
     seed: int = 0
@@ -50,7 +50,7 @@ class PlayOptions:
     quality: float = 7.0
     """Of the video, 0 to 10."""
     html: pathlib.Path | None = None
-    """Also write the first episode of the video as one HTML file, in which one can look around; not with --fps."""
+    """Also write the first episode of the video as one interactive HTML file; not with --fps."""
     quiet: bool = False
     """No progress bars."""
 

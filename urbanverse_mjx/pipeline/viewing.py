@@ -22,7 +22,7 @@ class ViewOptions:
     """What the page shows first, and where it is served."""
 
     policy: str = "planner"
-    """zero, random, go_to_goal, planner (told of the whole scene), a policy or run folder, or FILE.onnx."""
+    """zero, random, go_to_goal, planner (which has the whole scene), a policy or run folder, or FILE.onnx."""
     env_name: str | None = None
     """Whose robot is driven; default: the policy's own, else CocoNav."""
     robots: int = 1

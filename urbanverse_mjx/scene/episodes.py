@@ -97,7 +97,7 @@ def build_episodes(
         drives = drive(starts, [row.path for row in batch])
         chosen += [(r, s, d) for r, s, d in zip(batch, starts, drives, strict=True) if d.seconds >= 0]
     if len(chosen) < MIN_ROWS:
-        raise _no_room(f"{len(chosen)} ways of {rules.distance[0]:g}-{rules.distance[1]:g} m that a robot can drive")
+        raise _no_room(f"{len(chosen)} routes of {rules.distance[0]:g}-{rules.distance[1]:g} m that a robot can drive")
     return _table(space, chosen, rules)
 
 

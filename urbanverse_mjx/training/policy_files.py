@@ -40,13 +40,13 @@ def check(path: pathlib.Path) -> None:
         return  # from before there were checksums, or no policy, for which its reader gives the better error
     files = body.get("files")
     if not isinstance(files, dict) or body.get("checksum") != _checksum(body):
-        raise v.fail(str(path), "other content than its checksum says", _NEEDED)
+        raise v.fail(str(path), "content that does not match its checksum", _NEEDED)
     for name, digest in files.items():
         file = path.parent / name
         if not file.is_file():
             raise v.fail(str(file), "no such file", _NEEDED)
         if _digest(file) != digest:
-            raise v.fail(str(file), "other content than its checksum says", _NEEDED)
+            raise v.fail(str(file), "content that does not match its checksum", _NEEDED)
 
 
 def _checksum(body: Mapping[str, Any]) -> str:

@@ -99,7 +99,7 @@ def train(
     start, params = _start_of(folder, resume, env)
     if start_from is not None:
         if resume:
-            raise ValidationError("--start-from: found it beside --resume, needed one of them.")
+            raise ValidationError("--start-from: found it together with --resume, needed one of them.")
         params = load_compatible(start_from, env, ppo_config)
     total = int(ppo_config.num_timesteps)
     if start >= total:
@@ -171,7 +171,7 @@ def join_processes(coordinator: str, num_processes: int | None, process_id: int 
     if num_processes is None or process_id is None:
         raise ValidationError(
             f"--coordinator: found {coordinator!r} without --num-processes and --process-id, needed all three, or "
-            "'auto' on a cluster that JAX knows."
+            "'auto' on a cluster that JAX detects."
         )
     v.integer(num_processes, "--num-processes", 1)
     v.integer(process_id, "--process-id", 0, num_processes - 1)

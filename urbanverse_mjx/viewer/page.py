@@ -254,7 +254,7 @@ class Page:
             self._play = gui.add_button("Play")
             self._forward = gui.add_button("Step")
             self._restart = gui.add_button("Begin again")
-            self._time = gui.add_slider("frame", 0, 1, 1, 0, hint="Of what was driven so far; Play goes on from here.")
+            self._time = gui.add_slider("frame", 0, 1, 1, 0, hint="Step of the drive so far; Play continues from here.")
             self._speed = gui.add_dropdown("speed", SPEEDS)
             self._view = gui.add_dropdown("view", VIEWS)
         with gui.add_folder("Robot's camera"):

@@ -27,7 +27,7 @@ def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
         turn = Rotation.from_quat(bank.slot_quaternion[scene, slot], scalar_first=True)
         corners.append(turn.apply(vertices) + bank.slot_position[scene, slot])
     if not corners:
-        raise ValidationError(f"scene {scene}: found nothing to see; needed at least one slot; rebuild the bank")
+        raise ValidationError(f"scene {scene}: found no visual objects; needed at least one; rebuild the bank")
     points = np.concatenate(corners)
     return np.stack([points.min(0), points.max(0)])
 

@@ -147,7 +147,7 @@ _SKY_FILTERS = as_filters(
         "times": ("time", "words", "time of day"),
         "kinds": ("kind", "words", "kind of sky"),
         "weathers": ("weather", "words", "narrower kind"),
-        "horizons": ("horizon", "words", "what stands far away"),
+        "horizons": ("horizon", "words", "distant silhouette at the horizon"),
         "sun_elevation_range": ("sun_elevation", "range", "height of the sun (at night of the moon), degrees"),
         "turbidity_range": ("turbidity", "range", "haze: 1 pure air, 6 smog"),
         "cover_range": ("cover", "range", "share of the sky under clouds"),

@@ -78,7 +78,7 @@ class Collection[R: Record]:
         known = {f.field for f in filters} | set(meanings)
         stray = [name for name in dataclasses.asdict(records[0]) if name not in known]  # pyright: ignore[reportArgumentType]
         if stray:
-            raise v.fail(f"field of a {kind}", repr(stray[0]), "a meaning", "add one beside the filters")
+            raise v.fail(f"field of a {kind}", repr(stray[0]), "a meaning", "add one next to the filters")
 
     def get_uids_all(self) -> list[str]:
         """Every uid, in the table's order."""

@@ -180,7 +180,7 @@ def _bad_mesh(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findi
     # The area vectors of a closed surface sum to zero; an open underside is harmless.
     missing = float(np.linalg.norm(shape.area_vectors.sum(0)[:2]) / shape.areas.sum())
     if missing > HALF_OPEN and _flatness(row) > BOARD:
-        yield Finding(BAD_MESH, f"a side of it is missing ({missing:.0%} of its surface is faced by nothing)")
+        yield Finding(BAD_MESH, f"a side of it is missing ({missing:.0%} of its surface has no opposite face)")
 
 
 def _textured(source: Source) -> bool:

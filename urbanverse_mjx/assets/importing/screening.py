@@ -59,11 +59,13 @@ def inside(folder: pathlib.Path, base: pathlib.Path, name: str) -> pathlib.Path:
     """
     if "\0" in name or re.match(r"^[A-Za-z][\w+.-]*:", name) or name.startswith(("/", "\\", "~")):
         raise RefusedFileError(
-            "path trick", f"asks for the file {name[:80]!r}; needed one beside it, by a relative path"
+            "path trick", f"refers to the file {name[:80]!r}; needed one in its folder, by a relative path"
         )
     path = (base / name.replace("\\", "/")).resolve()
     if not path.is_relative_to(folder.resolve()):
-        raise RefusedFileError("path trick", f"asks for the file {name[:80]!r}, which lies outside the imported folder")
+        raise RefusedFileError(
+            "path trick", f"refers to the file {name[:80]!r}, which lies outside the imported folder"
+        )
     return path
 
 
@@ -112,13 +114,13 @@ def _glb_json(path: pathlib.Path, limits: Limits) -> tuple[bytes, int]:
         if magic != b"glTF" or version != 2 or kind != b"JSON":
             raise RefusedFileError("malformed", "does not begin as a GLB 2.0 file does")
         if length > size or 20 + json_length > size:
-            raise RefusedFileError("truncated", f"holds {size} bytes and says it has {max(length, 20 + json_length)}")
+            raise RefusedFileError("truncated", f"holds {size} bytes, its header gives {max(length, 20 + json_length)}")
         if json_length > limits.json_bytes:
             raise RefusedFileError("too large", f"holds {json_length} bytes of JSON")
         text, chunk = file.read(json_length), file.read(8)
         binary = struct.unpack("<I", chunk[:4])[0] if len(chunk) == 8 else 0
         if 28 + json_length + binary > size and binary:
-            raise RefusedFileError("truncated", f"holds {size} bytes, its binary chunk alone says {binary}")
+            raise RefusedFileError("truncated", f"holds {size} bytes, its binary chunk alone needs {binary}")
     return text, binary
 
 
@@ -203,10 +205,10 @@ def _screen_buffers(
         else:
             file = inside(folder, path.parent, urllib.parse.unquote(uri))
             if not file.is_file():
-                raise RefusedFileError("missing file", f"asks for the file {uri[:80]!r}, which is not there")
+                raise RefusedFileError("missing file", f"refers to the file {uri[:80]!r}, which does not exist")
             held = file.stat().st_size
         if held < length:
-            raise RefusedFileError("truncated", f"has a buffer {k} of {held} bytes and says it has {length}")
+            raise RefusedFileError("truncated", f"has a buffer {k} of {held} bytes, declared with {length}")
         lengths.append(length)
     views = []
     for k, view in enumerate(_rows(tree, "bufferViews")):

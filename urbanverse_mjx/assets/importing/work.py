@@ -101,7 +101,7 @@ def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | 
     if told:
         if named:
             return told, []
-        return told, [Finding(NAMES, f"{task.path.name!r} names no leaf; its annotation says {told!r}", fixed=True)]
+        return told, [Finding(NAMES, f"{task.path.name!r} names no leaf; its annotation gives {told!r}", fixed=True)]
     if named:
         return named, []
     inner = ", ".join(repr(n[:40]) for n in source.names[:3])

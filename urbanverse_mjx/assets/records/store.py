@@ -132,7 +132,7 @@ def record_of(row: Mapping[str, Any]) -> AssetRecord:
     if row["recipe"] is None:
         raise ValidationError(
             f"asset {row['uid']!r}: found no base shape of {row['category']!r}, needed a recipe for that leaf; "
-            "choose another leaf, or one that stands in for it (`AssetIndex.by_label`)."
+            "choose another leaf, or its substitute (`AssetIndex.by_label`)."
         )
     return AssetRecord(
         uid=row["uid"],

@@ -49,7 +49,7 @@ LISTS: Mapping[str, tuple[str, int | None]] = {
     "dominant_colors": ("colors", 2),
 }
 #: Official filters that no record of ours can answer, and why.
-UNANSWERED = {"quality_range": "nobody has rated the quality of these meshes; leave it out"}
+UNANSWERED = {"quality_range": "these meshes have no quality rating; omit this filter"}
 
 
 class ObjectLibrary:

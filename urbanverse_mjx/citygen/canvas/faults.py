@@ -32,9 +32,9 @@ def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: flo
         if abs(foot(stage, obj)) > 2e-3:
             found.append(f"{obj.id} stands {foot(stage, obj):.2f} m off the ground")
         if not _carried(stage, obj):
-            found.append(f"{obj.id} stands beside the ground")
+            found.append(f"{obj.id} stands outside the ground")
         elif _astride(stage, obj):
-            found.append(f"{obj.id} stands half over a kerb")
+            found.append(f"{obj.id} stands across a kerb")
     return found + _touching(standing) + _blocked(stage, standing, trajectory, width)
 
 

@@ -49,7 +49,7 @@ def _leaf(name: str) -> _Leaf:
     records = index.by_leaf(name)
     if not records:
         raise ValidationError(
-            f"stock: found no shape of {name!r}, needed a leaf of the asset index; look for it with search."
+            f"stock: found no shape of {name!r}, needed a leaf of the asset index; try `urbanverse assets search`."
         )
     shapes = [shape_of(r) for r in records]
     place = {shape.uid: k for k, shape in enumerate(shapes)}

@@ -64,7 +64,9 @@ def slot_kinds(config: ConfigDict) -> tuple[str, ...]:
             )
     names = [name for name in KINDS for _ in range(config.slots.get(name, 0))]
     if not names:
-        raise ValidationError("config.crowd.slots: found nobody, needed an agent; set scenario to 'static' for none.")
+        raise ValidationError(
+            "config.crowd.slots: found no agent, needed at least one; set scenario to 'static' for none."
+        )
     return tuple(sorted(names, key=lambda name: KINDS[name].wheeled))
 
 

@@ -172,5 +172,5 @@ def run_source(job: Job) -> Outcome:
     start = time.perf_counter()
     command = [sys.executable, "-m", one_source.__name__, one_source.argument(job, os.getpid())]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    words = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode} and said nothing"])[-1]
+    words = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode} without a message"])[-1]
     return Outcome(done.returncode, words[-_LAST_WORDS:], round(time.perf_counter() - start, 3))

@@ -195,7 +195,7 @@ def _left_out(record: Mapping[str, Any]) -> str:
         for gone in cousin["left_out"]:
             reasons.setdefault((gone["id"], gone["label"], gone["reason"]), []).append(k)
     if not reasons:
-        return "<h2>Left out</h2><p>Nothing: every node of the graph stands in every cousin.</p>"
+        return "<h2>Left out</h2><p>None: every node of the graph is placed in every cousin.</p>"
     rows = [(*map(html.escape, key), ", ".join(map(str, ks))) for key, ks in reasons.items()]
     return f"<h2>Left out</h2>{_table(('node', 'label', 'because', 'in cousins'), rows)}"
 

@@ -151,9 +151,7 @@ class Renderer:
           "normal" (H, W, 3) f32.
         """
         if self.camera is None:
-            raise ValidationError(
-                "renderer: found no robot; needed one to look through its camera; call `view` instead"
-            )
+            raise ValidationError("renderer: found no robot; needed one with a camera; call `view` instead")
         xpos, xquat = jnp.asarray(xpos, jnp.float32), jnp.asarray(xquat, jnp.float32)
         body = self.camera.body
         camera_position = xpos[body] + rotations.rotate(xquat[body], jnp.asarray(self.camera.position))

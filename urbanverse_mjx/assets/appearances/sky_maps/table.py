@@ -87,7 +87,7 @@ class SkyRecord:
       sun_elevation, sun_azimuth: of the sun (at night the moon), degrees; azimuth counter-clockwise from +x.
       turbidity: 1 for pure air, 1.6 clear (optical depth of haze 0.065 at 550 nm), 6 smog.
       cover: share of the sky under clouds.
-      horizon: what stands far away: plain, hills, trees, town or towers; snow: whether the land is white.
+      horizon: distant silhouette: plain, hills, trees, town or towers; snow: whether the land is white.
       exposure: brightness of a white surface on the image.
     """
 
