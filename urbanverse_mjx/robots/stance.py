@@ -1,8 +1,6 @@
-"""How a robot stands on level ground: what may touch the ground by mistake, and how soon it tips over.
+"""How a robot stands on level ground: clearance of parts other than feet, and the limit of tipping over.
 
-In:   `RobotSpec`.
-Out:  `Stance`.
-When: when a robot is described; nothing of it is needed to simulate.
+In:   `RobotSpec`. Out:  `Stance`. When: when a robot is described; simulation does not need it.
 """
 
 import dataclasses
@@ -15,7 +13,7 @@ from ..datatypes import RobotSpec
 from .description import at_rest
 
 #: m; feet at most this much above the lowest one carry the robot.
-_SETTLES = 0.01
+_SUPPORT_HEIGHT = 0.01
 _GRAVITY = 9.81
 
 
@@ -24,7 +22,7 @@ class Stance:
     """A robot at rest.
 
     Attributes:
-      clearance: m, of the lowest collision sphere that is no foot above the ground; below 0 it hits the ground at once.
+      clearance: m, of the lowest collision sphere other than feet above the ground; below 0 it hits the ground at once.
         None where every collision sphere is a foot.
       margin: m, of the centre of mass inside the area between the feet, seen from above; below 0 the robot falls over.
       height: m, of the centre of mass above the ground.
@@ -41,7 +39,7 @@ class Stance:
 
 
 def stance(robot: RobotSpec) -> Stance:
-    """How a robot stands in its first keyframe, or where its MJCF puts it."""
+    """The stance of a robot in its first keyframe, or in the pose of its MJCF."""
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     data = at_rest(model)
     mujoco.mj_comPos(model, data)
@@ -51,7 +49,7 @@ def stance(robot: RobotSpec) -> Stance:
     others = [g for g in np.flatnonzero(model.geom_conaffinity) if g not in feet]
     root = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, robot.root_body)
     centre = data.subtree_com[root]
-    carrying = np.array([data.geom_xpos[g, :2] for g in feet if bottom[g] <= ground + _SETTLES])
+    carrying = np.array([data.geom_xpos[g, :2] for g in feet if bottom[g] <= ground + _SUPPORT_HEIGHT])
     return Stance(
         clearance=min((float(bottom[g] - ground) for g in others), default=None),
         margin=_inside(carrying, centre[:2]),
