@@ -125,6 +125,7 @@ def test_a_policy_that_knows_movable_objects_is_evaluated_to_its_report(
     assert set(summary) == {"untrained", "trained", "go_to_goal", "trained_blank_image"}
     report = BenchmarkReport.load(tmp_path / "report.json")
     assert len(report.episodes) == 8
+    assert report.title.endswith("2 fixed episodes"), "streets that it was trained on are not called unseen"
     assert (report.episodes[0].people_distance is not None) == dynamic
 
 
@@ -167,6 +168,7 @@ def test_a_scripted_policy_is_evaluated_by_its_name(
     report = BenchmarkReport.load(tmp_path / "report.json")
     assert {r.agent for r in report.episodes} == {name}
     assert report.record["privileged"] is (name == "planner")
+    assert report.title.endswith("3 fixed episodes on unseen streets")
 
 
 def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:

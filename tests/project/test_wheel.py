@@ -17,6 +17,7 @@ def test_a_wheel_holds_every_file_of_the_package_and_its_data() -> None:
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert own - packed == set()
+    assert "urbanverse_mjx/py.typed" in packed, "type checkers read no annotations of a package without it"
     assert {pathlib.PurePosixPath(path).suffix for path in own} >= {".py", ".toml", ".json", ".npz", ".xml"}
     for name in ("assets_index/index.parquet", "assets_index/hulls/hulls.npz", "benchmarks/protocols/shipped.json"):
         assert (ROOT / name).is_file()

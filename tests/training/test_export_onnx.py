@@ -124,6 +124,8 @@ def test_the_metadata_say_how_the_file_is_driven(files) -> None:
     assert by_name["pixels/front"].dtype == "uint8"
     assert "field of view of" in by_name["pixels/front"].meaning
     assert (by_name["goal"].unit, by_name["action"].unit) == ("m", "m")
+    assert all(t.normalisation for t in by_name.values()), "what the caller scales, or none"
+    assert by_name["pixels/front"].normalisation == "none: the network scales it"
     assert record.rate_hz == 5.0
     assert record.env_config["observations"]["proprio"] is True
     assert 0.0 < record.largest_difference <= 1e-5

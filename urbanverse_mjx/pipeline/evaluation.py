@@ -183,7 +183,8 @@ def evaluate_policy(
         **({"overrides": overrides} if overrides else {}),
         "hashes": bank.meta.get("hashes", {}),
     }
-    report = make_report(f"{entrants.environment}: {num_episodes} fixed episodes on unseen streets", results, record)
+    where = " on unseen streets" if scenes == "test" else ""
+    report = make_report(f"{entrants.environment}: {num_episodes} fixed episodes{where}", results, record)
     write_report(report, folder)
     if video:
         own = [r for r in results if r.agent == entrants.name]
