@@ -72,7 +72,7 @@ def results_as_completed(
       (number of the task, its result), as they end.
 
     Raises:
-      Exception: what a task raised; those that have not begun are then left out.
+      Exception: that of a task; tasks that have not begun are then dropped.
     """
     workers = min(workers, len(tasks))
     if workers <= 1:

@@ -14,7 +14,7 @@ from rich.text import Text
 #: s between two lines where standard error is no terminal: a log without output for longer looks like a hang.
 LINE_EVERY = 10.0
 
-#: Takes what is done and the total, where that is known by now.
+#: Takes the amount done and the total, if known.
 Report = Callable[..., None]
 
 
@@ -80,7 +80,7 @@ class Progress:
         self._bars.stop()
 
     def task(self, name: str, total: float | None = None, done: float = 0, unit: str = "", note: str = "") -> Report:
-        """Begins a task; the function returned takes (done, total=None, note=None), and keeps what is None."""
+        """Begins a task; the function returned takes (done, total=None, note=None), where None keeps the value."""
         task = self._bars.add_task(name, total=total, unit=unit, note=note)
         self._bars.update(task, completed=done)
         self._tasks[task] = time.monotonic()

@@ -43,7 +43,7 @@ def cache_dir(*parts: str) -> pathlib.Path:
 
 
 def use_compilation_cache() -> pathlib.Path:
-    """Lets JAX keep what it compiles in the cache folder, at most 4 GiB of it, and read it in later processes. Call it
+    """Lets JAX keep compiled programs in the cache folder, at most 4 GiB of it, and read it in later processes. Call it
     before JAX is imported; values of the environment have priority.
 
     Returns:

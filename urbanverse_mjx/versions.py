@@ -32,7 +32,7 @@ def _below(package: str, *names: str) -> tuple[str, ...]:
 
 
 CODE: Mapping[str, Code] = {
-    # What everything else is made with.
+    # The base of all other versions.
     "datatypes": Code(1, ("datatypes", "geometry")),
     # Base meshes, by recipe and variant.
     "meshes": Code(
@@ -45,7 +45,7 @@ CODE: Mapping[str, Code] = {
         ),
         ("datatypes",),
     ),
-    # The records of all assets, their hulls, and what an instance makes of its base shape.
+    # The records of all assets, their hulls, and the scaling of instances.
     "catalogue": Code(
         1,
         (
@@ -124,7 +124,7 @@ CODE: Mapping[str, Code] = {
 
 
 def of(*names: str) -> dict[str, int]:
-    """The versions of some code and of all that it uses, by name: what a key holds in place of that code.
+    """The versions of some code and of all that it uses, by name: which a key holds instead of that code.
 
     Raises:
       KeyError: no code of that name.

@@ -98,7 +98,7 @@ def is_unfinished(folder: pathlib.Path, place: pathlib.Path) -> bool:
 
 
 def _put_back(left: pathlib.Path) -> None:
-    """What `replacing_folder` put aside in its folder `.NAME-xxxxxxxx`, as NAME."""
+    """The old folder that `replacing_folder` moved to `.NAME-xxxxxxxx`, as NAME."""
     target = left.with_name(left.name[1 : -_RANDOM - 1])
     if left.name.startswith(".") and not target.exists() and (left / _OLD).is_dir():
         (left / _OLD).rename(target)

@@ -25,7 +25,7 @@ _FLIP = np.diag([1.0, -1.0, -1.0])
 
 @dataclasses.dataclass(frozen=True)
 class FilmOptions:
-    """What is filmed.
+    """Options of a capture.
 
     Attributes:
       width, height: pixels; fovy: rad, vertical field of view (50° and 16:9 see 79° wide, as an action camera does).
@@ -59,9 +59,7 @@ def film_scene(
     """Films one scene; `truth.json` in the recording's folder holds the true graph of its objects and ground.
 
     Args:
-      bank, scene: what is filmed.
-      folder: of the recording.
-      path: where the camera goes; options of `walk`, or the path itself.
+      bank, scene: to film. folder: of the recording. path: of the camera; options of `walk`, or the path itself.
       options: size, field of view and quality.
       progress: called with (frames done, frames in all).
 

@@ -13,7 +13,7 @@ from .street import CELL, StreetGrid, street_grid
 
 @dataclasses.dataclass(frozen=True)
 class WalkOptions:
-    """How near to objects a walker goes and how smoothly; set by hand.
+    """How near to objects a walker goes and how smoothly; chosen manually.
 
     Attributes:
       min_clearance: m, least distance to objects: half a shoulder's width and a hand. comfort_clearance: m: paths

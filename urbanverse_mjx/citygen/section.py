@@ -37,7 +37,7 @@ class StreetSection:
       carriageway: m, width of the road between the kerbs.
       left, right: m, widths of the pavements at y > 0 and y < 0.
       crosswalks: x of the crosswalks' middles, ascending.
-      start, end: what the street meets at x = 0 and x = length: a paved court closed by houses, or a cross road.
+      start, end: of the street at x = 0 and x = length: a paved court closed by houses, or a cross road.
       left_park, right_park: m of open ground between a pavement and the house fronts.
       yards: whether the strip that the house fronts stand on is open ground (front yards) or paved.
     """
@@ -147,7 +147,7 @@ def _pavement(section: StreetSection, side: int) -> list[GroundRegion]:
 
 
 def _end(section: StreetSection, at_end: bool) -> list[GroundRegion]:
-    """What lies across one end: a court or a cross road with its far pavement, and the lot of the houses behind."""
+    """The ground across one end: a court or a cross road with its far pavement, and the lot of the houses behind."""
     kind = section.end if at_end else section.start
     name = "end" if at_end else "start"
     right, left = -section.front(-1), section.front(1)

@@ -29,7 +29,7 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
     """Show which leaf a label of a scene graph is matched to, and the base shapes it may become.
 
     Args:
-      label: what a detector or a person calls the object, e.g. "trash can".
+      label: name of the object from a detector or a person, e.g. "trash can".
     """
     from ..assets import load_index, match_label
 
@@ -101,7 +101,7 @@ def search(
 
 
 def explain(field: Annotated[str, tyro.conf.Positional], library: Kind = "object") -> None:
-    """Say what a field of an annotation means, its unit and where its values come from.
+    """Explain a field of an annotation: its meaning, unit and source.
 
     Args:
       field: its name, e.g. "required_force", or "turbidity" of a sky.
@@ -127,10 +127,10 @@ def match(label: Annotated[str, tyro.conf.Positional], size: tuple[float, float,
 
 
 def check(repair: bool = False) -> None:
-    """Check what is built of the index on this machine.
+    """Check the built parts of the index on this machine.
 
     Args:
-      repair: also make anew what is damaged.
+      repair: also rebuild damaged parts.
     """
     from ..assets.selection import integrity, libraries
 

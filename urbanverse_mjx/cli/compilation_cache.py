@@ -1,4 +1,4 @@
-"""What JAX keeps of its compilations, where one of these files is damaged.
+"""Handles damaged files of JAX's compilation cache.
 
 JAX detects a truncated file and compiles its program again, but neither replaces nor names the file, so every later
 process would compile again, with a warning. It detects a changed bit only where it packs files with zlib; zstd's files,

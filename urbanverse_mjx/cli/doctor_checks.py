@@ -1,6 +1,6 @@
 """The checks of `urbanverse doctor`; `python -m urbanverse_mjx.cli.doctor_checks NAME` runs one and prints JSON.
 
-A check imports what it examines inside its function, makes it do a small piece of real work, and returns a
+A check imports the examined package inside its function, makes it do a small piece of real work, and returns a
 `Finding` or raises; an exception becomes a finding with the command that fixes the package.
 """
 
@@ -37,7 +37,7 @@ _SCENE = """
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """What a check found: `status`, one line of `detail`, and the command (or step) that fixes it."""
+    """The result of a check: `status`, one line of `detail`, and the command (or step) that fixes it."""
 
     status: Literal["ok", "missing", "problem"]
     detail: str
@@ -46,7 +46,7 @@ class Finding:
 
 @dataclasses.dataclass(frozen=True)
 class Check:
-    """A check and what stands behind it: the package to install, and whether the main job needs it."""
+    """A check, the package to install, and whether `make train` needs it."""
 
     run: Callable[[], Finding]
     package: str | None
@@ -221,7 +221,7 @@ def check_brax() -> Finding:
     from ..training import brax_compat
 
     brax_compat.load_ppo()
-    # What Brax's PPO calls first, gone from JAX since 0.10 and put back by brax_compat.
+    # The first call of Brax's PPO, removed from JAX in 0.10 and added by brax_compat.
     copies = jax.device_put_replicated(jnp.arange(3.0), jax.local_devices())
     if copies.shape != (jax.local_device_count(), 3):
         return Finding("problem", f"{_version('brax')}: parameters are not copied to every device", reinstall("jax"))

@@ -25,7 +25,7 @@ class Bodies(NamedTuple):
 
 
 class PreferredVelocity(NamedTuple):
-    """What agents would do if they were alone; every array (A, E) f32.
+    """Preferred motion of agents; every array (A, E) f32.
 
     Attributes:
       x, y: m/s, preferred velocity.
@@ -39,7 +39,7 @@ class PreferredVelocity(NamedTuple):
 
 
 class Traits(NamedTuple):
-    """Parameters of bodies; every array (B, E) f32, or bool where it says so. See `AgentKind` for the meaning.
+    """Parameters of bodies; every array (B, E) f32, or bool where stated. See `AgentKind` for the meaning.
 
     Attributes:
       present: bool; an absent body does not move and others ignore it.

@@ -28,11 +28,11 @@ class CrossingOptions:
     """How walkers and drivers meet at crosswalks.
 
     The clearance time is the Highway Capacity Manual's (2000), braking is half of AASHTO's 3.4 m/s² for
-    emergencies; the others are set by hand.
+    emergencies; the others are chosen manually.
 
     Attributes:
       decision_distance: m ahead at which a walker decides at the kerb.
-      clearance_time: s, what a walker adds to the time it needs: start-up and end clearance.
+      clearance_time: s, added to the walker's crossing time: start-up and end clearance.
       stopped_speed: m/s; slower vehicles have stopped for a walker.
       stop_distance: m, kept between a stopped vehicle's front and the crosswalk.
       braking: m/s², how a vehicle brakes for a walker.

@@ -72,7 +72,7 @@ class Crowd(NamedTuple):
 
 
 class CrowdTables(NamedTuple):
-    """What a bank's scenes mean to a crowd: flats and free ground by surface, routes by group, crosswalks."""
+    """A crowd's tables of a bank's scenes: flats and free ground by surface, routes by group, crosswalks."""
 
     flats: dict[str, flats.Flats]
     ground: dict[str, open_ground.OpenGround]

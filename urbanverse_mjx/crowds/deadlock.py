@@ -33,7 +33,7 @@ RIGHT = 0.8
 
 @dataclasses.dataclass(frozen=True)
 class DeadlockOptions:
-    """When a blocked walker steps aside; set by hand.
+    """When a blocked walker steps aside; chosen manually.
 
     Attributes:
       first_share: share of the preferred velocity that must be missing before an agent steps aside. full_share: share

@@ -1,4 +1,4 @@
-"""Where road users may be: what a scene's ground and hulls leave free for each surface.
+"""Where road users may be: a scene's free ground without hulls, for each surface.
 
 In:   a `SceneBank`.
 Out:  `FreeSpace`, a boolean map of one scene and surface.
@@ -18,8 +18,7 @@ from .kinds import SURFACES
 
 #: m, side of a cell: two cells of the scene's map.
 CELL = 0.1
-#: m above the ground: what hangs higher is walked under (the hulls of tree crowns reach down to 1.64 m), what is
-#: lower is walked over.
+#: m above the ground: people walk under higher hulls (those of tree crowns reach down to 1.64 m) and over lower ones.
 HEADROOM, KICKED = 1.6, 0.05
 
 

@@ -108,9 +108,9 @@ def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tu
 def towards_walls(outward: tuple[Any, Any], space: Any, radius: Any, horizon: Any) -> HalfPlanes:
     """Velocities that keep a disc on the free side of flats for `horizon` seconds.
 
-    These are the published half-planes for what stands still, taken at rest (van den Berg et al. 2011, section 5.1:
-    no share is left to the other side, and standing still is always permitted, so that these lines never exclude
-    each other).
+    These are the published half-planes for static obstacles, taken at rest (van den Berg et al. 2011, section 5.1: no
+    share is left to the other side, and standing still is always permitted, so that these lines never exclude each
+    other).
 
     Args:
       outward: (M, ...) unit vector from the free side into the flat.

@@ -19,8 +19,7 @@ class AgentKind:
     """One kind of road user. Its body is a capsule: a disc drawn along a segment (a disc where half_length is 0).
 
     Attributes:
-      name: what it is.
-      surface: row of `SURFACES`.
+      name: of the kind. surface: row of `SURFACES`.
       radius: m. half_length: m, from the centre to the centre of the front disc.
       margin: m, kept free around the body where there is room.
       speed: m/s, mean of the preferred speed over people; spread: m/s, its standard deviation.

@@ -1,4 +1,4 @@
-"""Vehicles drive no faster than they can stop for what is in the lane ahead of them.
+"""Limits the speed of vehicles so that they can stop for obstacles in their lane.
 
 In:   preferred velocities, bodies.
 Out:  preferred velocities.
@@ -12,7 +12,7 @@ import jax.numpy as jnp
 
 from .bodies import Bodies, PreferredVelocity, Traits
 
-#: m that a vehicle keeps to what it stops for.
+#: m between a standing vehicle and its obstacle.
 BUMPER = 0.4
 
 

@@ -27,7 +27,7 @@ from .linear_program import HalfPlanes
 
 @dataclasses.dataclass(frozen=True)
 class MotionOptions:
-    """Which controls of a vehicle are tried, and what each costs; set by hand.
+    """Which controls of a vehicle are tried, and what each costs; chosen manually.
 
     One m/s off the preferred velocity costs at most twice the speed (17 m²/s² for a car), so that violations come
     first: walls, then others, then the preferred velocity.

@@ -1,8 +1,7 @@
 """One step of the crowd: find neighbours, choose a velocity, move.
 
-In:   bodies, what they are like, where each would like to go, the walls around each.
-Out:  the bodies `dt` later.
-When: every crowd step, inside jit; per env, alone or under `jax.vmap`.
+In: bodies, their parameters and preferred velocities, the walls around each. Out:  the bodies `dt` later. When: every
+crowd step, inside jit; per env, alone or under `jax.vmap`.
 """
 
 import dataclasses
@@ -38,7 +37,7 @@ class Grid:
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """What is fixed when the step is compiled.
+    """Options that are fixed when the step is compiled.
 
     Attributes:
       dt: s, length of a step.

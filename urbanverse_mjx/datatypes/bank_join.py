@@ -23,7 +23,7 @@ _STARTS = {
     "mesh_face_start": "mesh_faces",
     "texture_start": "texture_data",
 }
-#: What an empty place holds, where it is not 0.
+#: Fill values of padding, where not 0.
 _EMPTY = {
     "inst_hull": -1,
     "inst_object": -1,

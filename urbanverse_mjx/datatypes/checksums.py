@@ -13,8 +13,8 @@ def changed_groups(
 ) -> dict[pathlib.Path, pathlib.Path]:
     """Which groups of files below a folder hold one that is empty or has other bytes than when it was first seen.
 
-    A file that is seen for the first time is trusted and noted; what is gone, and the files of a changed group, are
-    forgotten: whatever takes their place may have other bytes.
+    A new file is trusted and recorded; missing files, and those of a changed group, are removed from the record, since
+    their replacements may differ.
 
     Args:
       groups: name of a group -> its files. record: the JSON file with the checksums; where it cannot be read or written

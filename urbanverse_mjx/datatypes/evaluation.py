@@ -1,4 +1,4 @@
-"""`EpisodeResult` (what one rollout did) and `BenchmarkReport` (many of them, summed up, with their record)."""
+"""`EpisodeResult` (of one rollout) and `BenchmarkReport` (a summary of many, with their record)."""
 
 import dataclasses
 from typing import Any, ClassVar, Self
@@ -96,8 +96,7 @@ class BenchmarkReport(JsonDatatype):
     """Results of several agents on the same episodes.
 
     Attributes:
-      title: what was measured.
-      summary: agent -> metric -> {"mean", "low", "high"} (95 % interval) or a number.
+      title: of the report. summary: agent -> metric -> {"mean", "low", "high"} (95 % interval) or a number.
       episodes: every episode.
       record: everything that made them: versions, configs, hashes, seeds, command.
     """

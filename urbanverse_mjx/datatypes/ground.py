@@ -1,4 +1,4 @@
-"""Kinds of ground and what they mean to physics and to a robot on the pavement.
+"""Kinds of ground and their meaning for physics and for a robot on the pavement.
 
 The numbers index `SceneBank.map_kind` and `maps.npz`; the names are those of CraftBench-Nav's maps
 (docs/sources/reference_systems.md b.2), so that its routes and maps can be exchanged.

@@ -1,4 +1,4 @@
-"""What datatypes whose file form is one JSON object have in common."""
+"""Base of datatypes whose file form is one JSON object."""
 
 import abc
 import os
@@ -37,6 +37,6 @@ class JsonDatatype(abc.ABC):
         """Reads a file.
 
         Raises:
-          ValidationError: no such file, or what is in it is not one.
+          ValidationError: no such file, or invalid contents.
         """
         return cls.from_json(v.read_json(path, cls.KIND))

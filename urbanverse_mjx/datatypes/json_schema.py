@@ -138,7 +138,7 @@ def _of(hint: Any) -> dict[str, Any]:
 
 
 def _merged(base: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
-    """Two schemas in one; what is inside `items` is merged, too."""
+    """Two schemas in one; `items` are merged too."""
     out = {**base, **more}
     if isinstance(base.get("items"), dict) and isinstance(more.get("items"), dict):
         out["items"] = _merged(base["items"], more["items"])

@@ -1,4 +1,4 @@
-"""`LabelPrior`: what is known about objects of one label before one of them is seen."""
+"""`LabelPrior`: prior knowledge about objects of one label."""
 
 import dataclasses
 

@@ -27,7 +27,7 @@ def package(name: str, where: str, extra: str, instead: str = "") -> Any:
 
 
 def weights[Model](load: Callable[[], Model], where: str, name: str, needed: str) -> Model:
-    """What `load` makes of the weights of a name or folder.
+    """The result of `load` for the weights of a name or folder.
 
     Raises:
       ValidationError: there are none.

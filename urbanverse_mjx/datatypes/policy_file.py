@@ -10,7 +10,7 @@ from . import validation as v
 SCHEMA = "urbanverse.onnx/1"
 #: Key of the record among an ONNX file's metadata.
 METADATA_KEY = "urbanverse"
-#: What the name of an input gets in front of it to name the output that is fed back to it at the next step.
+#: Prefix of an input's name for the output that is fed back to it at the next step.
 NEXT = "next_"
 #: Length of the first axis, which counts robots, in `TensorRecord.shape`.
 BATCH = "n"
@@ -45,7 +45,7 @@ class PolicyRecord:
 
     Attributes:
       inputs, outputs: in the file's order. An input X with an output `next_`X is memory: zeros when an episode begins,
-        then what the step before answered.
+        then the output of the previous step.
       rate_hz: control steps per second.
       environment, env_config: the task it was trained for, as `registry.load` takes it.
       steps: env-steps of its training. versions: of the packages that trained it.

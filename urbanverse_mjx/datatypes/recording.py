@@ -81,7 +81,7 @@ class Detection:
 
 @dataclasses.dataclass(frozen=True)
 class Frame:
-    """One image and what is known about it.
+    """One image and its data.
 
     Attributes:
       time_s: s since the first frame of the video.

@@ -59,7 +59,7 @@ class RecordingWriter:
             ) from error
 
     def _empty(self) -> None:
-        """Makes the folder, without what an earlier recording or one that was interrupted left there."""
+        """Makes the folder, and removes files of an earlier or interrupted recording there."""
         ours = any((self.folder / name).is_file() for name in (FILE, _UNFINISHED))
         for kind in () if ours else _KINDS:
             if (self.folder / kind).exists():

@@ -1,4 +1,4 @@
-"""`RobotSpec`: a robot as data. What one needs beside the MJCF to drive it, stream slots around it and judge hits."""
+"""`RobotSpec`: a robot as data: the MJCF, and parameters for driving, collision slots and hits."""
 
 import dataclasses
 from collections.abc import Callable

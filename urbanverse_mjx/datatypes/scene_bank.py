@@ -22,7 +22,7 @@ from .asset import MAX_HULL_VERTICES
 from .bank_checks import check_bank
 
 SCHEMA = "urbanverse.scene_bank/1"
-#: What scenes are for: to train on; to choose presets, checkpoints and ablations; to report.
+#: Purposes of scenes: training; choice of presets, checkpoints and ablations; reports.
 SPLITS = ("train", "validation", "test")
 MAX_HULL_TRIANGLES = 2 * MAX_HULL_VERTICES - 4
 
@@ -49,9 +49,8 @@ class SceneBank:
       prism_hull (Z, P) i32, prism_position (Z, P, 3) f32 (no rotation), prism_friction (Z, P) f32,
       prism_kind (Z, P) i32.
 
-    Grids that say which hulls and prisms may matter near a place (built for `grid_reach` metres):
-      grid_origin (Z, 2) f32 lower corner, grid_cell () f32 m, hull_grid (Z, X, Y, L) i32 and
-      prism_grid (Z, X, Y, G) i32: instance numbers, -1 = empty.
+    Grids of the hulls and prisms near each place (built for `grid_reach` metres): grid_origin (Z, 2) f32 lower corner,
+    grid_cell () f32 m, hull_grid (Z, X, Y, L) i32 and prism_grid (Z, X, Y, G) i32: instance numbers, -1 = empty.
 
     Map: map_kind (Z, MX, MY) u8 over `ground.GROUND_KINDS`, map_origin (Z, 2) f32, map_resolution () f32 m;
       cell (i, j) covers origin + [i, i+1) x [j, j+1) cells.
@@ -60,18 +59,15 @@ class SceneBank:
       episode_waypoints (Z, E, W, 3) f32 every 5 m along the geodesic, the last is the goal and repeats;
       episode_num_waypoints (Z, E) i32; episode_length (Z, E) f32 geodesic m; num_episodes (Z,) i32.
 
-    What is seen:
-      mesh_vertices (ΣV, 3) f32, mesh_uv (ΣV, 2) f32, mesh_faces (ΣF, 3) i32 (indices local to the mesh),
-      mesh_vertex_start (M+1,) i32, mesh_face_start (M+1,) i32, mesh_material (M,) i32;
-      material_texture (K,) i32 (-1 none), material_rgba (K, 4) f32, material_roughness (K,) f32,
-      material_metallic (K,) f32; texture_data (bytes,) u8, texture_start (number+1,) i64,
-      texture_shape (number, 3) i32;
-      slot_mesh (Z, N) i32 (-1 empty), slot_position (Z, N, 3) f32, slot_quaternion (Z, N, 4) f32 wxyz,
-      slot_category (Z, N) i32: row of `meta["categories"]`. Slots keep one spatial order (along the street)
-      in every scene; slots of ground regions come after the objects.
+    Visual data: mesh_vertices (ΣV, 3) f32, mesh_uv (ΣV, 2) f32, mesh_faces (ΣF, 3) i32 (indices local to the mesh),
+    mesh_vertex_start (M+1,) i32, mesh_face_start (M+1,) i32, mesh_material (M,) i32; material_texture (K,) i32 (-1
+    none), material_rgba (K, 4) f32, material_roughness (K,) f32, material_metallic (K,) f32; texture_data (bytes,) u8,
+    texture_start (number+1,) i64, texture_shape (number, 3) i32; slot_mesh (Z, N) i32 (-1 empty), slot_position (Z, N,
+    3) f32, slot_quaternion (Z, N, 4) f32 wxyz, slot_category (Z, N) i32: row of `meta["categories"]`. Slots keep one
+    spatial order (along the street) in every scene; slots of ground regions come after the objects.
 
-    What can be pushed: slot_movable (Z, N) u8, 1 where the object of a slot is, with its hulls (`inst_object`) and the
-      uniform density that slot_mass (Z, N) f32 kg (0 = empty or ground) gives them.
+    Movable objects: slot_movable (Z, N) u8, 1 where the object of a slot is, with its hulls (`inst_object`) and the
+    uniform density that slot_mass (Z, N) f32 kg (0 = empty or ground) gives them.
 
     Skies: sky_radiance (S, HS, WS, 3) f32 equirectangular, rows from zenith to nadir, column 0 at yaw -π growing
       counter-clockwise, the sun's disc taken out; sky_sun_direction (S, 3) f32 unit, from the ground to the sun;
@@ -158,7 +154,7 @@ class SceneBank:
 
     @property
     def key(self) -> str:
-        """What `settings` names a bank in the cache by; empty in other banks."""
+        """The key by which `settings` names a bank in the cache; empty in other banks."""
         return self.meta.get("key", "")
 
     @property

@@ -1,4 +1,4 @@
-"""`SceneGraph`: what a street holds, before any asset is chosen. File: `graph.json`."""
+"""`SceneGraph`: objects and ground of a street, before any asset is chosen. File: `graph.json`."""
 
 import dataclasses
 from typing import Any, ClassVar, Self

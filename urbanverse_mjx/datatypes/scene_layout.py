@@ -97,7 +97,7 @@ class PlacedGround:
 
 @dataclasses.dataclass(frozen=True)
 class SceneLayout(JsonDatatype):
-    """One cousin of a graph: what stands where, on which ground, under which sky.
+    """One cousin of a graph: placed assets, ground materials and the sky.
 
     Attributes:
       id: scene id; cousins of one graph differ in their suffix.

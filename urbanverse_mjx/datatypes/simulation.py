@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Contacts(NamedTuple):
-    """What touched what during the last control step.
+    """Contacts during the last control step.
 
     Attributes:
       hit: () bool, any robot geom touched an object or an agent, or a geom that is no foot touched the ground.
@@ -35,7 +35,7 @@ class Contacts(NamedTuple):
 
 
 class AgentShapes(NamedTuple):
-    """What A agents are to a robot that runs into them: upright prisms over a disc drawn along the heading; (A,) m.
+    """Collision bodies of A agents: upright prisms over a disc extended along the heading; (A,) m.
 
     Attributes:
       radius: of the disc. half_length: from the middle to the centre of the front disc. height: above the ground.
@@ -90,7 +90,7 @@ class SimState(NamedTuple):
       contacts: see `Contacts`.
       slot_overflow: () i32, hulls within reach that found no slot in the last step, and pairs of a robot's sphere and
         a hull that may have touched and found no place among the contacts.
-      carry: whatever else the engine needs to go on, such as the solver's warm start.
+      carry: further state of the engine, such as the solver's warm start.
       friction_scale: () f32, factor on the friction of every contact of the robot; 1 in a new state.
       mass_scale: () f32, factor on mass and inertia of every body of the robot; 1 in a new state. How softly contacts
         and joint limits give way stays that of the robot as it is described.

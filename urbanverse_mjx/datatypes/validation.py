@@ -49,7 +49,7 @@ def text(value: Any, where: str, allow_empty: bool = False) -> str:
         raise fail(where, "an empty text", "a text of at least one character")
     if len(value) > MAX_TEXT:
         raise fail(where, f"a text of {len(value)} characters", f"at most {MAX_TEXT}")
-    # What XML 1.0 cannot hold, section 2.2.
+    # Characters that XML 1.0 forbids, section 2.2.
     if any(ord(c) < 32 or 0xD7FF < ord(c) < 0xE000 or c in "\ufffe\uffff" for c in value):
         raise fail(where, show(value), "a text without control characters", "XML and file names cannot hold them")
     return value
@@ -226,7 +226,7 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
     """Calls `write(temporary_path)` beside `path`, then renames: readers never see half a file.
 
     The content is on the disk before the name is, and both are when this returns: a power failure leaves the old file
-    or the new one. What killed processes left in the folder half written goes after a day.
+    or the new one. Partly written files of killed processes in the folder are removed after a day.
     """
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

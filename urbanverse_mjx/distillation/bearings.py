@@ -2,11 +2,11 @@
 bends.
 
 Odometry that turns a little too far with every step leads the lines of sight to one object past each other. So poses
-(shifts and turns at control points, `control_points`) and the places of objects are found together that bring every
-view's direction and distance nearest to what was seen: a bundle adjustment (Triggs et al., "Bundle Adjustment - A
-Modern Synthesis", 2000) whose points are whole objects. What faces the camera is nearer than an object's middle; by how
-much is unknown for each object and found with it, or distances would shrink the path. Outliers (views of another
-object, half hidden ones) are outvoted as in `drift`.
+(shifts and turns at control points, `control_points`) and the places of objects are found together that minimise the
+errors of every view's direction and distance: a bundle adjustment (Triggs et al., "Bundle Adjustment - A Modern
+Synthesis", 2000) whose points are whole objects. What faces the camera is nearer than an object's middle; by how much
+is unknown for each object and found with it, or distances would shrink the path. Outliers (views of another object,
+half hidden ones) are outvoted as in `drift`.
 """
 
 import dataclasses
@@ -21,9 +21,9 @@ from .lifting import Views
 
 @dataclasses.dataclass(frozen=True)
 class BearingOptions:
-    """How far directions and distances of views are believed, and when poses follow them.
+    """Weights of directions and distances of views, and the condition for adjusting poses.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       max_size: m; larger objects are not used, because their apparent centre depends on the visible side.
@@ -146,7 +146,7 @@ def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, sca
 def _whole_objects(
     views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: DepthScale, least: int
 ) -> "_Problem | None":
-    """What is seen whole of small objects, each in `least` views or more; None where these are too few."""
+    """Views of whole small objects, each in `least` views or more; None where these are too few."""
     seen = measure(views, poses, depth.scale)
     whole = ~views.clipped[:, :2].any(1) & (seen.width < _OPTIONS.max_size)
     counts = np.bincount(object_of_view[whole], minlength=int(object_of_view.max(initial=-1)) + 1)
@@ -169,8 +169,8 @@ class _Solution:
 
 
 class _Problem:
-    """Unknown are the correction at the control points and, for every object, its place (x, y) and how much of it is
-    behind what is seen (m). Gauss-Newton with Geman-McClure weights; objects are eliminated (Schur's complement)."""
+    """Unknown are the correction at the control points and, for every object, its place (x, y) and its extent behind
+    the visible surface (m). Gauss-Newton with Geman-McClure weights; objects are eliminated (Schur's complement)."""
 
     def __init__(self, seen: Bearings, which: np.ndarray, poses: np.ndarray, noise: float) -> None:
         self.seen, self.which, self.poses = seen, which, poses

@@ -24,7 +24,7 @@ _BINS = 128
 class BoxOptions:
     """How the box of an object follows from its points and from the known sizes of its label.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       side_ratio: known extents that differ by more than this factor decide which of two sides is the heading.
@@ -60,8 +60,8 @@ _OPTIONS = BoxOptions()
 @dataclasses.dataclass(frozen=True)
 class Box:
     """center (3,), size (3,) m along the heading, across, up; yaw rad; sigma m of the centre; blur m, error of the
-    depth in its nearest view; completed: which of the three sizes were taken from what is known of the label; seen (3,)
-    m, its size without that."""
+    depth in its nearest view; completed: which of the three sizes come from the label's prior; seen (3,) m, its size
+    without that."""
 
     center: np.ndarray
     size: np.ndarray
@@ -214,7 +214,7 @@ def _seen_along(
 
 
 def _footprint(points: np.ndarray, prior: LabelPrior) -> float:
-    """m: the longer side of what an object stands on; blurred points reach farther than any known object."""
+    """m: the longer side of an object's footprint; blurred points reach farther than any known object."""
     known = float(prior.extents[:, :2].max()) if len(prior.extents) else np.inf
     return min(known, float(np.ptp(points[:, :2], axis=0).max()))
 
@@ -238,7 +238,8 @@ def _facing(points: np.ndarray, sides: np.ndarray, prior: LabelPrior, blur: floa
 def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> float | None:
     """rad: the heading that the rims tell, None where they do not.
 
-    Along or across what stands around is likelier than askew; which end is the front they tell only if that is clear.
+    Alignment with or square to the surroundings is more likely than any other angle; they decide the front only if it
+    is unambiguous.
     """
     best, least = fit.best, float(fit.misfit.min())
     if axis is not None:
@@ -289,7 +290,7 @@ def misfit(size: np.ndarray, prior: LabelPrior) -> float:
 
 
 def _front_misfit(size: np.ndarray, prior: LabelPrior) -> float:
-    """`misfit` of what one walks past the front of: the front is seen whole, the depth behind it hardly ever."""
+    """`misfit` of objects passed at their front: the front is fully visible, the depth behind it hardly ever."""
     ratio = np.log(prior.extents / size)
     return float(np.where(ratio > 0, ratio * _OPTIONS.missing_weight, -1.3 * ratio).sum(1).min())
 

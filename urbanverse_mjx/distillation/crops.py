@@ -23,7 +23,7 @@ KEPT_VIEWS = 2
 
 @dataclasses.dataclass(frozen=True)
 class CropOptions:
-    """Which crops are cut out, and with how much around them; set by hand.
+    """Which crops are cut out, and with how much around them; chosen manually.
 
     Attributes:
       min_patch: pixels; less ground or sky is not worth keeping.

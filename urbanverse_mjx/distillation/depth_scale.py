@@ -12,13 +12,13 @@ MIN_NOISE = 0.002
 
 @dataclasses.dataclass(frozen=True)
 class DepthScaleOptions:
-    """What ground tells the scale of a frame's depth, and how far it is believed.
+    """Ground used for the scale of a frame's depth, and its weight.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      max_range: m from the camera: nearer ground is seen steeply enough for its depth to say how high the camera is.
-      window: frames to both sides over which ground of one kind is taken for level with itself.
+      max_range: m from the camera: nearer ground is steep enough in view to derive the camera's height. window: frames
+        to both sides over which ground of one kind counts as level.
       min_spread: scales that scatter less are left alone: slopes and kerbs, not noise, cause it.
       limits: least and greatest scale of a frame.
       rounds: of heights from scales and scales from heights.
@@ -72,7 +72,7 @@ def depth_scale(ground: GroundPoints, poses: np.ndarray) -> DepthScale:
         scale = np.ones(frames)
     expected = (cameras[frame] - heights[frame, kind]) / scale[frame]
     error = drop / expected - 1.0
-    # Ramps and slopes are not noise: what a frame's ground of one kind shares is taken off.
+    # Ramps and slopes are not noise: the common part of a frame's ground of one kind is subtracted.
     shared, _ = _medians(frame, kind, error, frames, len(kinds))
     noise = 1.4826 * np.nanmedian(np.abs(error - shared[frame, kind]))
     return DepthScale(np.clip(scale, *_OPTIONS.limits), float(max(noise, MIN_NOISE)))

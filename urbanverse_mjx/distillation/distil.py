@@ -22,7 +22,7 @@ _UNRELATED_SIMILARITY = 0.35
 
 @dataclasses.dataclass(frozen=True)
 class Describe:
-    """What turns crops into descriptors; see `crops.Descriptor`. None leaves them out."""
+    """Functions from crops to descriptors; see `crops.Descriptor`. None leaves them out."""
 
     object: crops.Descriptor | None = None
     ground: crops.Descriptor | None = None
@@ -35,14 +35,14 @@ class Describe:
 
 @dataclasses.dataclass(frozen=True)
 class Evidence:
-    """On what an object rests.
+    """Evidence of an object.
 
     Attributes:
       id: of the graph's object.
       views: how many frames show it; first, last: numbers of the first and last of them in the recording.
       sigma: m, standard error of its centre.
-      completed: which of its sizes (along the heading, across, up) come from what is known of the label.
-      moved: m, how far a placement prior pulled it.
+      completed: which of its sizes (along the heading, across, up) come from the label's prior. moved: m, displacement
+        by a placement prior.
       tracks: the detector's own tracks that it holds.
     """
 
@@ -101,8 +101,7 @@ def distil(
 
     Args:
       recording: with depth, and masks and surfaces as far as known, in world coordinates with z up.
-      prior_of: what is known of a label.
-      similarity: of two labels, in [0, 1].
+      prior_of: prior of a label. similarity: of two labels, in [0, 1].
       describe: descriptors of crops; crop_folder: where the crops go.
       options: see there.
       progress: called with (frames read, frames in all).
@@ -247,7 +246,7 @@ def _graph(
 
 
 def _names(kept: list[FusedObject]) -> list[str]:
-    """Ids that say the label and count in the order in which objects were first seen."""
+    """Ids of label and number, in the order of first detection."""
     counts: dict[str, int] = {}
     names = []
     for obj in kept:

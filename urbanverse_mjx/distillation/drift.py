@@ -20,9 +20,9 @@ from .lifting import Views
 
 @dataclasses.dataclass(frozen=True)
 class LoopOptions:
-    """When sightings of an object in two passes close a loop, and how far they are believed.
+    """Conditions and weights of loop closures from an object observed in two passes.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       pass_gap: frames without a view after which seeing an object is a new pass.

@@ -4,8 +4,8 @@ set of weights.
     python -m benchmarks.perception_streets --split test --first 20 --layouts 16 --out perception_held.npz
     python -m urbanverse_mjx.distillation.fit_trust --streets perception_held.npz
 
-Every object that the weights see in rendered frames is right or wrong (half of its mask, and its class); a logistic
-regression tells the chance from the object's evidence. Streets should be none that a table is made on. Prints one JSON
+Every object detected in rendered frames is right or wrong (half of its mask, and its class); a logistic regression
+predicts the probability from the object's features. Use streets other than those of reported tables. Prints one JSON
 line.
 """
 

@@ -1,4 +1,4 @@
-"""Which views show the same object: frame by frame against a map of what was seen before, then a pass over the map.
+"""Associates views of the same object: frame by frame with a map of earlier objects, then a pass over the map.
 
 The cost of a frame depends on what is near it, not on how many frames came before.
 """
@@ -20,7 +20,7 @@ PLACE = 0.03
 class FusionOptions:
     """When views show one object, and when two objects of the map are one.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       min_view_score: a view joins an object whose score with it is at least this: half a box overlaps under one
@@ -193,8 +193,7 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
     """(n,) i32: the object each view shows.
 
     Args:
-      views, placed: what was seen; frames in order.
-      similarity: (L, L) in [0, 1], how far two labels mean the same.
+      views, placed: the observations; frames in order. similarity: (L, L) in [0, 1], of two labels' meanings.
     """
     object_of_view = np.full(len(views), -1, np.int32)
     known = _Map(len(views), len(views.labels))

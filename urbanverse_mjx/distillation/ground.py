@@ -24,7 +24,7 @@ CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
 class GroundOptions:
     """How cells of ground become regions and kerbs.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       max_overlap: m^2 that two regions may share: half of what the compiler refuses.

@@ -22,7 +22,7 @@ COARSE = 8
 class LiftOptions:
     """Which pixels of a view are kept.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       min_group: share of a view's points that may lie apart in depth and still belong to it; smaller groups are masks
@@ -157,7 +157,7 @@ def _views(
     index = np.flatnonzero(counts >= min_pixels)
     order = np.argsort(which, kind="stable")
     starts = np.r_[0, np.cumsum(counts)][index]
-    # Evenly over the view's pixels in raster order, so over the whole of what is seen.
+    # Evenly over the view's pixels in raster order, so over the whole visible part.
     steps = np.floor((np.arange(POINTS) + 0.5) / POINTS * counts[index, None]).astype(np.int64)
     pixels = flat[order[starts[:, None] + steps]]
     points = rays.reshape(-1, 3)[pixels] * depth.ravel()[pixels][..., None]
@@ -181,7 +181,7 @@ def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndar
     totals = np.bincount(which)
     keep = np.zeros(len(z), bool)
     keep[order] = sizes[group] >= _OPTIONS.min_group * totals[w]
-    # What is farther from the middle pixel's depth than such an object can reach is something else.
+    # Pixels farther from the middle pixel's depth than the object's size belong to other objects.
     middle = np.zeros(len(totals))
     ends = np.cumsum(totals)
     some = totals > 0

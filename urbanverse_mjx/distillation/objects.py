@@ -15,7 +15,7 @@ from .lifting import COARSE, Views
 class ObjectOptions:
     """How a label, a confidence and a street axis follow from the views of objects.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       missed_odds: factor on an object's odds for every frame that should show it and does not: detectors miss a quarter
@@ -81,8 +81,7 @@ class Fused:
 
 @dataclasses.dataclass(frozen=True)
 class FusedObject:
-    """An object: its number in `object_of_view`, label, confidence, box, what is known of the label, rows of its
-    views."""
+    """An object: its number in `object_of_view`, label, confidence, box, the label's prior, rows of its views."""
 
     number: int
     label: str
@@ -120,7 +119,7 @@ def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Fuse
 
 
 def shows_street(box: boxes.Box) -> bool:
-    """Whether an object is large and what was seen of it has a long side, as the fronts of houses."""
+    """Whether an object is large and its visible part has a long side, as the fronts of houses."""
     longer, shorter = box.seen[:2].max(), box.seen[:2].min()
     return bool(longer > max(_OPTIONS.min_axis_length, _OPTIONS.min_axis_ratio * shorter))
 

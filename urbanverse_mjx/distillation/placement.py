@@ -17,7 +17,7 @@ from .ground import allowed_area
 class PlacementOptions:
     """How far an object is moved to ground on which its kind stands.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       max_sigmas: standard errors of its depth that an object moves at most, in addition to `cell_error`.

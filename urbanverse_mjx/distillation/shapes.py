@@ -21,7 +21,7 @@ _COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 360.0, 20.0)), np.r
 class ShapeOptions:
     """How points are laid on known shapes.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       points: points of an object that are laid on a shape, about.
@@ -81,7 +81,7 @@ def lay(points: np.ndarray, prior: LabelPrior, also: np.ndarray) -> Laid:
 
 def _misfit(points: np.ndarray, tree: scipy.spatial.cKDTree, yaw: float, height: float) -> float:
     local = points @ rotations.about_z(-yaw).T
-    # What is seen of an object has its middle elsewhere than the object.
+    # The centre of the visible part differs from that of the object.
     local[:, :2] += (tree.maxes + tree.mins)[:2] / 2 - (local.max(0) + local.min(0))[:2] / 2
     distance = np.zeros(len(local))
     for _ in range(_OPTIONS.shifts):

@@ -16,15 +16,16 @@ from .bearings import Bearings
 
 #: rad.
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 6.0))
-#: Half the misfit that tells one heading from most others; 16° mean error from here on, 39° below (four captures).
+#: Half the misfit that distinguishes one heading from most others; 16° mean error from here on, 39° below (four
+#: captures).
 CLEAR = 4.0
 
 
 @dataclasses.dataclass(frozen=True)
 class SilhouetteOptions:
-    """How directions to the rims of an object are believed.
+    """Weights of the directions to the edges of an object.
 
-    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+    Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
       normals: directions in which an outline's support is kept.
@@ -80,7 +81,7 @@ def supports(prior: LabelPrior) -> np.ndarray:
 
 
 def face(seen: Bearings, prior: LabelPrior) -> Fit | None:
-    """How well every heading fits what was seen of an object; None where views are too few.
+    """Misfit of every heading to the views of an object; None where views are too few.
 
     Args:
       seen: of the object, views whose sides the image did not cut off.

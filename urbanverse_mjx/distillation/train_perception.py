@@ -37,12 +37,12 @@ from .perception_model.views import Views
 
 @dataclasses.dataclass(frozen=True)
 class LearningOptions:
-    """How the network learns; set by hand.
+    """How the network learns; chosen manually.
 
     Attributes:
       warm_up: share of the run in which the rate rises; then it falls along a cosine.
       weight_decay: AdamW's.
-      average_decay: per step, of the running average of the weights, which is what is scored and kept.
+      average_decay: per step, of the running average of the weights, which is scored and stored.
       mixed_ground: share of the grounds that are laid with another kind's material; see `Views.of`.
       save_interval: s.
       report_interval: s.
@@ -236,7 +236,7 @@ def _keep(arguments: argparse.Namespace, learner: Learner, done: Progress, recor
 
 
 def _read_state(path: pathlib.Path, like: Learner) -> tuple[Learner, Progress]:
-    """What `_keep` wrote.
+    """The file of `_keep`.
 
     Raises:
       ValidationError: a file of another network, or none of ours.

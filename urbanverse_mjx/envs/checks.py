@@ -135,7 +135,7 @@ def _check_vmap_is_loop(env: Any, first: Any, second: Any, action: Any, toleranc
 
 
 def _check_auto_reset(env: Any, step: Any, first: Any, keys: Any) -> None:
-    """`step`: the env's own over a batch, compiled already; `first`: what it starts from."""
+    """`step`: the env's own over a batch, compiled already; `first`: its first state."""
     wrapped = wrap_for_training(env, env.config.episode_length)
     state = jax.jit(wrapped.reset)(keys)
     # One step before time runs out for the first half of the batch: they must end now and begin anew.

@@ -1,4 +1,4 @@
-"""Numbers that are none: what a step is given or computes may be NaN or infinite, what leaves it is not."""
+"""Guards against NaN and infinity: inputs and intermediate values of a step may contain them, its outputs do not."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What users of MuJoCo Playground ask an environment about its model, and its domain randomiser.
+"""Model properties and domain randomiser in the interface of MuJoCo Playground.
 
 Physics runs in our engines. Of a randomised model they take the friction and the mass of the robot, as factors.
 """

@@ -123,7 +123,7 @@ def get_ppo_config(name: str, preset: str | None = None) -> ConfigDict:
 
 
 def get_domain_randomizer(name: str) -> DomainRandomizer:
-    """What Playground's and Brax's wrappers take as `randomization_fn`; comes on top of `config.randomization`.
+    """`randomization_fn` for Playground's and Brax's wrappers, in addition to `config.randomization`.
 
     Raises:
       ValidationError: no environment has this name.
@@ -133,7 +133,7 @@ def get_domain_randomizer(name: str) -> DomainRandomizer:
 
 
 def bank_loader(name: str) -> BankLoader:
-    """What loads the bank of an environment where the user gives none.
+    """Loader of an environment's default bank.
 
     Raises:
       ValidationError: no environment has this name.
@@ -153,7 +153,7 @@ def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDi
 
 
 def same_task(config: ConfigDict, name: str) -> ConfigDict:
-    """The task of one environment's config for the robot of another: all that both have but what a robot is made of.
+    """The task of one environment's config for the robot of another: all common keys except those of the robot.
 
     Raises:
       ValidationError: unknown name, or an environment with another action or none of the config's presets.

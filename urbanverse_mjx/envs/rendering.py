@@ -1,4 +1,4 @@
-"""Images of an environment's states for people: the street, the robot in it and what moves around them."""
+"""Images of an environment's states for people: the street, the robot, and moving agents and objects."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any

@@ -33,7 +33,7 @@ class StagedBase[C](ModelNames, abc.ABC):
 
     @no_type_check  # what checks annotations while it runs (beartype) takes no Self of a single method
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
-        # Here and not on import, which is to load neither Playground nor what it loads (Brax, Warp).
+        # Not at import time, which must load neither Playground nor its imports (Brax, Warp).
         register_with_playground(StagedBase)
         env = super().__new__(cls)
         env._state_renderers = {}
@@ -58,8 +58,8 @@ class StagedBase[C](ModelNames, abc.ABC):
     def action_size(self) -> int: ...
 
     def named_observations(self, carried: C, obs: dict[str, Array]) -> dict[str, Array]:
-        """What `reset` and `step` give beside the observations `obs`, under the names of Playground's PPO configs:
-        `state` for a policy without a camera and `privileged_state` for a critic, where an environment has them."""
+        """Further observations of `reset` and `step`, under the names of Playground's PPO configs: `state` for a policy
+        without a camera and `privileged_state` for a critic, where an environment has them."""
         return {}
 
     @property
@@ -106,7 +106,7 @@ class StagedBase[C](ModelNames, abc.ABC):
     def episode_info(
         scene: Int[Array, ""], episode: Int[Array, ""], result: Int[Array, ""], steps: Int[Array, ""]
     ) -> dict[str, Array]:
-        """What `info_of` tells: where the env is and how its episode ended, () each."""
+        """Result of `info_of`: scene, row and result of the env's episode, () each."""
         timeout = (result == Result.TIMEOUT).astype(jnp.float32)
         return {
             "scene": scene,

@@ -1,4 +1,4 @@
-"""What an environment hands out (`State`), carries inside (`NavState`) and how episodes end (`Result`)."""
+"""An environment's public state (`State`), its carried state (`NavState`) and the ends of episodes (`Result`)."""
 
 import dataclasses
 import enum
@@ -87,7 +87,7 @@ def _changed(tree: Any, names: Sequence[str], value: Any) -> Any:
 
 
 class Carried:
-    """What users of Playground read off `state.data`, for the named tuples that environments carry."""
+    """Fields of Playground's `state.data`, for the named tuples that environments carry."""
 
     __slots__ = ()
     sim: SimState

@@ -33,7 +33,7 @@ class Recurrent(Protocol):
     """An agent that remembers; inside jit like `Agent`."""
 
     def first_memory(self) -> Any:
-        """What it remembers when an episode begins."""
+        """Its memory at the beginning of an episode."""
         ...
 
     def act(self, obs: Mapping[str, Any], memory: Any, key: jax.Array, /) -> tuple[jax.Array, Any]:
@@ -62,7 +62,7 @@ def answer(
     memory: Any,
     key: jax.Array,
 ) -> tuple[jax.Array, Any]:
-    """An agent's action in a state of one env, and what it remembers then.
+    """An agent's action in a state of one env, and its new memory.
 
     Args:
       known: result of `told` for the env's episode. memory: of a `Recurrent`; () of the others.
@@ -123,7 +123,7 @@ class _BlankRecurrent:
 
 
 def blank_image(agent: Any, images: Mapping[str, Sequence[int]] | None = None) -> Any:
-    """The same agent with its camera covered (all pixels 0): what it does without seeing.
+    """The same agent with its camera covered (all pixels 0).
 
     Args:
       images: shapes of its image observations, for an environment that draws none.

@@ -23,7 +23,7 @@ from .scores import SCORES, Table, by_scene, over_runs, over_scenes, rounded, sc
 
 #: Rule for contact: it ends an episode (the paper), or it is counted and the episode continues.
 CONTACTS = ("ends", "goes_on")
-#: Columns of the tables by what they are called for people.
+#: Columns of the tables by their titles.
 _LABELS = {
     "SR": "SR %",
     "CT": "CT %",
@@ -39,7 +39,7 @@ _LABELS = {
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """What a policy did on a protocol.
+    """Results of a policy on a protocol.
 
     Attributes:
       results: in the order of the episodes. trajectories: (T, 2) m of each, where the robot was at every control step.

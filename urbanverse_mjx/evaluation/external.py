@@ -46,7 +46,7 @@ class ExternalPolicy:
         """Actions (n, 2).
 
         Raises:
-          ValidationError: the environment does not give what the policy declares.
+          ValidationError: the environment lacks an observation that the policy declares.
         """
         for name in self.observations:
             if name not in obs:
@@ -62,7 +62,7 @@ class ExternalPolicy:
 
     @property
     def privileged(self) -> bool:
-        """Whether it asks for what no sensor of the robot measures."""
+        """Whether it requests data that no sensor of the robot measures."""
         return any(name.startswith(PRIVILEGED) for name in self.observations)
 
 

@@ -1,4 +1,4 @@
-"""Robots that walk in C MuJoCo by a gait: what they did, step by step.
+"""Robots that walk in C MuJoCo by a gait, recorded step by step.
 
 In:   models of grounds with the robot in them, a gait, commands.
 Out:  `Walk`.
@@ -27,7 +27,7 @@ Finish = Callable[[np.ndarray, float], np.ndarray]
 
 @dataclasses.dataclass(frozen=True)
 class Walk:
-    """N robots over T control steps; NaN after a fall, and where one need not go on.
+    """N robots over T control steps; NaN after a fall, and after a walk has stopped.
 
     Attributes:
       command: (N, T, 3) m/s, m/s, rad/s.

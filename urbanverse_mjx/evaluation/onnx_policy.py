@@ -101,7 +101,7 @@ class _Input:
 
 @dataclasses.dataclass(frozen=True)
 class _Memory:
-    """An input that is fed what an output answered the step before; shape without the axis of robots."""
+    """An input that takes an output of the previous step; shape without the axis of robots."""
 
     name: str
     shape: tuple[int, ...]

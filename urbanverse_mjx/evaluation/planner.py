@@ -132,7 +132,7 @@ def _commands(robot: RobotSpec, motion: Motion, speeds: Sequence[float], turns: 
 
 
 class _Ahead(NamedTuple):
-    """A drive ahead: where it is, and what it has cost so far."""
+    """A simulated drive: its state, and its cost so far."""
 
     pose: Any
     speed: Any

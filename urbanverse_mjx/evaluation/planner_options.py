@@ -1,11 +1,11 @@
-"""Which commands the sampling planner tries, and what it makes of them."""
+"""Sampled commands and cost weights of the planner."""
 
 import dataclasses
 
 
 @dataclasses.dataclass(frozen=True)
 class PlannerOptions:
-    """Which commands the planner tries, and what it makes of them.
+    """Sampled commands and cost weights.
 
     Set by hand; docs/results.md has the planner's scores.
 

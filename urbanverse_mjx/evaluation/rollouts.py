@@ -66,7 +66,7 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
 class _Tally(NamedTuple):
     """Counts during the episode, per env; touches: how often contact began; people: `PeopleTally` or None.
 
-    memory: of each agent what it remembers, () of one that does not.
+    memory: of each agent, () without one.
     """
 
     hit_time: Any
@@ -192,7 +192,7 @@ class Rollout:
         return nav, _Tally(hit_time, none, none, keys, people, memory)
 
     def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any]:
-        """What a `Trajectory` holds of one step of all envs."""
+        """One step of all envs in a `Trajectory`."""
         agents = None
         if self.env.dynamic is not None and nav.crowd is not None:
             agents = jax.vmap(self.env.dynamic.places)(nav.crowd, nav.sim.scene)

@@ -23,7 +23,7 @@ _STEPS = {**STEPS, (1, -1): ((0, -1), (1, 0)), (-1, 1): ((0, 1), (-1, 0))}
 
 @dataclasses.dataclass(frozen=True)
 class RouteFieldOptions:
-    """What a metre costs a robot, and how far a field reaches; set by hand.
+    """Costs of a metre, and the range of a field; chosen manually.
 
     Attributes:
       tight_cost: a metre where the robot just fits costs so many times as much.
@@ -96,7 +96,7 @@ def build_route_fields(
 
 
 class _Costs:
-    """The nodes of one scene that the robot's middle may pass, and what a metre there costs."""
+    """The nodes of one scene that the robot's centre may pass, and the cost of a metre there."""
 
     def __init__(self, maps: ClearanceMaps, scene: int, half_width: float) -> None:
         clear = np.minimum(maps.to_hull[scene], maps.to_edge[scene]).astype(np.float32)

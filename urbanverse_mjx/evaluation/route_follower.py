@@ -37,7 +37,7 @@ STEP = 0.3
 NODES = np.stack(np.meshgrid(np.arange(-4, 17) * STEP, np.arange(-10, 11) * STEP, indexing="ij"), -1).astype(np.float32)
 #: m along the route from the point nearest to the robot to the one to go for.
 AHEAD = 3.5
-#: What a metre costs beyond itself where the robot just does not fit, and sweeps of the cost to go over the nodes.
+#: Extra cost of a metre where the robot just does not fit, and sweeps of the cost-to-go over the nodes.
 CLOSED, SWEEPS = 20.0, 26
 _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
 
@@ -93,7 +93,8 @@ class RouteFollower:
         return waypoint_of(v, omega, self._robot.max_speed, self._env.dt)
 
     def _cost_to_go(self, nav: NavState, pose: Any, target: Any) -> Any:
-        """(X, Y) metres, made dear by what is near, from each of the `NODES` around a pose (3,) to a target (2,)."""
+        """(X, Y) metres, with extra cost near obstacles, from each of the `NODES` around a pose (3,) to a target
+        (2,)."""
         found = self._env.distances(nav, pose[:2] + terms.to_world(jnp.asarray(NODES), pose[2]))
         gap = jnp.minimum(found[..., 0] - self._body.half_width, found[..., 1])
         dear = 1.0 + CLOSED * jnp.clip((SHY - gap) / SHY, 0.0, 1.0) ** 2
@@ -110,7 +111,7 @@ class RouteFollower:
         return jax.lax.fori_loop(0, SWEEPS, sweep, jnp.where(far < 1.5 * STEP, far, 1e3))
 
     def _cost(self, nav: NavState, start: Any, speed: Any, turn: Any, to_go: Any, command: Any) -> Any:
-        """Metres that are left after a drive and during it, and what it costs to come near to objects."""
+        """Metres left after a drive and during it, and the cost of nearness to objects."""
         motion = self._motion
         told = motion.obeyed(command[0], command[1])
         pose, v, w, poses = start, speed, turn, []

@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from .grids import Grid
 
-#: Lower and upper corner (2,) m of what a shape takes from above, and (X, Y) m from it to points x (X,), y (Y,).
+#: Lower and upper corner (2,) m of a shape's footprint, and (X, Y) m from it to points x (X,), y (Y,).
 Shape = tuple[np.ndarray, np.ndarray, Callable[[np.ndarray, np.ndarray], np.ndarray]]
 
 

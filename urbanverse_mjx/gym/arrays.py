@@ -13,7 +13,7 @@ OUTPUTS = ("numpy", "torch", "jax")
 
 
 def exporter(output: str) -> Callable[[Any], Any]:
-    """What turns a pytree of JAX arrays into one of another library.
+    """Conversion of a pytree of JAX arrays to another library's.
 
     Args:
       output: "numpy" (copies, which may be written to), "torch" (on JAX's device, the same memory: not to be written

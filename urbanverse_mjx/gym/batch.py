@@ -179,7 +179,7 @@ def load_batch(
     bank: SceneBank | str | pathlib.Path | None,
     observations: Sequence[str] | None,
 ) -> Batch[Any]:
-    """The functions of a registered environment; equal arguments share what is compiled, where the bank is a file."""
+    """The functions of a registered environment; equal arguments share compiled code if the bank is a file."""
     given = dict(overrides or {}) | ({} if preset is None else {"preset": preset})
     chosen = None if observations is None else tuple(observations)
     if isinstance(bank, SceneBank):

@@ -55,7 +55,7 @@ class RslRlVecEnv(VecEnv):
         )
 
     def get_observations(self) -> TensorDict:
-        """What the last call of `step` returned, or the first observations."""
+        """The result of the last call of `step`, or the first observations."""
         return self._obs
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:

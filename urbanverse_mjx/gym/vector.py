@@ -28,7 +28,7 @@ class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
       num_envs: how many.
       preset, config_overrides: see `registry.load`.
       bank: the streets, or a file of them; None: the environment's own.
-      observations: names of what the policy gets; None: all but those that begin with "privileged".
+      observations: names of the policy's observations; None: all but those that begin with "privileged".
       output: "numpy", "torch" or "jax": array type of observations, rewards and info. With "torch" they share JAX's
         memory. Actions may be of any of the three.
       autoreset_mode: of `gymnasium.vector.AutoresetMode`. NEXT_STEP shows the last observation of an episode and begins

@@ -1,4 +1,4 @@
-"""From what a street holds to what stands where: assets, materials, a sky, and no two objects in one place."""
+"""From a scene graph to a layout: assets, materials, a sky, and no overlap of objects."""
 
 from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
 from .shortlists import LeftOut

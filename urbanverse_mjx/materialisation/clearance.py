@@ -16,7 +16,7 @@ HALF_WIDTH = 0.45
 
 @dataclasses.dataclass(frozen=True)
 class ClearanceOptions:
-    """What is kept out of the camera's path; set by hand.
+    """Dimensions of the camera's free path; chosen manually.
 
     Attributes:
       min_height: m over the ground; lower objects are not in a walker's way: kerbs.
@@ -65,8 +65,8 @@ def obstructing(
 
 
 def cut_back(building: GraphObject, strip: BaseGeometry) -> GraphObject:
-    """A building whose box reaches over the strip, without the part of it beyond: of the four sides the one is moved in
-    that costs least. Depth blurs fronts outwards, and what was not seen of a house is guessed."""
+    """A building whose box reaches over the strip, without the part of it beyond: of the four sides the one is moved
+    that removes least. Depth blurs fronts outwards, and hidden parts of a house are estimates."""
     crossed = overlap.ground_box(building).intersection(strip)
     if crossed.is_empty:
         return building

@@ -17,7 +17,7 @@ SAME_PLACE = 0.5
 
 @dataclasses.dataclass(frozen=True)
 class Cleared:
-    """What stands where, and what was done for it; see `cousins.Cousin`.
+    """The placed objects and the changes made; see `cousins.Cousin`.
 
     Attributes:
       no_room: (id of an object that was left out for lack of space, id of the one that overlaps it).

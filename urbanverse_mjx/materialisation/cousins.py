@@ -1,7 +1,7 @@
 """`materialise_cousins`: a scene graph becomes k layouts over the catalogue of 102,444 assets.
 
-All cousins keep the graph's places, boxes, headings and affordances; assets, and with them masses and friction,
-ground materials and skies differ. What does not depend on the cousin is done once.
+All cousins keep the graph's places, boxes, headings and affordances; assets, and with them masses and friction, ground
+materials and skies differ. Steps that do not depend on the cousin are done once.
 """
 
 import dataclasses
@@ -37,10 +37,10 @@ from .shortlists import Candidate, LeftOut
 
 #: Stands in the hashes of layouts.
 VERSION = f"cousins {versions.CODE['cousins'].version}"
-#: Cousins of a graph at most: what the authors released of one video.
+#: Largest number of cousins of a graph: that of the authors' release for one video.
 MOST = 64
-#: How `Source.video` begins in graphs that were composed, not filmed: the trajectory in them is a plan. Captures of
-#: blocks of our own say "synthetic tour of ...".
+#: How `Source.video` begins in graphs that were composed, not filmed: the trajectory in them is a plan. Captures of our
+#: own blocks have "synthetic tour of ...".
 COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")
 
 

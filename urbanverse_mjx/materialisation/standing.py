@@ -10,7 +10,7 @@ from ..assets.categories.priors import prior
 from ..datatypes import GraphObject
 from . import overlap
 
-#: m: a box whose foot is this near to what is below it stands there.
+#: m: a box whose lower end is this near to the surface below stands on it.
 SNAP = 0.3
 #: m: how far off any ground the ground's height still counts (house fronts stand behind the pavement).
 REACH = 10.0

@@ -75,7 +75,7 @@ def _pieces(regions: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
 def _parted(kind: str, piece: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
     """The piece, or its parts where it was given several materials by name; regions without one join the first.
 
-    A descriptor that is a material's own to the last number names it: what was seen through a camera never is.
+    A descriptor equal to a material's in every number selects it; one from a camera image is never equal.
     """
     named = {r.id: uid for r in piece if r.descriptor is not None and (uid := _named(kind, r.descriptor)) is not None}
     parts: dict[str, list[GroundRegion]] = {uid: [] for uid in named.values()}

@@ -17,7 +17,7 @@ from ..progress import Progress
 
 @dataclasses.dataclass(frozen=True)
 class BenchmarkOptions:
-    """What is driven, and how."""
+    """The benchmark, policy and options."""
 
     policy: str = "planner"
     """zero, random, go_to_goal, planner (which has the whole scene), a policy folder, module:callable, FILE.onnx."""
@@ -68,7 +68,7 @@ def benchmark(
 
     Raises:
       ValidationError: no such benchmark, policy or bank, a bank whose scenes are not those of the benchmark, or an
-        override of what the benchmark fixes.
+        override of a setting that the benchmark fixes.
     """
     from ..evaluation.frozen import Protocol
 

@@ -5,7 +5,7 @@ import os
 import traceback
 
 _FILE_ERRORS = (FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError, FileExistsError)
-#: What the machine lacks, or does not allow, and what helps.
+#: Error code of a missing resource or permission -> advice.
 _MACHINE_ERRORS = {
     errno.ENOSPC: "make room on that disk",
     errno.EDQUOT: "make room within the quota, or write elsewhere",

@@ -94,7 +94,7 @@ def _trained(
     environment: str | None,
     overrides: Mapping[str, Any],
 ) -> _Entrants:
-    """A trained policy, and what it is compared with."""
+    """A trained policy and its comparisons."""
     from ..training.policy import load_policy, untrained_policy
 
     act, spec = load_policy(policy)

@@ -27,8 +27,8 @@ def compile_graph(
 ) -> "tuple[Cousin, CompiledScene]":
     """Reads a graph, materialises one cousin of it and compiles that; COCO with the differential drive drives it.
 
-    The layout is the one that `generate` and the scene library make of the same graph, seed and cousin. What does not
-    stay for two seconds of C MuJoCo is fixed, as there.
+    The layout is the one that `generate` and the scene library make of the same graph, seed and cousin. Objects that do
+    not stay in place for two seconds of C MuJoCo are fixed, as there.
 
     Args:
       graph: graph.json.
@@ -70,7 +70,7 @@ def compile_layout(
     """Compiles a layout; COCO with the differential drive drives its episodes.
 
     Args:
-      layout: what stands where. index: holds its assets. out: folder to write or to replace.
+      layout: of the scene. index: holds its assets. out: folder to write or to replace.
       rules: of the episodes. freeze_unstable: whether what does not stay for two seconds of C MuJoCo is fixed.
       place: what the scene is after, for its metadata.
 

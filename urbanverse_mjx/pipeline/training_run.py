@@ -115,7 +115,7 @@ def _train(
     trained = time.monotonic()
     _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
     summary: dict[str, Any] = {}
-    # Other tasks have their own judges: a gait's is C MuJoCo, python -m benchmarks.go2_gait.
+    # Other tasks have their own evaluation: a gait's is in C MuJoCo, python -m benchmarks.go2_gait.
     if options.num_episodes and result.policy is not None and isinstance(env, NavEnv):
         summary = evaluate_policy(
             result.policy, bank, folder / "evaluation", options.num_episodes, ppo.seed, options.video, quiet

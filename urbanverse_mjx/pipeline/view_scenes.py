@@ -91,7 +91,7 @@ class ViewScenes:
         )
 
     def _add(self, text: str) -> str:
-        """Lists what a user named; its name."""
+        """Adds a scene that a user named; returns its name."""
         path = pathlib.Path(text).expanduser()
         if text in self.names:
             return text

@@ -13,13 +13,13 @@ from .view_scenes import ViewScenes
 if TYPE_CHECKING:
     from ..viewer.session import Machine
 
-#: Environments kept in memory, each with what was compiled for it.
+#: Environments kept in memory, each with its compiled code.
 _KEPT = 3
 
 
 @dataclasses.dataclass(frozen=True)
 class ViewOptions:
-    """What the page shows first, and where it is served."""
+    """Initial contents and address of the page."""
 
     policy: str = "planner"
     """zero, random, go_to_goal, planner (which has the whole scene), a policy or run folder, or FILE.onnx."""
@@ -38,7 +38,7 @@ class ViewOptions:
 
 
 class _Choices:
-    """What the page can choose from: scenes, and policies."""
+    """Choices of the page: scenes and policies."""
 
     def __init__(self, scenes: ViewScenes, env_name: str | None) -> None:
         self._scenes, self._env_name = scenes, env_name

@@ -8,9 +8,9 @@ The two drives are the two readings of the public sources (docs/sources/referenc
 as a differential robot by (v, omega), the authors' asset steers its front axle by at most 20 degrees.
 
 * `differential`: the two wheels of a side turn at the speed of that side. Four gripping tyres could only turn by
-  skidding, with a yaw rate that depends on load, heading and what the robot pushes. The paper's model is kinematic, so
-  the front tyres slide freely on the ground (condim 1, ideal omni wheels) and the rear pair decides: the robot turns
-  about the middle of its rear axle.
+  skidding, with a yaw rate that depends on load, heading and pushed objects. The paper's model is kinematic, so the
+  front tyres slide freely on the ground (condim 1, ideal omni wheels) and the rear pair decides: the robot turns about
+  the middle of its rear axle.
 * `ackermann`: the front axle turns as a whole; every wheel gets the speed of its own path, so that no tyre scrubs.
 """
 
@@ -56,7 +56,7 @@ def _ackermann(command: Any) -> Any:
 
 
 def clip_command(velocity: Any) -> Any:
-    """(2,) (v m/s, omega rad/s) clipped to what the robot does: it never drives backwards."""
+    """(2,) (v m/s, omega rad/s) clipped to the robot's range: it never drives backwards."""
     return clip_velocity(velocity, MAX_SPEED, MAX_YAW_RATE)
 
 

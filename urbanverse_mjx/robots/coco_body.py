@@ -1,4 +1,4 @@
-"""The COCO robot's body as MJCF text: masses, wheels, collision spheres and what is seen.
+"""The COCO robot's body as MJCF text: masses, wheels, collision spheres and visual geoms.
 
 In:   the drive.
 Out:  MJCF text of one free body without ground and light.
@@ -21,7 +21,7 @@ WHEEL_Z = -0.166  # wheel_centre_in_base
 WHEELBASE = 0.456  # wheelbase_m
 TRACK = 0.472  # track_m
 WHEEL_RADIUS = 0.11  # wheel_radius_m
-WHEEL_HALF_WIDTH = 0.0332  # hub_cover_outer_x_in_wheel: what is seen; the wheel collides as a sphere
+WHEEL_HALF_WIDTH = 0.0332  # hub_cover_outer_x_in_wheel: of the visual geom; the wheel collides as a sphere
 BODY_LENGTH, BODY_WIDTH, BODY_HEIGHT = 0.7, 0.5, 0.4  # body_collision_box_full_m
 GROUND_CLEARANCE = 0.08  # ground_clearance_visual_offset_m
 

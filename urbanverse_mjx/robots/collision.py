@@ -1,8 +1,7 @@
 """Collision shapes of a robot's MJCF that are no spheres, replaced by spheres.
 
-In:   an `MjSpec` with boxes, capsules, cylinders, ellipsoids or meshes that collide.
-Out:  the same with spheres in their place, and what was fitted: `Fit`.
-When: once, at construction.
+In:   an `MjSpec` with boxes, capsules, cylinders, ellipsoids or meshes that collide. Out:  the same with spheres in
+their place, and the fits: `Fit`. When: once, at construction.
 """
 
 import dataclasses
@@ -31,7 +30,7 @@ _SEEN, _COLLIDES = 2, 3
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """What stands in place of a geom.
+    """The spheres that replace a geom.
 
     Attributes:
       geom, body: names. shape: "box", "capsule", "cylinder", "ellipsoid" or "mesh".
@@ -61,7 +60,7 @@ def replace_by_spheres(
       model: what `spec` compiles to. feet: names of the geoms that may touch the ground. where: begins an error.
 
     Returns:
-      the feet, those replaced by their spheres; what was fitted.
+      the feet, those replaced by their spheres; the fits.
 
     Raises:
       ValidationError: a shape that has no inside, such as a plane or a height field.

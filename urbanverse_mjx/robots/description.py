@@ -40,13 +40,13 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
       source: its folder, its robot.json, or one of `SHIPPED`.
 
     Raises:
-      ValidationError: what is missing or wrong in the description or its MJCF.
+      ValidationError: the description or its MJCF is incomplete or invalid.
     """
     return load_with_fits(source)[0]
 
 
 def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit, ...]]:
-    """`load`, and what was fitted with spheres: each collision shape of the MJCF that is no sphere.
+    """`load`, and the fits with spheres of each collision shape of the MJCF other than spheres.
 
     Raises:
       ValidationError: as `load`.
@@ -114,7 +114,7 @@ def _read_mjcf(
     """The robot alone, its files named by absolute paths; its spheres collide with the world, not with each other.
 
     Returns:
-      also the feet, and what was fitted, see `replace_by_spheres`.
+      also the feet, and the fits, see `replace_by_spheres`.
     """
     if not path.is_file():
         raise v.fail(f"{where}.mjcf", f"no file {path}", "the robot's MJCF, named relative to the description")
@@ -139,7 +139,7 @@ def _read_mjcf(
     for geom in spec.geoms:
         if geom.contype or geom.conaffinity:
             geom.contype, geom.conaffinity = 0, 1
-    # Engines drop the geoms that are only seen; what they weigh must stay.
+    # Engines drop visual geoms; their mass must be kept.
     for link in list(spec.bodies)[1:]:
         same = model.body(link.name) if link.name else model.body(link.id)
         link.explicitinertial = True
@@ -149,7 +149,7 @@ def _read_mjcf(
 
 
 def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) -> int:
-    """Number of what has that name."""
+    """Id of the element with that name."""
     number = mujoco.mj_name2id(model, kind, v.text(name, where))
     if number < 0:
         what = kind.name.removeprefix("mjOBJ_").lower()

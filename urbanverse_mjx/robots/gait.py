@@ -1,8 +1,7 @@
-"""A gait: the small network that turns what a legged robot feels and a velocity command into joint angles.
+"""A gait: the small network from a legged robot's proprioception and a velocity command to joint angles.
 
-In:   what sensors say, a command.
-Out:  joint angles for position servos.
-When: 50 times a second, inside jit (xp = jax.numpy) or on the host (xp = numpy).
+In: sensor readings, a command. Out:  joint angles for position servos. When: 50 times a second, inside jit (xp =
+jax.numpy) or on the host (xp = numpy).
 
 The walking task, the evaluation of gaits, and the navigation task on top of it all use the functions of this file, so
 an observation has one definition.
@@ -19,7 +18,8 @@ from ..datatypes import array_file
 from ..datatypes import validation as v
 
 SCHEMA = "urbanverse.gait/1"
-#: Units that bring what is felt near 1: angular velocity in 4 rad/s, joint speed in 20 rad/s (legged_gym's scales).
+#: Units that scale sensor readings to about 1: angular velocity in 4 rad/s, joint speed in 20 rad/s (legged_gym's
+#: scales).
 RATE_UNIT, JOINT_RATE_UNIT = 0.25, 0.05
 
 
@@ -67,7 +67,7 @@ class Gait:
             raise v.fail("gait", found, f"{width} to {len(self.stand)}", "export it again")
 
     def action(self, xp: Any, seen: Any) -> Any:
-        """(..., J) in [-1, 1] for what was seen: (..., H * (9 + 3 J)), newest step first."""
+        """(..., J) in [-1, 1] for an observation (..., H * (9 + 3 J)), newest step first."""
         x = seen
         for kernel, bias in zip(self.kernels[:-1], self.biases[:-1], strict=True):
             x = x @ kernel + bias

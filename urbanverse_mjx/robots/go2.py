@@ -19,7 +19,7 @@ from .waypoint import gait_command, pd_velocity
 
 #: m/s, rad/s: the commands that `Go2Joystick` trains.
 MAX_SPEED, MAX_YAW_RATE = 1.0, 1.0
-#: m. Half the stance's diagonal and a foot: what a turn on the spot sweeps.
+#: m. Half the stance's diagonal plus a foot: radius of a turn on the spot.
 PLANNER_RADIUS = math.hypot(body.HIP_X, body.HIP_Y + body.HIP_TO_THIGH) + body.FOOT_RADIUS
 PLANNER_HEIGHT = 0.5  # m, published_spec_typical.standing_size_m 0.4 and a swing of the trunk
 STEP_HEIGHT = 0.16  # m, published_spec_typical.step_height_m (go2.json, second hand)

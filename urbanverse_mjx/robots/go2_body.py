@@ -1,4 +1,4 @@
-"""The Unitree Go2's body as MJCF text: masses, joints, motors, collision spheres and what is seen.
+"""The Unitree Go2's body as MJCF text: masses, joints, motors, collision spheres and visual geoms.
 
 In: none. Out: MJCF text of one free body without ground and light. When: once, at construction.
 

@@ -92,7 +92,7 @@ def _check_images(element: ET.Element, folders: set[pathlib.Path], where: str) -
 
 
 def _product(text: str) -> int:
-    """The product of numbers in a text; 1 for what is no number, which MuJoCo refuses itself."""
+    """The product of numbers in a text; 1 for an invalid number, which MuJoCo refuses itself."""
     try:
         return math.prod(max(int(float(part)), 1) for part in text.split())
     except (ValueError, OverflowError):

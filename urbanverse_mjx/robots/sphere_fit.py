@@ -78,7 +78,7 @@ def _cover(data: bytes, options: FitOptions) -> Cover:
     centres = _candidates(points, planes)
     depth = _depth(centres, planes)
     surface = _surface(points, hull, _SAMPLES_PER_SIDE)
-    # (p, c) what a sphere about c that touches the surface from inside leaves between itself and p.
+    # (p, c) distance between p and a sphere about c that touches the surface from inside.
     gap = cdist(surface, centres).astype(np.float32) - depth[None].astype(np.float32)
     chosen = _chosen(gap, options)
     centre, inner = centres[chosen], depth[chosen]

@@ -15,7 +15,7 @@ STANDSTILL = 1e-3
 
 
 def clip_velocity(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
-    """(2,) (v m/s, omega rad/s) clipped to what a robot does that never goes backwards."""
+    """(2,) (v m/s, omega rad/s) clipped to the range of a robot that never drives backwards."""
     velocity = jnp.asarray(velocity)
     return jnp.stack([jnp.clip(velocity[0], 0.0, max_speed), jnp.clip(velocity[1], -max_yaw_rate, max_yaw_rate)])
 

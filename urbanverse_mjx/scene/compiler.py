@@ -33,13 +33,13 @@ GROUND_FRICTION = 1.0
 
 @dataclasses.dataclass(frozen=True)
 class CompiledScene:
-    """A scene folder and what is in it.
+    """A scene folder and its contents.
 
     Attributes:
       folder: `scene.xml`, `meshes/`, `textures/`, `episodes.npz`, `layout.json`, `metadata.json`, `geometry.npz`, and
         in the files of CraftBench-Nav `map.json`, `layers.npz`, `annotations.json`, `routes.json`, `routes.txt` and
         the waypoints `<route>.npy` of its delivery robot.
-      layout, geometry: what it was made of. metadata: the content of `metadata.json`.
+      layout, geometry: its inputs. metadata: the content of `metadata.json`.
     """
 
     folder: pathlib.Path
@@ -125,7 +125,7 @@ def check_out_dir(out_dir: pathlib.Path) -> None:
     """Refuses to write over anything other than a compiled scene.
 
     Raises:
-      ValidationError: it names what lies there.
+      ValidationError: it names the folder's contents.
     """
     if out_dir.is_dir() and not ((out_dir / "metadata.json").is_file() and (out_dir / "geometry.npz").is_file()):
         if any(out_dir.iterdir()):

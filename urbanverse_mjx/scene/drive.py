@@ -30,8 +30,8 @@ class Controller:
     """A robot and its own waypoint controller over a batch.
 
     Attributes:
-      robot: what is driven.
-      command: waypoints (n, 2) m in the body frame -> actuator commands (n, nu), for steps of `CONTROL_PERIOD`.
+      robot: that drives. command: waypoints (n, 2) m in the body frame -> actuator commands (n, nu), for steps of
+        `CONTROL_PERIOD`.
     """
 
     robot: RobotSpec
@@ -47,7 +47,7 @@ class Drive:
 
 
 def ground_model(scene: SceneGeometry, robot: RobotSpec) -> mujoco.MjModel:
-    """The robot on the scene's ground prisms, without objects and without what is only seen of the robot."""
+    """The robot on the scene's ground prisms, without objects and without the robot's visual geoms."""
     spec = scene_spec(scene.with_objects(np.zeros(len(scene.object_ids), bool)))
     body = mujoco.MjSpec.from_string(robot.mjcf)
     for geom in [g for g in body.geoms if not (g.contype or g.conaffinity)]:

@@ -19,7 +19,7 @@ DriveAll = Callable[[np.ndarray, Sequence[np.ndarray]], list[Drive]]
 
 @dataclasses.dataclass(frozen=True)
 class SamplingOptions:
-    """How many starts and goals are tried; set by hand.
+    """How many starts and goals are tried; chosen manually.
 
     Attributes:
       starts_per_goal: starts tried for every goal; the mix is chosen among them.
@@ -41,7 +41,7 @@ _OPTIONS = SamplingOptions()
 
 @dataclasses.dataclass(frozen=True)
 class EpisodeRules:
-    """What a table holds (paper: goals 10-30 m away; here 256 rows, 32 goals, waypoints every 5 m).
+    """Rules of an episode table (paper: goals 10-30 m away; here 256 rows, 32 goals, waypoints every 5 m).
 
     Attributes:
       rows, goals: their numbers. distance: (low, high) m, straight from start to goal.

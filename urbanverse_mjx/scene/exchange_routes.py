@@ -28,10 +28,10 @@ _WITHIN = {"minimum": -LIMIT, "maximum": LIMIT}
 
 @dataclasses.dataclass(frozen=True)
 class PlannedRoutes:
-    """What a folder of planned routes holds.
+    """Contents of a folder of planned routes.
 
     Attributes:
-      scene: id. robot: its name. size: what it was planned for. grid: the map's place, as in `map.json`.
+      scene: id. robot: its name. size: of the robot. grid: the map's place, as in `map.json`.
       routes: planned ones and failures, in the file's order.
     """
 

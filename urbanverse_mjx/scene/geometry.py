@@ -86,7 +86,7 @@ class EpisodeTable:
 
 @dataclasses.dataclass(frozen=True)
 class SceneGeometry:
-    """What stands in a scene, as arrays.
+    """The geometry of a scene, as arrays.
 
     Attributes:
       scene_id: unique in a bank.

@@ -17,7 +17,7 @@ from .polygons import convex_parts, triangulate
 MAX_RING = 8
 #: Prisms end this far (m) below the scene's lowest ground, so that no kerb is open underneath.
 THICKNESS = 0.3
-#: Paint is drawn this high (m) above what it is painted on.
+#: Paint is drawn this high (m) above its surface.
 PAINT_LIFT = 0.003
 #: Frames of regions sit on this raster (m), a power of two: float32 holds it exactly, so seams stay level.
 _FRAME_RASTER = 1 / 64
@@ -26,7 +26,7 @@ _MIN_BORDER = 0.05
 
 
 class Region(Protocol):
-    """What is needed of a `GroundRegion` or `PlacedGround`."""
+    """The common fields of a `GroundRegion` and a `PlacedGround`."""
 
     @property
     def id(self) -> str: ...

@@ -45,7 +45,7 @@ def _axis(layout: SceneLayout) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _half(layout: SceneLayout, origin: np.ndarray, out: np.ndarray, span: float, number: int) -> SceneLayout:
-    """What lies on the side of the cut that `out` points to."""
+    """The part on the side of the cut that `out` points to."""
     across = np.array([-out[1], out[0]]) * span
     far = out * span
     side = shapely.Polygon([origin - across, origin + across, origin + across + far, origin - across + far])

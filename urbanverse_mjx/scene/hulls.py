@@ -53,7 +53,7 @@ def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
 
 
 class _NoPart(ValueError):
-    """What was found, what was needed, what to try."""
+    """Error with what was found, what was needed and what to try."""
 
 
 # A scene asks for a hull several times (its mass, its table), and cousins share assets.

@@ -1,4 +1,5 @@
-"""The sets of the scene library: which there are, where their graphs, scenes and banks lie, and what a bank must hold.
+"""The sets of the scene library: their names, the folders of their graphs, scenes and banks, and the required contents
+of a bank.
 
 `scenes/library.json` names the sets; `urbanverse scene library` builds them into the cache.
 """
@@ -16,8 +17,8 @@ from ..datatypes import validation as v
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
 #: Hull slots of the physics model (design, section 3); m of COCO's root above the ground.
 SLOTS, ROOT = 16, 0.3
-#: What makes the graphs of a set that has no files: `citygen.craftbench` and `citygen.validation_streets` by
-#: hand, `citygen.procedural_streets` and `citygen.procedural_places` from templates.
+#: Modules that make the graphs of a set without files: `citygen.craftbench` and `citygen.validation_streets` by hand,
+#: `citygen.procedural_streets` and `citygen.procedural_places` from templates.
 GENERATORS = ("craft", "validation", "procedural", "places")
 _OPTIONAL = ("numbered", "builder", "validation")
 

@@ -1,4 +1,4 @@
-"""`metadata.json` of a compiled scene: what made it, where it is meant to be, and what it is like."""
+"""`metadata.json` of a compiled scene: its inputs, location and statistics."""
 
 import dataclasses
 import math
@@ -18,7 +18,7 @@ SCHEMA = "urbanverse.compiled_scene/1"
 
 
 def place_metadata(place: Source | None, routes: PlannedRoutes, geometry: SceneGeometry) -> dict[str, Any]:
-    """Where the scene is meant to be and what it is like."""
+    """Location and description of the scene."""
     return {
         "city": "none" if place is None else place.city,
         "country": "none" if place is None else place.country,
@@ -31,7 +31,7 @@ def place_metadata(place: Source | None, routes: PlannedRoutes, geometry: SceneG
 def scene_metadata(
     layout: SceneLayout, index: AssetIndex, geometry: SceneGeometry, robot: RobotSpec, size: RobotSize
 ) -> dict[str, Any]:
-    """What the scene was made of and how much of it there is; `size`: what its episodes were planned for."""
+    """Inputs and counts of the scene; `size`: of the robot of its episodes."""
     table, m = geometry.episodes, geometry.map
     used = sorted({o.asset_uid for o in layout.objects})
     return {

@@ -1,7 +1,7 @@
 """`SceneGeometry` -> MJCF that stock MuJoCo loads with no code of ours.
 
-Group 2: what is seen, no contact. Group 3: CoACD hulls of objects and ground prisms. One static body per object,
-named by its id; ground prisms belong to the world.
+Group 2: visual meshes, no contact. Group 3: CoACD hulls of objects and ground prisms. One static body per object, named
+by its id; ground prisms belong to the world.
 """
 
 import functools
@@ -46,7 +46,7 @@ def scene_mjcf(
     Args:
       sky: gives the skybox and the sun; without it there is no light.
       visuals: whether to draw; physics is the same without.
-      free: whether what is movable hangs on a free joint; else everything is fixed to the world.
+      free: whether movable objects have a free joint; else all objects are fixed to the world.
 
     Returns:
       XML, and file contents by path relative to it (`meshes/`, `textures/`).

@@ -31,10 +31,11 @@ _SHORTENING_PASSES = 2
 
 @dataclasses.dataclass(frozen=True)
 class RobotSize:
-    """What routes are made for; defaults are navbench's `delivery` robot (docs/sources/reference_systems.md b.2).
+    """Size of the robot for route planning; defaults are navbench's `delivery` robot (docs/sources/reference_systems.md
+    b.2).
 
     Attributes:
-      radius: m, half of what it needs across; margin: m, kept free beyond it while driving.
+      radius: m, half of the width that it needs; margin: m, kept free beyond it while driving.
       end_margin: m, kept free beyond the radius at starts and goals.
       height: m; step: m, the highest edge it may roll over.
     """
@@ -79,8 +80,8 @@ class FreeSpace:
     """The 5 cm map for a robot's size.
 
     Attributes:
-      map: what it was made from.
-      distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken off.
+      map: its input. distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken
+        off.
       free: (X, Y) bool, its centre may be there.
       cost: (X // pool, Y // pool) per metre, -1 = not passable.
       pool: cells of the map along a side of a planning cell.
@@ -136,7 +137,7 @@ class FreeSpace:
 
 
 def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -> FreeSpace:
-    """Grows everything that stops the robot by its radius and prices what is left."""
+    """Dilates obstacles by the robot's radius and assigns costs to the free cells."""
     kind = whole_crosswalks(scene_map).kind if prices.kerb else scene_map.kind
     of_kind = np.array([prices.kinds.get(name, 0.0) for name in GROUND_KINDS])
     allowed = (of_kind > 0)[kind] & (scene_map.clearance >= size.height) & ~_edges(scene_map.height, size.step)

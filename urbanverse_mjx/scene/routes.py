@@ -1,7 +1,8 @@
 """Routes in the manner of CraftBench-Nav (docs/sources/reference_systems.md b.2): planned between given points or
 chosen ones.
 
-A `Wanted` route is what a person clicked (or `RoutePlanner.choose` did); a `Route` is planned from it for one robot.
+A `Wanted` route has the start and goal that a person clicked (or `RoutePlanner.choose` drew); a `Route` is planned from
+it for one robot.
 """
 
 import dataclasses
@@ -54,7 +55,7 @@ class Route:
       id, note: of the `Wanted` one.
       points: start, via points and goal as planned from, moved off blocked ground.
       path: (n, 2) m, its corners. waypoints: (N, 4) x, y, z, yaw every 0.5 m.
-      facts: the numbers that `routes.json` tells of it.
+      facts: its numbers in `routes.json`.
     """
 
     id: str
@@ -78,7 +79,7 @@ class RoutePlanner:
     """Plans routes over one map for one robot."""
 
     def __init__(self, scene_map: SceneMap, robot: str = "delivery", size: RobotSize | None = None) -> None:
-        """`size`: of a robot that is none of `ROBOTS`."""
+        """`size`: of a robot that is not in `ROBOTS`."""
         self.robot = robot
         self.size = size or ROBOTS[robot]
         self.space: FreeSpace = free_space(scene_map, self.size, NAVBENCH)

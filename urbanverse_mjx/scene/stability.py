@@ -61,7 +61,7 @@ def displacements(
 
 
 def _around_movable(scene: SceneGeometry) -> SceneGeometry:
-    """The scene with what is movable and the fixed objects within `REACH` of that, by their upright boxes."""
+    """The scene with the movable objects and the fixed ones within `REACH` of them, by their upright boxes."""
     turns = rotations.matrix(scene.object_quaternion)
     low, high = np.full((2, len(scene.object_ids), 3), [[[np.inf]], [[-np.inf]]])
     for hull, o in zip(scene.inst_hull, scene.inst_object, strict=True):

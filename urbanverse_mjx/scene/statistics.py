@@ -1,5 +1,4 @@
-"""What a compiled scene is like in numbers: objects, ground, kerbs, and how much of the pavements is left to walk
-on."""
+"""Statistics of a compiled scene: objects, ground, kerbs, and the free width of pavements."""
 
 import collections
 import dataclasses
@@ -29,14 +28,14 @@ NARROW = {"robot": 0.70, "ada": 0.915, "prowag": 1.22}
 WIDTHS = (2.0, 3.0)
 #: Objects nearer than this height (m) to the ground narrow a pavement: a delivery robot's height.
 HEAD = 1.0
-#: Narrower strips (m) are no pavement (what is left before steps and in corners), and neither are gaps between houses
-#: up to this wide (m).
+#: Narrower strips (m) are no pavement (rests before steps and in corners), and neither are gaps between houses up to
+#: this wide (m).
 LEAST, _SLIT = 0.9, 1.5
 
 
 @dataclasses.dataclass(frozen=True)
 class SectionOptions:
-    """How cross-sections of pavements are taken; set by hand.
+    """How cross-sections of pavements are taken; chosen manually.
 
     Attributes:
       spacing: m between cross-sections.
@@ -68,7 +67,7 @@ class PavementWidths:
 
 
 def scene_statistics(geometry: SceneGeometry) -> dict[str, Any]:
-    """The scene in numbers, as `metadata.json` tells them; lengths in m, areas in m²."""
+    """The scene's statistics for `metadata.json`; lengths in m, areas in m²."""
     houses = house_mask(geometry)
     categories = collections.Counter(geometry.object_categories)
     widths = pavement_widths(geometry, houses)
@@ -125,7 +124,7 @@ def kerbs(scene_map: SceneMap) -> dict[str, float]:
 
 
 def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -> PavementWidths:
-    """Widths of the pavements, houses taken as their rim, and of what is left between the objects on them."""
+    """Widths of the pavements, with houses as their border, and of the free parts between the objects on them."""
     m = geometry.map
     houses = house_mask(geometry) if houses is None else houses
     of_house = np.flatnonzero(houses[geometry.inst_object])
@@ -184,7 +183,7 @@ def _cross(
     inside = np.all((cells >= 0) & (cells < np.array(pavement.shape)), axis=-1)
     i, j = np.where(inside[..., None], cells, 0).transpose(2, 0, 1)
     on = pavement[i, j] & inside
-    # Only what hangs together with the middle: another pavement beyond a road is not this one.
+    # Only the part connected to the middle: a pavement beyond a road is another one.
     outward = np.logical_and.accumulate(on[:, half:], axis=1)
     inward = np.logical_and.accumulate(on[:, half::-1], axis=1)
     own = np.concatenate([inward[:, :0:-1], outward], axis=1)

@@ -1,4 +1,4 @@
-"""What both engines share: the robot's physics model, the checks of their sizes, first states."""
+"""The common part of both engines: the robot's physics model, the checks of their sizes, first states."""
 
 from typing import Any, NamedTuple
 
@@ -17,7 +17,7 @@ AGENT_CONTACTS = 6
 
 
 class Substeps(NamedTuple):
-    """What happened in each of the S physics steps of one control step.
+    """Records of the S physics steps of one control step.
 
     Attributes:
       qpos: (S, nq) after the step. hit: (S,) bool, see `Contacts`.

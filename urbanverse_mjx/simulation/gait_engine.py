@@ -20,7 +20,7 @@ from .physics_model import make_physics_model
 
 
 class GaitMemory(NamedTuple):
-    """What a gait remembers; J joints, H steps.
+    """The state of a gait; J joints, H steps.
 
     Attributes:
       engine: the `carry` of the engine below.

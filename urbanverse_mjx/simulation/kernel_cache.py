@@ -1,6 +1,6 @@
-"""Warp's folder of compiled kernels: what is damaged there is renamed, so that Warp compiles it anew.
+"""Warp's folder of compiled kernels: damaged files are renamed, so that Warp compiles them again.
 
-Warp loads what it finds. A file that was cut off ends every later program with a traceback, a changed bit crashes it.
+Warp loads files without a check. A truncated file ends every later program with a traceback, a changed bit crashes it.
 Checksums of the files are kept in this package's own cache; a file without one is trusted and gets one.
 """
 

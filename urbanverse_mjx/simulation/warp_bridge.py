@@ -100,7 +100,7 @@ class RecentBatches[Batch](collections.OrderedDict[Any, Batch]):
         if key not in self:
             self[key] = make()
             while len(self) > KEPT_BATCHES:
-                # What was launched before may still be running on it.
+                # Earlier launches may still run on it.
                 wp.synchronize_device(self.device)
                 self.popitem(last=False)
         self.move_to_end(key)
@@ -108,7 +108,7 @@ class RecentBatches[Batch](collections.OrderedDict[Any, Batch]):
 
 
 class DeviceStore[Shared, Batch](dict[str, tuple[Shared, RecentBatches[Batch]]]):
-    """What stands on each Warp device, by its name: what all batches there share, and the batches used last."""
+    """Data on each Warp device, by its name: those shared by all batches, and the batches used last."""
 
     def get_or_make(self, device: Any, make: Callable[[], Shared]) -> tuple[Shared, RecentBatches[Batch]]:
         """The device's own, made where the device is new."""

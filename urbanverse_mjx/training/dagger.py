@@ -76,7 +76,7 @@ def make_student(config: ConfigDict, action_size: int) -> Student:
 
 
 class DaggerState(NamedTuple):
-    """What training carries from one iteration to the next.
+    """The training state between iterations.
 
     Attributes:
       params, optimizer: of the student. env: `State` of all envs.
@@ -95,7 +95,7 @@ class DaggerState(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """What an iteration learns from; all (T, n, ...).
+    """The data of an iteration; all (T, n, ...).
 
     Attributes:
       obs: `SEEN`. label: the teacher's actions. target: the map to predict. begins: bool.
@@ -143,7 +143,7 @@ class Dagger:
         return self._compiled(state, self.teacher_params, progress)
 
     def begin(self, params: Any = None) -> DaggerState:
-        """The state before the first iteration; params: of a student to go on from."""
+        """The state before the first iteration; params: of the initial student."""
         n = int(self.config.num_envs)
         key, key_env, key_net = jax.random.split(jax.random.key(int(self.config.seed)), 3)
         env = self._reset(jax.random.split(key_env, n))

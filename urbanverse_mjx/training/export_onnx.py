@@ -56,7 +56,7 @@ class _Reads(dict[str, Any]):
 
 
 def export_onnx(source: pathlib.Path, out: pathlib.Path) -> PolicyRecord:
-    """Writes the newest policy under `source` as the ONNX file `out`; returns what its metadata say.
+    """Writes the newest policy under `source` as the ONNX file `out`; returns its metadata.
 
     Raises:
       ValidationError: no policy there, another ending than .onnx, or an output that differs from JAX's by more than

@@ -66,7 +66,7 @@ def default_finetune_config() -> ConfigDict:
 
 
 class FinetuneState(NamedTuple):
-    """What training carries from one iteration to the next.
+    """The training state between iterations.
 
     Attributes:
       params: {"actor": of the student, "critic"}. optimizer: of both. env: `State` of all envs.
@@ -85,7 +85,7 @@ class FinetuneState(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """What an iteration learns from; all (T, n, ...).
+    """The data of an iteration; all (T, n, ...).
 
     Attributes:
       obs: `SEEN`, mirrored where the env is. privileged: the critic's observation, never mirrored. action: of the
@@ -172,12 +172,12 @@ class Finetune:
         return self._compiled(state, self.teacher_params, progress)
 
     def begin(self, actor: Any) -> FinetuneState:
-        """The state before the first iteration; actor: parameters of the student to go on from."""
+        """The state before the first iteration; actor: parameters of the initial student."""
         n = int(self.config.num_envs)
         key, key_env, key_net = jax.random.split(jax.random.key(int(self.config.seed)), 3)
         env = self._reset(jax.random.split(key_env, n))
         critic = self._critic.init(key_net, env.obs[MAP][:1], env.obs[VECTOR][:1])
-        # Copies: the state is donated, what the caller holds is not.
+        # Copies, because the state is donated and the caller's arrays must stay valid.
         params = {"actor": jax.tree.map(jnp.array, actor), "critic": critic}
         mirrored = (jnp.arange(n) % 2 == 1) & bool(self.config.mirror)
         memory, begins = self.student.first_memory(n), jnp.ones(n, bool)
@@ -197,7 +197,7 @@ class Finetune:
             key_teacher, key_noise, key_light = jax.random.split(key, 3)
             label = mirror_lateral(self.teacher(teacher, env, key_teacher), state.mirrored, LATERAL_ACTION)
             seen = mirrored_view(env.obs, state.mirrored)
-            # Here and not in the loss: the actions' probabilities belong to what was seen.
+            # Here and not in the loss: the actions' probabilities belong to the original observations.
             seen[PIXELS] = relit(seen[PIXELS][None], key_light, config.light, config.pixel_noise)[0]
             one = {name: x[None] for name, x in seen.items()}
             mean, memory, _ = self.student.apply(state.params["actor"], one, memory, begins[None])  # type: ignore[misc]

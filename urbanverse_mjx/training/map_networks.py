@@ -16,7 +16,7 @@ from flax import linen as nn
 from .networks import Encoder, goal_features
 
 MAP, VECTOR = "privileged_map", "privileged"
-#: What the flat observation `privileged_map` is: cells along and across the heading, hull and edge.
+#: Shape of the flat observation `privileged_map`: cells along and across the heading, hull and edge.
 MAP_SHAPE = (20, 16, 2)
 
 
@@ -48,7 +48,7 @@ class MapTrunk(nn.Module):
 
 
 class MapActor(nn.Module):
-    """Mean of each action and its (before softplus) standard deviation, which does not depend on what is seen."""
+    """Mean of each action and its (before softplus) standard deviation, which does not depend on the observation."""
 
     trunk: MapTrunk
     action_size: int

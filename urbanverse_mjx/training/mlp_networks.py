@@ -32,7 +32,7 @@ class Perceptron(nn.Module):
 
 
 class GaussianActor(nn.Module):
-    """Mean and (before softplus) standard deviation of each action; the latter does not depend on what is seen."""
+    """Mean and (before softplus) standard deviation of each action; the latter does not depend on the observation."""
 
     hidden: Sequence[int]
     action_size: int

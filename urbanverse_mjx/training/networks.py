@@ -48,7 +48,7 @@ def conv_by_matmul(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int
 
 def conv_by_xla(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int) -> jax.Array:
     """The same by XLA's own convolution, which is cuDNN's on a GPU."""
-    # conv_by_matmul cuts what is no whole block; a VALID convolution never reads it.
+    # conv_by_matmul cuts incomplete blocks, which a VALID convolution never reads.
     numbers = ("NHWC", "HWIO", "NHWC")
     return jax.lax.conv_general_dilated(x, kernel, (stride, stride), "VALID", dimension_numbers=numbers) + bias
 
@@ -91,7 +91,7 @@ class Encoder(nn.Module):
 
 def goal_features(goal: jax.Array) -> jax.Array:
     """(..., 2) goal in the heading frame (m) -> (..., 5): in units of 10 m, direction, and 1 m nearness."""
-    # What `jnp.linalg.norm` computes, in operations that ONNX has.
+    # `jnp.linalg.norm` in operations that ONNX has.
     distance = jnp.sqrt((goal * goal).sum(-1, keepdims=True))
     direction = goal / jnp.maximum(distance, 1e-3)
     return jnp.concatenate([goal / 10.0, direction, jnp.exp(-distance)], axis=-1)

@@ -1,4 +1,4 @@
-"""`Policy`: a trained controller as a folder: parameters (orbax, through Brax) and what they are, `policy.json`."""
+"""`Policy`: a trained controller as a folder: parameters (orbax, through Brax) and their description, `policy.json`."""
 
 import dataclasses
 import functools
@@ -22,21 +22,20 @@ from .policy_files import FILE
 
 SCHEMA = "urbanverse.policy/1"
 HINT = "take another checkpoint of the run, or copy it again from where it is whole"
-#: What no observation and no action of ours comes near.
+#: Far above the size of any observation and action.
 _MAX_AXES, _MAX_SIDE = 4, 100_000
 PolicyFunction = Callable[[Any, jax.Array], jax.Array]
 
 
 @dataclasses.dataclass(frozen=True)
 class PolicySpec:
-    """What is needed to use a policy's parameters.
+    """The data needed to use a policy's parameters.
 
     Attributes:
       environment, env_config: name and full config of the environment it was trained in.
       ppo_config: full training config, networks included.
       observations: name to shape; action_size.
-      scene_ids, bank_hashes: what it was trained on.
-      steps: env-steps of training; versions: packages.
+      scene_ids, bank_hashes: of its training. steps: env-steps of training; versions: packages.
     """
 
     environment: str
@@ -95,7 +94,7 @@ class PolicySpec:
 
 
 def package_versions() -> dict[str, str]:
-    """Versions of the packages that decide what a policy does."""
+    """Versions of the packages that affect a policy's actions."""
     packages = ("urbanverse_mjx", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "jax", "brax")
     return {p: _version(p) for p in packages}
 
@@ -122,7 +121,8 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
     me = jax.process_index()
     alone = ocp.options.MultiprocessingOptions(me, {me}, "policy" if jax.process_count() > 1 else None)
     writer = ocp.Checkpointer(ocp.PyTreeCheckpointHandler(multiprocessing_options=alone), multiprocessing_options=alone)
-    # What `brax.training.checkpoint.load` reads. The normaliser's own class would make JAX arrays of its counts again.
+    # The format of `brax.training.checkpoint.load`. The normaliser's own class would make JAX arrays of its counts
+    # again.
     normaliser, *rest = params
     plain = (flax.serialization.to_state_dict(normaliser), *rest)
     writer.save(path, jax.tree.map(np.asarray, plain), force=True)
@@ -291,7 +291,7 @@ def untrained_policy(spec: PolicySpec) -> Any:
 
 
 def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[Any, PolicySpec]:
-    """A trained policy, (observation, key) -> action or a `StudentPolicy` that remembers, and what it is.
+    """A trained policy, (observation, key) -> action or a `StudentPolicy` with memory, and its description.
 
     Args:
       folder: a policy folder, or one that holds some (the most trained is taken).

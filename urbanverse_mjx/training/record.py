@@ -17,7 +17,7 @@ from .config import default_ppo_config
 from .policy import PolicySpec, package_versions
 
 FILE = "config.json"
-#: PPO fields that a resumed run may change: how long it trains and how often it saves, not what it learns.
+#: PPO fields that a resumed run may change: the duration and the number of checkpoints only.
 MAY_CHANGE = ("num_timesteps", "num_checkpoints")
 
 
@@ -49,7 +49,7 @@ class RunRequest:
 
 @dataclasses.dataclass(frozen=True)
 class RunRecord:
-    """What a run trains.
+    """The settings of a run.
 
     Attributes:
       environment: registered name.
@@ -112,7 +112,7 @@ def resumed_configs(folder: pathlib.Path, request: RunRequest) -> tuple[str, Con
     """Environment and configs of the run in `folder`, with the requested `MAY_CHANGE`.
 
     Raises:
-      ValidationError: no run there, or a request that differs from what the run trains.
+      ValidationError: no run there, or a request that differs from the run's settings.
     """
     name, env, ppo = RunRecord.load(folder).configs()
     asked_env = registry.with_overrides(env, request.env_overrides)

@@ -20,7 +20,7 @@ from .record import begin_segment, check_scenes
 
 @dataclasses.dataclass(frozen=True)
 class TrainingResult:
-    """What a training left behind.
+    """The result of a training.
 
     Attributes:
       policy: folder of the last policy; None in all processes of a training over several hosts but the first.

@@ -11,7 +11,7 @@ from ..datatypes import ValidationError
 
 #: Locked by the running process; contains its id.
 LOCK = ".lock"
-#: What Orbax calls a checkpoint before it is whole.
+#: Orbax's name of an incomplete checkpoint.
 _HALF_A_CHECKPOINT = "checkpoints/[0-9]*.orbax-checkpoint-tmp*"
 
 

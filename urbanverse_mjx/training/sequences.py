@@ -1,4 +1,4 @@
-"""What learning from sequences of camera observations shares: mirrors, lighting, and epochs over minibatches.
+"""Common parts of learning from sequences of camera images: mirroring, lighting, and epochs over minibatches.
 
 Half of the envs are seen in a mirror: image, goal, speeds and labels are flipped left to right, and the student's
 action is flipped back before it drives. Streets and their mirror images are equally likely, so this doubles them.
@@ -73,11 +73,11 @@ def epochs(
 
     Args:
       start: (parameters, optimizer state). batch: a pytree of (T, n, ...). memory: (n, memory) at its first step.
-      rate: what an update of the optimizer is multiplied by: a number, or a pytree that the parameters' begins with.
+      rate: factor of the optimizer's update: a number, or a prefix pytree of the parameters.
       count: passes. parts: minibatches of a pass; divides n.
 
     Returns:
-      (parameters, optimizer state), and the mean of what the loss reports.
+      (parameters, optimizer state), and the mean of the loss's metrics.
     """
     n = memory.shape[0]
 
@@ -118,7 +118,7 @@ def run(
     """Iterates until `iterations` are done or `seconds` of wall time are over; calls back after each.
 
     Args:
-      state: the learner's, to go on from. Its `steps` count towards `iterations`.
+      state: the learner's initial one. Its `steps` count towards `iterations`.
 
     With a limit of seconds that is reached, the learning rate follows the clock, and no two runs are the same.
     """

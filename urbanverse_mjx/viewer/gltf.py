@@ -17,7 +17,7 @@ _SHARP = 0.3
 
 @dataclasses.dataclass(frozen=True)
 class Surface:
-    """What a mesh is made of.
+    """The parts of a mesh.
 
     Attributes:
       rgba: (4,) in [0, 1], linear. texture: (H, W, 3) u8 sRGB, or None.
@@ -97,7 +97,7 @@ class _Materials:
         return self._known[key]
 
     def finish(self, tree: dict[str, Any]) -> None:
-        """Marks what is unlit, which trimesh cannot write (KHR_materials_unlit)."""
+        """Marks unlit materials, which trimesh cannot write (KHR_materials_unlit)."""
         for material in tree.get("materials", ()):
             if material.get("name") in self._unlit:
                 material["extensions"] = {"KHR_materials_unlit": {}}

@@ -1,4 +1,4 @@
-"""What is drawn over a street: route, goal, driven path, hulls in reach, contacts. Lines in the world's frame, m."""
+"""Overlays of a street: route, goal, driven path, hulls in reach, contacts. Lines in the world's frame, m."""
 
 import functools
 

@@ -30,7 +30,7 @@ _COMPILING = "compiling the first step: up to half a minute; later ones take it 
 
 
 class Choices(Protocol):
-    """What there is to choose from."""
+    """The choices of the page."""
 
     @property
     def scenes(self) -> Sequence[str]:
@@ -83,7 +83,7 @@ class Page:
         self._build(scene, policy, robots, people)
         self._begin()
 
-    # What the loop does.
+    # The loop.
 
     def run(self, until: Callable[[], bool] = lambda: False) -> None:
         """Processes the page's requests and runs the simulation until `stop` is called, or `until` returns True."""
@@ -179,7 +179,7 @@ class Page:
     # Orders.
 
     def _begin(self) -> None:
-        """A new session of what is chosen; the page shows its first frame."""
+        """A new session of the choice; the page shows its first frame."""
         self._pause()
         bank = self._machine.env.bank
         number = int(bank.num_episodes[self._row])

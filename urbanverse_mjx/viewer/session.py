@@ -40,7 +40,7 @@ class Frame(NamedTuple):
 
     Attributes:
       nav: their states, leading axis n.
-      action: (n, A) what they did to come here; 0 in the first frame.
+      action: (n, A) that led to this frame; 0 in the first one.
       by_hand: (n,) bool, whether a person chose it.
     """
 

@@ -41,7 +41,7 @@ class Stage:
     """Draws a session.
 
     Args:
-      server: viser's. session: what is shown. street: its scene's meshes.
+      server: viser's. session: to show. street: its scene's meshes.
     """
 
     def __init__(self, server: viser.ViserServer, session: Session, street: StreetMeshes) -> None:
@@ -166,7 +166,7 @@ class Stage:
         return self._hulls(self.session.frames[index], number)
 
     def _show_objects(self, index: int) -> None:
-        """Objects as the first robot's world has them: robots do not meet, nor do what they push."""
+        """Objects as the first robot's world has them: robots do not interact, nor do their pushed objects."""
         if not self._objects:
             return
         moved = layers.moved_objects(self.session.frames[index], 0)

@@ -1,6 +1,6 @@
-"""A street of a bank as glTF: what stands still, each object that may be pushed, the sky, the light.
+"""A street of a bank as glTF: the static part, each movable object, the sky, the light.
 
-Everything is what the project's own renderer draws: the bank's meshes, textures, poses and skies.
+It has the same data as the project's own renderer: the bank's meshes, textures, poses and skies.
 """
 
 import dataclasses
@@ -56,7 +56,7 @@ class StreetMeshes:
         return np.flatnonzero((self.bank.slot_mesh[self.scene] >= 0) & (self.bank.slot_movable[self.scene] > 0))
 
     def fixed_parts(self, loose: bool) -> list[Part]:
-        """One part for each mesh of what stands still; without the movable objects where they are `loose`."""
+        """One part for each static mesh; without the movable objects where they are `loose`."""
         kept = np.setdiff1d(self.slots, self.movable) if loose else self.slots
         meshes = self.bank.slot_mesh[self.scene, kept]
         return [

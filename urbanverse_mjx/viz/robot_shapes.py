@@ -9,7 +9,7 @@ import numpy as np
 from ..datatypes import RobotSpec
 from ..robots.collision import Fit
 
-#: (H, W) px of a view, and the rim around what it shows.
+#: (H, W) px of a view, and its margin.
 _SIZE, _RIM = (420, 420), 24
 #: Name of a view, and the axes of the root's frame that go right and up in it; -1 turns one round.
 _VIEWS = (("from the left", (0, 1), (2, 1)), ("from the front", (1, -1), (2, 1)), ("from above", (0, 1), (1, 1)))

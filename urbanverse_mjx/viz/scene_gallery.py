@@ -62,7 +62,7 @@ class Card:
     Attributes:
       metadata: the compiled scene's `metadata.json`.
       images: name (`scene_cards.NAMES`) -> file below the page's folder.
-      difficulty: share of the planner's episodes that failed, None where no report tells.
+      difficulty: share of the planner's episodes that failed, None without a report.
     """
 
     metadata: dict[str, Any]

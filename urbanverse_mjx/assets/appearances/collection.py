@@ -19,7 +19,7 @@ Value = str | float | bool | None
 
 
 class Record(Protocol):
-    """What a collection is made of: a frozen dataclass with at least these fields."""
+    """A record of a collection: a frozen dataclass with at least these fields."""
 
     @property
     def uid(self) -> str: ...
@@ -149,13 +149,13 @@ class Collection[R: Record]:
         return self._thumbnails.problems()
 
     def repair(self) -> list[str]:
-        """Paints the thumbnails anew where they are not whole (minutes); returns what is still wrong."""
+        """Paints damaged thumbnails again (minutes); returns the remaining faults."""
         if self._thumbnails.problems():
             self._thumbnails.repair()
         return self._thumbnails.problems()
 
     def explain_annotation(self, name: str | None = None) -> str:
-        """What a field or a filter means and which values there are; all filters without a name.
+        """Meaning and values of a field or a filter; all filters without a name.
 
         Raises:
           ValidationError: no such field and no such filter.

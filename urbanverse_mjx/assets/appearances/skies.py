@@ -36,7 +36,7 @@ FINER = 3
 
 @dataclasses.dataclass(frozen=True)
 class Sky:
-    """What lights a scene from outside.
+    """Light sources of a scene: sky and sun.
 
     Attributes:
       id, description, tags: for search and matching.
@@ -56,7 +56,7 @@ class Sky:
 
 @dataclasses.dataclass(frozen=True)
 class _Weather:
-    """What a sky is computed from.
+    """Parameters of a sky.
 
     elevation, azimuth: of the sun, degrees; mie: aerosol scattering at the ground, 1/m (2e-6 crystal clear,
     2e-5 ordinary, 1e-4 haze); diffuse: share of the light that comes from the cloudless sky (measured under clear

@@ -1,1 +1,1 @@
-"""What is known of each category before any mesh exists: names, sizes, matter, mass and friction."""
+"""Data of each category that need no mesh: names, sizes, materials, mass and friction."""

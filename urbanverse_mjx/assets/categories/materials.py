@@ -1,4 +1,4 @@
-"""What objects are made of: densities, friction on pavement, stiffness and optics, one reviewed row per material.
+"""Materials of objects: densities, friction on pavement, stiffness and optics, one reviewed row per material.
 
 The rows are data (`assets_index/materials.csv`); each names its sources by the keys of `assets_index/sources.csv`.
 """
@@ -31,7 +31,7 @@ class Material:
       index_of_refraction: optical index.
       hardness, finish: official words.
       density_source, friction_source: keys of the sources.
-      reason: what the row's numbers stand for; may be empty where the sources say all.
+      reason: explanation of the row's numbers; may be empty where the sources suffice.
     """
 
     name: str

@@ -86,7 +86,7 @@ def _names() -> dict[str, str]:
 
 
 def _singulars(key: str) -> tuple[str, ...]:
-    """The name itself, then what it may be the plural of."""
+    """The name itself, then possible singular forms."""
     forms = [key, key.removesuffix("s"), key.removesuffix("es")]
     if key.endswith("ies"):
         forms.append(key.removesuffix("ies") + "y")

@@ -151,8 +151,8 @@ def sample_meshes(
       uids: n of them.
       extent: (n, 3) m, boxes in the asset frame.
       volume: (n,) m^3 inside the outer surfaces.
-      guess: kg, (n,) what the recipe takes each to weigh; it only decides between the makes of the leaf (a heavy bench
-        is of concrete).
+      guess: kg, (n,) estimates of the recipe; they only decide between the makes of the leaf (a heavy bench is of
+        concrete).
 
     Raises:
       UnknownLabelError: no such leaf.
@@ -174,7 +174,7 @@ def agreeing(records: Sequence[AssetRecord]) -> list[AssetRecord]:
     """The records with mass, materials, friction, force and movability that follow from their measured boxes, their
     volumes and the priors of their leaves; all else stays.
 
-    What a record weighs by now only decides between the makes of its leaf.
+    A record's present mass only decides between the makes of its leaf.
     """
     changed: dict[str, AssetRecord] = {}
     for leaf in dict.fromkeys(r.leaf for r in records):

@@ -1,4 +1,4 @@
-"""What is known of each leaf before any mesh exists: sizes, matter, mass, how it stands and what one can do with it.
+"""Priors of each leaf, independent of meshes: sizes, materials, mass, support and affordances.
 
 One reviewed row per leaf (`assets_index/priors.csv`), each with a reason. The columns `length`, `width`, `height` (m)
 and `mass` (kg) hold three numbers: least, median, greatest. `fill` is the share of the bounding box that is solid

@@ -24,8 +24,7 @@ class Published:
     """One object of a leaf as a page describes it: m and kg, None where the page is silent.
 
     Attributes:
-      leaf: exact leaf name; item: what the page speaks of.
-      source: key of sources.csv, one that has an address.
+      leaf: exact leaf name; item: the object of the page. source: key of sources.csv, one that has an address.
     """
 
     leaf: str
@@ -95,7 +94,7 @@ def _figures(row: Mapping[str, str], where: str) -> dict[str, float]:
 
 
 def ground_truths(rows: Sequence[Published]) -> dict[str, dict[str, float]]:
-    """leaf -> quantity -> median of what the pages give."""
+    """leaf -> quantity -> median of the pages' figures."""
     found: dict[str, dict[str, list[float]]] = {}
     for row in rows:
         for quantity in QUANTITIES:

@@ -1,1 +1,1 @@
-"""Convex hulls that collide, and the mass properties of what they enclose."""
+"""Convex collision hulls, and the mass properties of their volume."""

@@ -1,4 +1,4 @@
-"""Makes collision hulls: CoACD on what is not convex, then merging until the asset's budget of hulls is met.
+"""Makes collision hulls: CoACD for parts that are not convex, then merging until the asset's budget of hulls is met.
 
 A street asset is mostly an assembly of convex parts, so the mesh is first cut where it is already in pieces. A piece
 that is convex enough is its own hull; CoACD cuts the others. Then the two hulls whose union adds the least empty space
@@ -23,7 +23,7 @@ from ..meshes.recipe import get_recipe
 from ..records.index import build_mesh, load_index
 from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
 
-FLUSH_HEIGHT = 0.03  # m; what is lower (a manhole cover) belongs to the ground: its hull is sunk, no wheel touches it
+FLUSH_HEIGHT = 0.03  # m; lower assets (a manhole cover) belong to the ground: their hulls are sunk below wheels
 FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
 FOOT_PLATE = 0.02  # m; a piece that ends below (a pole's foot plate) is left out: wheels roll over it
 HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
@@ -217,7 +217,7 @@ def _without_contained(pieces: list[Piece], tolerance: float = 0.008) -> list[Pi
 
 
 def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarray:
-    """At most `limit` of a hull's corners, greedily those that stick out most, grown by most of what is missed."""
+    """At most `limit` of a hull's corners, greedily those that protrude most, grown by most of the missed volume."""
     if len(corners) <= limit:
         return corners
     directions = np.concatenate([np.eye(3), -np.eye(3), np.array([[1, 1, 1], [-1, -1, 1]]) / np.sqrt(3)])
@@ -233,7 +233,7 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
         if missed < 1e-3 or len(chosen) == limit:
             break
         chosen.append(int(missing.argmax()))
-    # Never beyond what the piece itself reaches overhead and below: hulls do not dig into the pavement.
+    # Never beyond the piece's own vertical extent: hulls do not dig into the pavement.
     low, high = corners[:, 2].min(), corners[:, 2].max()
     grown = corners[chosen]
     bound = max(GAP, GAP_OF_PIECE * float(np.ptp(corners, axis=0).max()))

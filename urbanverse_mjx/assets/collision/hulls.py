@@ -1,7 +1,7 @@
 """Collision hulls: stored by the content of the mesh, loaded without ever running CoACD.
 
 The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull
-after hull, and for every mesh key the range of its hulls. `assets.collision.decompose` makes what is missing.
+after hull, and for every mesh key the range of its hulls. `assets.collision.decompose` makes missing ones.
 """
 
 import dataclasses
@@ -77,7 +77,7 @@ class HullStore:
 
 
 def _check_store(path: str, data: Mapping[str, np.ndarray]) -> None:
-    """Whether a file's arrays are those of a store, and its counts say how many hulls and corners there are."""
+    """Whether a file's arrays are those of a store, and its counts match the numbers of hulls and corners."""
     hint = f"build it again with `{BUILD_COMMAND}`"
     names = {"keys", "hulls_per_key", "corners_per_hull", "corners_mm"}
     if set(data) != names:

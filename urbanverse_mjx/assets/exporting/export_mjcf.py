@@ -1,4 +1,4 @@
-"""An asset as an MJCF model that stock MuJoCo loads: what is seen, convex hulls that collide, mass and inertia."""
+"""An asset as an MJCF model that stock MuJoCo loads: visual meshes, convex collision hulls, mass and inertia."""
 
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
@@ -22,8 +22,8 @@ def mjcf_text(
 ) -> str:
     """The model's XML. It names two files beside itself: the visual mesh (OBJ) and its texture (PNG).
 
-    The asset is one body called `asset`. What one person can move hangs on a free joint; all else is fixed to the world
-    and keeps its mass all the same.
+    The asset is one body called `asset`. An asset that one person can move has a free joint; others are fixed to the
+    world and keep their mass.
     """
     root = ET.Element("mujoco", model=record.uid.replace("/", "-"))
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")

@@ -1,4 +1,4 @@
-"""An asset as USD: what is seen with UsdPreviewSurface, convex-hull colliders, mass and friction with UsdPhysics."""
+"""An asset as USD: visual meshes with UsdPreviewSurface, convex-hull colliders, mass and friction with UsdPhysics."""
 
 import pathlib
 from collections.abc import Sequence
@@ -47,6 +47,6 @@ def write_usd(
 
 
 def bounciness(names: Sequence[str]) -> float:
-    """Restitution of what is made of these materials, the dominant one first."""
+    """Restitution of an asset of these materials, the dominant one first."""
     known = materials().get(names[0])
     return known.bounciness if known else UNKNOWN_BOUNCINESS

@@ -171,7 +171,7 @@ def licence_of(fields: Mapping[str, Any], extras: Mapping[str, Any], copyright_t
 
 @dataclasses.dataclass(frozen=True)
 class Measured:
-    """What the import measured: (3,) extent in m in the asset frame, and the volume inside its surface, m^3."""
+    """Measurements of the import: (3,) extent in m in the asset frame, and the volume inside its surface, m^3."""
 
     extent: tuple[float, float, float]
     volume: float

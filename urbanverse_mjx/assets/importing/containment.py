@@ -24,7 +24,7 @@ FAILURES = (CRASHED, TIME, MEMORY, UNABLE)
 
 @dataclasses.dataclass(frozen=True)
 class Bounds:
-    """What one process may use: wall time and processor time in s, memory and any one file it writes in bytes."""
+    """Limits of one process: wall time and processor time in s, memory and any one file it writes in bytes."""
 
     seconds: float = 300.0
     memory: int = 4 * 2**30
@@ -33,7 +33,7 @@ class Bounds:
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """What came of it: a value, or the reason and the sentence of a failure."""
+    """The outcome: a value, or the reason and the sentence of a failure."""
 
     value: Any = None
     reason: str = ""

@@ -29,7 +29,7 @@ SCALE = "non-uniform scale"
 CORRUPTIONS = (BAD_MESH, NO_TEXTURE, PAPER, BASE, TERRAIN, NAMES, CAD, SEVERAL, SCALE)
 
 # Thresholds: set so that all shipped assets pass and the tests' broken ones do not; docs/decisions/asset_import.md.
-MANY = 300  # faces; statistics of surfaces say little below
+MANY = 300  # faces; below, statistics of surfaces are unreliable
 DEGENERATE = 0.3  # share of faces without area
 SHREDS, SHRED_FACES = 0.4, 3  # share of the area in components of so few faces
 NOISE_ANGLE, NOISE_NORMALS = 0.8, 0.7  # rad, mean bend; share of faces whose direction no other has
@@ -56,7 +56,7 @@ class Finding:
 
 
 def find_in_shape(shape: Shape, source: Source, row: Prior | None) -> list[Finding]:
-    """What is wrong with a file's mesh and appearance; `row` is the prior of its leaf, None where no leaf is known."""
+    """Faults of a file's mesh and appearance; `row` is the prior of its leaf, None where no leaf is known."""
     if len(shape.faces) < 4:
         return [Finding(BAD_MESH, f"{len(shape.faces)} faces with an area, needed at least 4")]
     checks = (_terrain, _several, _paper, _base, _bad_mesh, _cad, _texture)
@@ -146,7 +146,7 @@ def _all_sheets(shape: Shape) -> bool:
 
 
 def _base(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
-    """A slab at the foot, far wider than what stands on it and than the leaf's largest is to its height."""
+    """A slab at the foot, far wider than the object on it and than the leaf's largest is to its height."""
     height = shape.extent[2]
     tops = shape.vertices[shape.faces][:, :, 2].max(1)
     foot = tops <= BASE_HEIGHT * height

@@ -12,7 +12,7 @@ import numpy as np
 from ..categories.priors import Prior
 from ..meshes.glb import TO_GLTF
 
-#: What a file's unit may be in metres, likeliest first.
+#: Possible units of a file in metres, likeliest first.
 UNITS = {
     "metres": 1.0,
     "centimetres": 0.01,
@@ -30,8 +30,8 @@ STRETCHED = math.log(2.0)  # beyond them after the best scale: the proportions a
 # OBJ files state no axis, and a file that states z up is trusted unless y up fits far better.
 Z_UP = {True: math.log(2.0), None: math.log(1.1), False: -math.log(2.0)}
 OFF_MEDIAN = 0.25  # weight of the distance from the leaf's median sizes beside the misfit
-# One ground side over the other before a mesh is turned a quarter: of the leaf's median, and of the mesh. What is about
-# as long as wide (people, letter boxes) may be either way round.
+# One ground side over the other before a mesh is turned a quarter: of the leaf's median, and of the mesh. Assets about
+# as long as wide (people, letter boxes) may have either orientation.
 LONG, TURN = 1.5, 1.2
 MEASURED_APART = 0.1  # relative, between the scales that two annotated sides ask for
 
@@ -43,7 +43,7 @@ class Placement:
     Attributes:
       rotation: (3, 3), file frame to asset frame; scale: metres per unit of the file.
       misfit: log of the factor by which a side still lies beyond the leaf's sizes.
-      scaled, steps: what was done, in words; `scaled` is empty where the file was in metres.
+      scaled, steps: the changes, in words; `scaled` is empty where the file was in metres.
     """
 
     rotation: np.ndarray
@@ -124,7 +124,7 @@ def misfit_of_proportions(extent: np.ndarray, row: Prior) -> float:
 
 
 def _scale(extent: np.ndarray, row: Prior, sizes: Mapping[str, float] | None) -> tuple[float, float, str]:
-    """(metres per unit, misfit, what was done)."""
+    """(metres per unit, misfit, the change)."""
     sides = _sorted_sides(np.maximum(extent, 1e-12))
     if sizes:
         return _annotated_scale(sides, sizes, row)

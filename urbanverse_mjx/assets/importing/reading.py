@@ -27,7 +27,7 @@ class Part:
       vertices: (V, 3); faces: (F, 3).
       uv: (V, 2) from the texture's lower left corner, or None.
       texture: (H, W, 3) uint8, or None.
-      color: (3,) sRGB 0-255, what the texture is multiplied by, or the colour itself.
+      color: (3,) sRGB 0-255, factor of the texture, or the colour itself.
       colors: (V, 3) sRGB 0-255 of each vertex, or None.
     """
 
@@ -45,7 +45,7 @@ class Source:
 
     Attributes:
       parts: at least one.
-      y_up: whether y is up and the front along +z, as in glTF; None where an OBJ file does not say.
+      y_up: whether y is up and the front along +z, as in glTF; None for an OBJ file without that information.
       names: of its nodes, meshes and materials, outermost first.
       generator, copyright: texts of the file; extras: its `asset.extras`.
       roughness, metallic: of its largest part.

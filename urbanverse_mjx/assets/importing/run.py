@@ -75,7 +75,7 @@ class Entry:
       file: path below the imported folder; key: hash of content, annotation and options.
       uid: of the asset, or None where the file was rejected for `reason` (one of a few words) and `why` (a sentence).
       findings: (name, evidence, fixed) of each corruption.
-      notes: what was done or left out.
+      notes: changes and omissions.
     """
 
     file: str

@@ -39,7 +39,7 @@ class Shape:
 
     @property
     def extent(self) -> np.ndarray:
-        """(3,) box of what the faces use."""
+        """(3,) box of the vertices in use."""
         seen = self.vertices[np.unique(self.faces)]
         return seen.max(0) - seen.min(0)
 

@@ -38,7 +38,7 @@ class VisionError(ValidationError):
 
 
 def annotate(endpoint: VisionEndpoint, images: Sequence[bytes], name: str) -> tuple[dict[str, Any], list[str]]:
-    """(fields under the official names, what was left out of the answer and why).
+    """(fields under the official names, omitted fields with the reason).
 
     Args:
       images: four PNG files, views 0 to 3.

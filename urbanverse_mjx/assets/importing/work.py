@@ -53,7 +53,7 @@ class Task:
 
 @dataclasses.dataclass(frozen=True)
 class Made:
-    """What came of one file: its uid, or None where a finding that is not fixed keeps it out."""
+    """The result of one file: its uid, or None where a finding that is not fixed keeps it out."""
 
     uid: str | None
     leaf: str | None
@@ -166,7 +166,7 @@ def _write_asset(task: Task, mesh: AssetMesh, uid: str, leaf: str, fields: Mappi
 
 
 def write_preview(task: Task) -> None:
-    """Writes the file as one textured GLB a metre across, for images of what it is.
+    """Writes the file as one textured GLB a metre across, for the images of its annotation.
 
     Raises:
       RefusedFileError: as `make_asset`.

@@ -32,7 +32,7 @@ YAWS = (-32.0, 0.0, 90.0, 180.0)
 ELEVATION = 14.0  # degrees, of the camera over the horizon; the same image as a thumbnail's
 GRID, CELLS = 24, 4  # pixels of a silhouette's side; cells of its layout's side
 SAMPLES = 6000  # points on the surface, ten for each pixel of the silhouette
-MOST_COLORS = 12  # kept of what is seen; the rest is little
+MOST_COLORS = 12  # kept of the visible colours; the rest is small
 JOIN = 1e-5  # m within which split vertices are one
 LEAST_SHARE = 0.02  # of the box that an object of open sheets takes up, as in the base index
 # How `gallery.scene_of` lights a surface: ambient, head light, and the sun with its direction.

@@ -169,7 +169,7 @@ def scaled_mesh(mesh: AssetMesh, scale: Sequence[float], tint: Sequence[float] |
 
 
 def scaled_hulls(hulls: HullSet, scale: Sequence[float]) -> HullSet:
-    """Hulls scaled along the axes; what was convex stays so."""
+    """Hulls scaled along the axes, which keeps them convex."""
     factor = np.asarray(scale, dtype=np.float32)
     return HullSet(tuple(h * factor for h in hulls.hulls))
 
@@ -197,8 +197,8 @@ class PaletteCells:
 
 
 def palette_cells(mesh: AssetMesh) -> PaletteCells:
-    """The palette cells in use. Paint is what has no colour by nature (`tints.is_paint`) and covers 2 % of the surface:
-    a tail light or a button keeps its colour."""
+    """The palette cells in use. Paint is a colour that is not the material's own (`tints.is_paint`) on at least 2 % of
+    the surface: a tail light or a button keeps its colour."""
     corners = mesh.uv[mesh.faces]
     flat = (corners == corners[:, :1]).all((1, 2))
     if not flat.any():

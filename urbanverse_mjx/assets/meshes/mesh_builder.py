@@ -30,7 +30,7 @@ CREASE_DEG = 40.0
 
 @dataclasses.dataclass(frozen=True)
 class BuiltAsset:
-    """What a recipe returns.
+    """The result of a recipe.
 
     Attributes:
       mesh: the painted mesh, footprint centred, bottom at z = 0.
@@ -362,7 +362,7 @@ class MeshBuilder:
 
     @property
     def bounds(self) -> np.ndarray:
-        """(2, 3) least and greatest corner of what was added so far, m."""
+        """(2, 3) least and greatest corner of the parts added so far, m."""
         points = np.concatenate([p.shape.vertices for p in self._parts])
         return np.stack([points.min(0), points.max(0)])
 

@@ -47,7 +47,7 @@ class Recipe:
     """One registered recipe.
 
     Attributes:
-      name: frozen; where the function stands and what it is called have no part in it.
+      name: frozen; independent of the function's name and module.
       physics: None takes mass, matter and friction from the leaf's row of `assets_index/priors.csv`.
       hulls: caps the convex decomposition (None: chosen by size).
     """

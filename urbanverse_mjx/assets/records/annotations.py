@@ -24,7 +24,7 @@ def fields() -> Mapping[str, Mapping[str, str]]:
 
 
 def explain(field: str) -> str:
-    """What a field means, its unit, and where its values come from.
+    """Meaning, unit and source of a field.
 
     Raises:
       ValidationError: no such field.
@@ -38,7 +38,7 @@ def explain(field: str) -> str:
 
 
 def annotation(row: Mapping[str, Any]) -> dict[str, Any]:
-    """The annotation of a row of the catalogue; what is not known is absent."""
+    """The annotation of a row of the catalogue; unknown fields are absent."""
     known = {k: v for k, v in row.items() if v is not None and k not in ("attributes", "params", "license")}
     attributes = json.loads(row["attributes"]) if row["attributes"] else {}
     return {

@@ -162,7 +162,7 @@ def build_catalogue(index: AssetIndex, progress: Callable[[Sequence[str]], Itera
 
 
 def disagreements(table: pa.Table) -> dict[str, str]:
-    """uid -> what is wrong, for every record whose values contradict each other; empty for a sound table.
+    """uid -> fault, for every record whose values contradict each other; empty for a sound table.
 
     Checked: length, width, height and max_dimension against the box; shares that sum to 1; mass against volume, shares
     and densities; required_force against mass, friction (or rolling) and gravity; movable against the force.
@@ -265,7 +265,7 @@ def _table(row: Prior, uids: Sequence[str], values: Physical, shown: Sequence[Sh
 
 
 def _clearance(row: Prior, values: Physical) -> Any:
-    """m to keep: grows with the object, most round what moves by itself, none from what one may pass through."""
+    """m to keep: grows with the object, most around moving ones, none from passable ones."""
     if row.traversability == "pass through":
         return np.zeros(len(values.length))
     least = CLEARANCE_ALIVE if row.rest == "alive" else CLEARANCE_LEAST

@@ -149,7 +149,7 @@ def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -
 
 
 def _from_recipe(recipe: Recipe, _: str, built: BuiltAsset, volume: float) -> dict[str, Any]:
-    """What a record weighs and is made of, by its recipe's own priors."""
+    """Mass and materials of a record, by its recipe's own priors."""
     physics = recipe.physics
     assert physics is not None
     mass = built.mass if built.mass is not None else float(np.clip(volume * physics.density, *physics.mass_range))

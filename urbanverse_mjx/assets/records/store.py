@@ -1,7 +1,7 @@
 """The catalogue as a Parquet file in the cache: written once by `urbanverse assets build`, mapped into memory on use.
 
-The file is named by what it is made of (the tables of `assets_index/` and the version of the code that turns them into
-records), so a stale one is never found.
+The file is named by a hash of its inputs (the tables of `assets_index/` and the version of the code that turns them
+into records), so a stale one is never found.
 """
 
 import functools
@@ -106,7 +106,7 @@ def shipped_content() -> str:
 
 
 def save_content(table: pa.Table) -> pathlib.Path:
-    """Writes what the tables give today into `assets_index/catalogue.json`, to be committed with them."""
+    """Writes the tables' present result into `assets_index/catalogue.json`, to be committed with them."""
     meshes = table.num_rows - table["recipe"].null_count
     body = {"content": catalogue_hash(table), "records": table.num_rows, "with_mesh": meshes}
     text = json.dumps(body, indent=2) + "\n"

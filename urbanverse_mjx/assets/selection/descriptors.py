@@ -29,7 +29,7 @@ WEIGHTS = (1.0, 0.6, 0.6)
 
 
 def histogram(colors: NDArray, share: NDArray) -> NDArray[np.float64]:
-    """(..., 44) how much of what is seen has which colour; each colour is shared between its nearest bins.
+    """(..., 44) share of each colour in the visible surface; each colour is shared between its nearest bins.
 
     Args:
       colors: (..., C, 3), 0-255.

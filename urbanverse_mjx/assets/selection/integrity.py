@@ -1,4 +1,4 @@
-"""What may be missing or damaged of the index on this machine, and how it is fixed."""
+"""Missing or damaged parts of the index on this machine, and their repair."""
 
 from ..collision.hulls import HullStore
 from ..collision.hulls import store_path as hulls_path
@@ -48,7 +48,7 @@ def _of_catalogue() -> list[str]:
 
 
 def repair() -> list[str]:
-    """Builds the catalogue anew where it is not sound and drops broken thumbnails; returns what is still wrong."""
+    """Builds an invalid catalogue again and drops broken thumbnails; returns the remaining faults."""
     if _of_catalogue():
         store_path().unlink(missing_ok=True)
         forget()

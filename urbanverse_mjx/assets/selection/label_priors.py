@@ -12,7 +12,7 @@ from ..records.index import AssetIndex, build_mesh
 
 #: Labels that drive or park on the carriageway; all others stand next to it.
 _ON_ROAD = ("private vehicle", "public vehicle", "construction vehicle", "emergency vehicle")
-#: What moves about by itself, and may be anywhere.
+#: Labels that move by themselves, and may be anywhere.
 _ANYWHERE = ("person", "animal", "robot")
 #: Two-wheelers and the like are left on the pavement as often as on the road.
 _LIGHT = ("bicycle", "scooter", "motorcycle", "cyclist", "moped", "e-scooter", "handcart", "stroller", "wheelchair")

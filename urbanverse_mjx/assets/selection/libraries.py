@@ -1,4 +1,4 @@
-"""What every collection of the index offers, whatever it holds: objects, skies, roads, sidewalks.
+"""The common interface of all collections of the index: objects, skies, roads, sidewalks.
 
     from urbanverse_mjx.assets.selection.libraries import library
 
@@ -47,7 +47,7 @@ class Library(Protocol):
         ...
 
     def explain_annotation(self, field: str) -> str:
-        """What a field means, its unit and where its values come from."""
+        """Meaning, unit and source of a field."""
         ...
 
     def check_integrity(self) -> list[str]:
@@ -55,7 +55,7 @@ class Library(Protocol):
         ...
 
     def repair(self) -> list[str]:
-        """Makes anew what `check_integrity` finds; returns what it still finds afterwards."""
+        """Repairs the faults that `check_integrity` finds; returns the remaining ones."""
         ...
 
 

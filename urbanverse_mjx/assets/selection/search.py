@@ -173,7 +173,7 @@ class ObjectLibrary:
         return {record.uid: thumbnail(record) for record in self.records(uids)}
 
     def explain_annotation(self, field: str) -> str:
-        """What a field means, its unit, and where its values come from.
+        """Meaning, unit and source of a field.
 
         Raises:
           ValidationError: no such field.
@@ -185,7 +185,7 @@ class ObjectLibrary:
         return integrity.problems()
 
     def repair(self) -> list[str]:
-        """Makes anew what can be made from the shipped tables; returns what is still wrong."""
+        """Rebuilds all parts that follow from the shipped tables; returns the remaining faults."""
         left = integrity.repair()
         self.__init__()
         return left
@@ -305,7 +305,7 @@ class ObjectLibrary:
         return scores
 
 
-#: What people call a material in a query.
+#: Names of materials in queries.
 MATERIAL_WORDS = {"wooden": "wood", "metal": "steel", "metallic": "steel", "woollen": "wool"}
 SAID = 0.05  # less than between a leaf that is named and one that only reads alike
 

@@ -1,1 +1,1 @@
-"""What scenes composed by hand and procedural places are made of: a free plan, ground in layers, groups of objects."""
+"""Tools for manually composed scenes and procedural places: a free plan, ground in layers, groups of objects."""

@@ -107,7 +107,7 @@ class Canvas(Stage):
     # Ground: all of it before the first object.
 
     def ground(self, name: str, kind: str, corners: Iterable[Corner], z: float = 0.0) -> None:
-        """Lays a level piece of ground; what lies there already is cut away."""
+        """Lays a level piece of ground; earlier ground there is cut away."""
         self._lay(Layer(name, kind, ground_layers.outline(corners), ground_layers.level(z)))
 
     def slope(
@@ -134,7 +134,7 @@ class Canvas(Stage):
             self._lay(layer)
 
     def cut(self, start: Corner, end: Corner, name: str | None = None) -> None:
-        """Parts all ground, or what is visible of one piece, along a line; see `ground_layers.Cut`."""
+        """Splits all ground, or the visible part of one piece, along a line; see `ground_layers.Cut`."""
         self._cuts.append(ground_layers.Cut(name, start, end))
 
     def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:
@@ -143,7 +143,7 @@ class Canvas(Stage):
             self._lay(layer)
 
     def paint(self, name: str, corners: Iterable[Corner]) -> None:
-        """A painted mark on what lies there (a level piece); robots on the pavement may not drive on it."""
+        """A painted mark on the ground there (a level piece); robots on the pavement may not drive on it."""
         ring = ground_layers.outline(corners)
         spot = ring.representative_point()
         height = ground_layers.top_at(self._layers, spot.x, spot.y)
@@ -165,7 +165,7 @@ class Canvas(Stage):
         self._layers.append(layer)
 
     def lay_ground(self) -> None:
-        """Turns what was laid into regions; the first object put down does it too."""
+        """Converts the layers to regions; placing the first object does so too."""
         if not self.regions:
             self.lay(ground_layers.tiles(self._layers, self._cuts))
             self.lay(

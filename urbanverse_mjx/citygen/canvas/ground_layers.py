@@ -91,7 +91,7 @@ def strip(points: Sequence[Corner], width: float) -> list[Corner]:
 
 
 def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
-    """What lies uppermost at a place.
+    """The uppermost layer at a place.
 
     Raises: ValidationError: no ground there.
     """
@@ -103,13 +103,13 @@ def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
 
 
 def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
-    """Height (m) of what lies uppermost at a place."""
+    """Height (m) of the uppermost layer at a place."""
     return height_at(layer_at(layers, x, y).plane, x, y)
 
 
 @dataclasses.dataclass(frozen=True)
 class Cut:
-    """A straight line (m) that parts what is visible of a layer, or of all where none is named.
+    """A straight line (m) that splits the visible part of a layer, or of all where none is named.
 
     Convex pieces need fewer prisms; and as engines look prisms up by axis-aligned boxes, long ones at an angle are
     found from too far away.
@@ -218,7 +218,7 @@ def stairs(
 
 
 def seams(regions: Sequence[GroundRegion]) -> list[str]:
-    """What is wrong with the tiling: overlaps, and slits between neighbours that do not touch."""
+    """Faults of the tiling: overlaps, and gaps between neighbours."""
     shapes = [shapely.Polygon(r.polygon) for r in regions]
     found = []
     for (a, p), (b, q) in itertools.combinations(zip(regions, shapes, strict=True), 2):

@@ -8,8 +8,8 @@ size each time unless `variant` names one.
 from ...datatypes.toml_table import table
 from ..catalogue import TREES, Size
 
-#: A kick scooter stands or lies on its side. A graph's objects turn about z alone: what has fallen is known by its box,
-#: as broad as long and half as high, and the asset whose box fits is a scooter on its side.
+#: A kick scooter stands or lies on its side. A graph's objects rotate about z alone: a fallen one has another box, as
+#: broad as long and half as high, and the asset whose box fits is a scooter on its side.
 SCOOTER_STANDING, SCOOTER_FALLEN = 0, 1
 
 SIZES: dict[str, tuple[Size, ...]] = {

@@ -11,8 +11,8 @@ from . import object_sizes
 from .canvas import Canvas, Edge
 from .ground_layers import Corner
 
-#: What objects of the last six scenes come in: the streets' few plain sizes first, so that a table without a variant is
-#: a small one, and the variants that only hands use behind them.
+#: Sizes of objects of the last six scenes: the streets' few plain sizes first, so that a table without a variant is a
+#: small one, and the variants that only hands use behind them.
 SIZES: dict[str, tuple[catalogue.Size, ...]] = (
     object_sizes.SIZES
     | catalogue.SIZES

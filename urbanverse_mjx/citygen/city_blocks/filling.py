@@ -14,7 +14,7 @@ from . import stock
 from .ground import CROSSWALK_HALF, END_RAMP, Plan
 from .line import Point
 
-#: What stands along a narrow pavement rather than across it.
+#: Labels that stand along a narrow pavement rather than across it.
 TWO_WHEELED = frozenset({"bicycle", "motorcycle", "scooter"})
 #: m between two objects.
 APART = 0.06

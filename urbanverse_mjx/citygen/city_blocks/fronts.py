@@ -48,7 +48,7 @@ def _house(filler: Filler, frontage: float) -> stock.Item:
 
 
 def _row(filler: Filler, side: int, begin: float, end: float) -> None:
-    """Fronts side by side from begin to end; what is left over is shared as small gaps or closed by a wall."""
+    """Fronts side by side from begin to end; the remaining length becomes small gaps or a wall."""
     profile = filler.plan.profile
     depth = filler.plan.front(side) - filler.plan.half
     at = begin

@@ -108,7 +108,7 @@ def skip(filler: Filler, side: int, s: float) -> None:
 
 
 def display(filler: Filler, side: int, s: float) -> None:
-    """What a shop puts out: boxes, pots, a board."""
+    """A shop's goods outside: boxes, pots, a board."""
     v = filler.plan.width(side) - 0.45
     for k in range(6):
         name = stock.pick(

@@ -1,4 +1,4 @@
-"""`CityProfile`: what a street of a city is made of, as one row of a reviewed table."""
+"""`CityProfile`: parameters of a city's streets, as one row of a reviewed table."""
 
 import dataclasses
 from typing import Literal

@@ -1,5 +1,4 @@
-"""What a street is filled with: sizes and descriptors of real records of the catalogue, so that every box has its
-asset."""
+"""Objects of a street: sizes and descriptors of real records of the catalogue, so that every box has its asset."""
 
 import dataclasses
 import functools

@@ -1,6 +1,6 @@
 """A tidy suburb on a Sunday: verges, lawns and drives, everything in its place, and the neighbours out in front.
 
-What makes it hard is not clutter: the street winds, drives cross the pavement, dogs, children and a mower do too.
+The difficulty is not clutter: the street winds, drives cross the pavement, dogs, children and a mower do too.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge, edges

@@ -166,7 +166,7 @@ KERB_RIGHT = (
 MOTORCYCLES_LEFT = (((36.6, 75.0, 0), (37.8, 80.0, 1)), ((13.2, 100.0, 2), (14.4, 96.0, 0)))
 MOTORCYCLES_RIGHT = (((27.4, 250.0, 1), (28.6, 255.0, 0)), ((21.6, 255.0, 3), (22.9, 250.0, 1)))
 
-#: People, and what they have dropped: label, s, d, facing, variant.
+#: People and litter: label, s, d, facing, variant.
 CROWD_LEFT = (
     (
         ("pedestrian adult", 11.2, 2.6, 200.0, 2),

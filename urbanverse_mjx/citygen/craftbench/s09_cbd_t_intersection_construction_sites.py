@@ -103,7 +103,7 @@ def _fronts(c: Canvas) -> None:
 
 
 def _site(c: Canvas) -> None:
-    """The building site in the north-west, and what it does to the pavement."""
+    """The building site in the north-west, and the narrowed pavement."""
     chain(c, "fence", [(9.1, 10.2), (17.4, 10.2)], 1, 1.3)
     chain(c, "fence", [(22.2, 10.2), (27.0, 10.2)], 1, 1.3)
     c.put("fence", 9.2, 11.2, 180.0, size=(0.13, 1.5, 1.8))

@@ -212,7 +212,7 @@ def _dogs(c: Canvas) -> None:
 
 
 def _sports(c: Canvas) -> None:
-    """The court behind its fence, and what is played beside it."""
+    """The court behind its fence, and the games beside it."""
     c.put("basketball court", 60.0, 37.8, 0.0, 0)
     for line in ([(45.2, 29.9), (57.4, 29.9)], [(59.4, 29.9), (74.8, 29.9)], [(74.8, 29.9), (74.8, 45.8)]):
         chain(c, "fence", line, 1, 2.4)

@@ -1,8 +1,8 @@
 """The procedural set `places`: alleys, parks, courtyards, markets, precincts, works, lots, as various as a city.
 
 The streets of `procedural` have one section and a lane free along each pavement; policies trained there fail where it
-is narrow, open or shut. Here nine templates take turns. What stays free is a net of lanes, `site.LANE` wide, that
-wander; everything else may be taken.
+is narrow, open or shut. Here nine templates take turns. A net of winding lanes, `site.LANE` wide, stays free; objects
+may stand anywhere else.
 """
 
 import dataclasses
@@ -35,7 +35,7 @@ def template_of(index: int) -> str:
 
 
 def site_of(index: int) -> Site:
-    """Scene number `index` of `COUNT` with what it was made by: its lanes, its density.
+    """Scene number `index` of `COUNT` with its parameters: lanes and density.
 
     Raises:
       ValidationError: no such number.

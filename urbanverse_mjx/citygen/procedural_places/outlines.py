@@ -1,4 +1,4 @@
-"""Outlines of places and what is walked along them."""
+"""Outlines of places and the trajectories along them."""
 
 import math
 import random
@@ -18,7 +18,7 @@ def joined(shapes: Iterable[BaseGeometry]) -> shapely.Polygon:
 
 
 def inside(outline: BaseGeometry, by: float = 0.03) -> BaseGeometry:
-    """What is at least `by` metres within an outline."""
+    """The part at least `by` metres inside an outline."""
     return outline.buffer(-by, join_style="mitre")
 
 
@@ -28,7 +28,7 @@ def corners(line: BaseGeometry) -> list[Corner]:
 
 
 def ring(shape: shapely.Polygon) -> list[Corner]:
-    """Corners counter-clockwise, the first again at the end: what lies within is to the left."""
+    """Corners counter-clockwise, the first again at the end: the inside is to the left."""
     return corners(shapely.geometry.polygon.orient(shape).exterior)
 
 

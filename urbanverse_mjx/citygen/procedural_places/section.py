@@ -44,7 +44,7 @@ class Street:
         return self.width(side) - self.yards[0 if side > 0 else 1]
 
     def y(self, side: int, d: float) -> float:
-        """y of what is d metres behind the kerb of a side."""
+        """y at d metres behind the kerb of a side."""
         return side * (self.half + d)
 
     def walk(self, side: int) -> shapely.Polygon:
@@ -166,7 +166,7 @@ def traffic(site: Site, street: Street, share: float, parked: float, off: float 
 
 
 def furnish(site: Site, street: Street, side: int, kerb: float, wall: float, strewn: float) -> None:
-    """What stands along the kerb and the fronts of a pavement and lies about on it; gaps (m) where it is crowded."""
+    """Objects along the kerb and the fronts of a pavement and scattered on it; gaps (m) where it is crowded."""
     zone = street.walk(side)
     ends = (0.5, street.length - 0.5)
     a, b = ends if side > 0 else ends[::-1]

@@ -1,4 +1,4 @@
-"""`Site`: a place being made: its ground, the lanes that stay free, the houses around it, and what is put down."""
+"""`Site`: a place under construction: its ground, the lanes that stay free, the houses around it, and its objects."""
 
 import dataclasses
 import itertools
@@ -96,7 +96,7 @@ class Site:
 
     Attributes:
       canvas: the ground and the objects.
-      density: of what is strewn, 0.3 (sparse) to 1 (crowded).
+      density: of scattered objects, 0.3 (sparse) to 1 (crowded).
       lanes: (n, 2) m, middle lines of the lanes that stay free, in pieces.
     """
 
@@ -125,7 +125,7 @@ class Site:
 
         Args:
           labels: of the houses; none: a dozen of all.
-          walls: share of bare walls, which also fill what no house fits.
+          walls: share of bare walls, which also fill gaps too small for a house.
         """
         wide = outline.buffer(APRON, join_style="mitre", mitre_limit=2.0)
         x0, y0, x1, y1 = wide.bounds

@@ -108,7 +108,7 @@ def _court_objects(site: Site, outline: shapely.Polygon, zone: BaseGeometry, lon
 
 
 def market(scene_id: str, rng: random.Random) -> Site:
-    """A street full of stalls in two or three rows, aisles between them, shoppers and what has been unloaded."""
+    """A street full of stalls in two or three rows, aisles between them, shoppers and unloaded goods."""
     site = Site(scene_id, rng)
     rows = rng.choice((2, 2, 3))
     aisle = rng.uniform(2.0, 3.0)

@@ -1,11 +1,11 @@
-"""What stands in places: labels by where they are met, their sizes, and how many collision hulls they have."""
+"""Objects of places: labels by location, their sizes, and their numbers of collision hulls."""
 
 from .. import catalogue
 from ..canvas import object_sizes
 
 SIZES = object_sizes.SIZES
 
-#: What each kind of spot may hold; every draw is uniform over the list.
+#: Labels for each kind of spot; every draw is uniform over the list.
 MIXES: dict[str, tuple[str, ...]] = {
     "people": (
         "pedestrian adult", "pedestrian adult", "pedestrian adult", "pedestrian adult", "pedestrian child",

@@ -51,7 +51,7 @@ def works(scene_id: str, rng: random.Random) -> Site:
 
 
 def _shut(site: Site, street: Street, side: int, a: float, b: float) -> None:
-    """What shuts a pavement from one x to another."""
+    """Barriers that close a pavement from one x to another."""
     rng, zone, wide = site.rng, street.walk(side), street.width(side)
     y0, y1 = street.y(side, 0.12), street.y(side, wide - 0.12)
     kind = rng.choice(("works", "works", "vans", "scooters", "dumped", "scaffold"))

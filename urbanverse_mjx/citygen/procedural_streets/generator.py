@@ -21,7 +21,7 @@ from .templates import TEMPLATES, Plan
 
 #: Scenes of the set (paper: as many as UrbanVerse-160).
 COUNT = 160
-#: What stands in each zone of a pavement; every draw is uniform over the list.
+#: Labels for each zone of a pavement; every draw is uniform over the list.
 ZONES: dict[str, tuple[str, ...]] = {
     "kerb": (
         "tree",

@@ -51,7 +51,7 @@ class Arm:
 
 @dataclasses.dataclass(frozen=True)
 class Ground:
-    """What `lay` made.
+    """The result of `lay`.
 
     Attributes:
       regions: of the scene graph.

@@ -20,7 +20,7 @@ LANES = ((0, 24.0, 13.0), (1, 10.0, 12.0), (4, 15.0, 13.0))
 
 
 def _edge(number: int, side: int) -> Edge:
-    """Side `number` of the square; +1 for what stands inside of it, -1 for the fronts outside."""
+    """Side `number` of the square; +1 for objects inside of it, -1 for the fronts outside."""
     return edge(CORNERS[number], CORNERS[(number + 1) % 5], side)
 
 

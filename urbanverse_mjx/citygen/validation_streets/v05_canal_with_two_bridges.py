@@ -62,7 +62,7 @@ def _fronts(c: Canvas) -> None:
 
 
 def _rails(c: Canvas) -> None:
-    """Railings on the bridges and the ramps, and what is left of them along the water."""
+    """Railings on the bridges and the ramps, and their remains along the water."""
     for x, inside in ((WEST_BRIDGE[0], 0.12), (WEST_BRIDGE[1], -0.12)):
         chain(c, "fence", [(x + inside, -3.9), (x + inside, 3.9)], stretch=2.2)
     # posts on the humped one: a piece of railing would stand on two slopes

@@ -1,4 +1,4 @@
-"""Depth for every pixel: what one image lets guess, held to the reconstruction and to the ground.
+"""Depth for every pixel: the single-image prediction, fitted to the reconstruction and to the ground.
 
 * Ground is where the ray meets the level on which its kind lies near the camera.
 * An object keeps the shape of the predicted depth; its distance is the weighted mean (of logarithms) of the points
@@ -21,7 +21,7 @@ from .structure import Structure
 class DepthOptions:
     """How the estimates of a pixel's depth are weighed.
 
-    Set by hand; the table of depth in docs/decisions/gen_perception.md measures what comes of them.
+    Chosen manually; docs/decisions/gen_perception.md measures their effect on depth.
 
     Attributes:
       ground_range: m: beyond it the viewing angle is too flat to derive distance from the ground's height. level_range:
@@ -86,7 +86,7 @@ def dense_depth(
     inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
     columns, rows = pixel[inside].T
     points = (structure.depth()[mine] * metric.scale[row])[inside]
-    # Without a guess an object is a board that faces the camera, and what is no object stays unknown.
+    # Without a prediction an object is a plane facing the camera, and other pixels stay unknown.
     guess = np.ones_like(flat) if observation.depth is None else observation.depth.astype(np.float64)
     ratio = np.log(np.maximum(points, 1e-3) / np.maximum(guess[rows, columns], 1e-3))
     overall = _overall(ratio, flat, guess)
@@ -122,7 +122,7 @@ def _ground_depth(camera: Camera, pose: np.ndarray, surfaces: np.ndarray, z: np.
 
 
 def _overall(ratio: np.ndarray, flat: np.ndarray, guess: np.ndarray) -> float:
-    """Logarithm of the factor on a frame's guess: half from its points, half from its ground."""
+    """Logarithm of the factor on a frame's prediction: half from its points, half from its ground."""
     at = flat[::4, ::4] > 0
     from_ground = np.log(flat[::4, ::4][at] / np.maximum(guess[::4, ::4][at], 1e-3))
     parts = [float(np.median(x)) for x in (ratio, from_ground) if len(x) >= 10]

@@ -75,7 +75,7 @@ class Frames:
             return np.asarray(image.convert("RGB"))
 
     def lost(self) -> str:
-        """One clause on what was dropped."""
+        """One clause on the dropped frames."""
         counts = collections.Counter(reason for _, reason in self.dropped)
         return ", ".join(f"{n} {reason}" for reason, n in counts.most_common()) or "none"
 
@@ -112,7 +112,7 @@ def sample(
     for k, group in enumerate(groups):
         seen = [measure(rgb) for _, rgb in group]
         pairs = itertools.pairwise([before, *seen] if before is not None else seen)
-        # What passes between neighbouring candidates adds up to what has gone out of sight.
+        # The image shift between neighbouring candidates adds up to the share that left the view.
         turns.append(sum(turned(a, b) for a, b in pairs))
         before = seen[-1]
         best = int(np.argmax([m.sharpness for m in seen]))
@@ -185,7 +185,7 @@ def _opened(path: pathlib.Path) -> cv2.VideoCapture:
 
 
 def _images(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[tuple[float, np.ndarray]]:
-    """Time (s) and RGB of the images nearest to every 1 / `rate` s; what lies between is decoded and left out."""
+    """Time (s) and RGB of the images nearest to every 1 / `rate` s; images in between are decoded and dropped."""
     period = 1.0 / (video.get(cv2.CAP_PROP_FPS) or rate)
     first, time, due = None, -period, 0
     try:

@@ -17,8 +17,8 @@ _CASCADES = (
     "haarcascade_profileface.xml",
     "haarcascade_russian_plate_number.xml",
 )
-#: Each step shrinks the image by so much; so many neighbours must agree. More found is better than less: what is
-#: blurred without need costs a signboard.
+#: Each step shrinks the image by so much; so many neighbours must agree. Sensitive settings are preferred: a false
+#: detection blurs a signboard at worst.
 _SCALE_STEP, _MIN_NEIGHBOURS = 1.1, 3
 
 

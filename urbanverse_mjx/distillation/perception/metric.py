@@ -14,9 +14,9 @@ MIN_POINTS = 20
 
 @dataclasses.dataclass(frozen=True)
 class MetricOptions:
-    """How the ground under a walker tells scale and up.
+    """Scale and vertical from the ground under a walker.
 
-    Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
+    Chosen manually; docs/decisions/gen_perception.md measures their effect on poses.
 
     Attributes:
       ranges: camera heights; ground nearer than the first gives the camera's height; the second is used where the first

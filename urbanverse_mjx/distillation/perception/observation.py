@@ -1,4 +1,4 @@
-"""What a frame shows, and what finds it: the narrow interface behind which perception models stand."""
+"""Observation of a frame, and the interface of perception models."""
 
 import dataclasses
 from typing import Protocol
@@ -15,7 +15,7 @@ class FrameObservation:
     Attributes:
       surfaces: (H, W) u8, see `Frame.surfaces`.
       masks: (H, W) i32 row of `detections`, -1 = none. detections: objects with their labels and scores.
-      depth: (H, W) f32 m along the camera's axis as one image lets guess it; None where the model guesses none.
+      depth: (H, W) f32 m along the camera's axis, predicted from one image; None for models without depth.
     """
 
     surfaces: np.ndarray

@@ -126,5 +126,5 @@ def _record(
 
 
 def identifier(name: str) -> str:
-    """A name as a recording's id: what an id cannot hold becomes "_"."""
+    """A name as a recording's id: invalid characters become "_"."""
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name)[:80] or "tour"

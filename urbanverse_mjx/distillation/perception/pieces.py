@@ -1,4 +1,4 @@
-"""Pieces of a trajectory whose place to each other no match tells: where they break, and how they are joined again.
+"""Pieces of a trajectory without matches between them: detection of the breaks, and joining.
 
 When a camera turns about before a bare wall, the images before and after have no match. Each piece alone is correct,
 upright and metric. A rotation about z and a shift are unknown, and the shift is nearly known: the camera continues at
@@ -19,7 +19,7 @@ from ...geometry import rotations
 class CutOptions:
     """Where a trajectory is cut, and what of its pieces is compared.
 
-    Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
+    Chosen manually; docs/decisions/gen_perception.md measures their effect on poses.
 
     Attributes:
       window: steps on either side for the walker's speed.
@@ -56,7 +56,7 @@ _CUT = CutOptions()
 class JoinOptions:
     """When two pieces are joined by what both saw.
 
-    Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
+    Chosen manually; docs/decisions/gen_perception.md measures their effect on poses.
 
     Attributes:
       min_share: share of a piece's occupied cells that must be found again.
@@ -129,7 +129,7 @@ def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]
 def join(pieces: Sequence[Piece]) -> list[np.ndarray | None]:
     """(4, 4) T_world_piece of every piece, None where no turn fits. The world is the longest piece's.
 
-    The others follow in the order in which they meet what is joined already.
+    The others follow in the order of their contact with the joined ones.
     """
     first = max(range(len(pieces)), key=lambda k: len(pieces[k].rows))
     out: list[np.ndarray | None] = [None] * len(pieces)

@@ -25,8 +25,8 @@ class Blur:
     """Blurs what a detector finds.
 
     Attributes:
-      detector: finds faces and plates. name: what the records call it.
-      margin: share of a box's size added to each side; detectors leave out ears and frames of plates.
+      detector: finds faces and plates. name: for the records. margin: share of a box's size added to each side;
+        detectors leave out ears and frames of plates.
     """
 
     detector: FindsPrivate

@@ -57,7 +57,8 @@ def turned(before: Measures, after: Measures) -> float:
     """Share of the width by which the image moved sideways, by phase correlation; 0 without a match.
 
     Source: Kuglin and Hines, "The phase correlation image alignment method", 1975. OpenCV's `phaseCorrelate` sums the
-    response around the peak, which tells noise from a match no longer: 0.27 for noise, 0.24 for a turn by half a width.
+    response around the peak, which no longer distinguishes noise from a match: 0.27 for noise, 0.24 for a turn by half
+    a width.
     """
     window = np.outer(np.hanning(_MOTION_SIZE[0]), np.hanning(_MOTION_SIZE[1]))
     a, b = (np.fft.rfft2((x.small - x.small.mean()) * window) for x in (before, after))

@@ -116,7 +116,7 @@ class Structure:
     model: np.ndarray
 
     def only(self, rows: np.ndarray) -> "Structure":
-        """The frames of some rows (k,), in order, and what they observe; the points stay."""
+        """The frames of some rows (k,), in order, and their observations; the points stay."""
         new = np.full(len(self.registered), -1, np.int32)
         new[rows] = np.arange(len(rows))
         seen = new[self.frame] >= 0
@@ -241,7 +241,7 @@ def _maps(
         pycolmap.match_sequential(database, matching, pairing, verification)
         if options.focal is None:
             calibration = pycolmap.ViewGraphCalibrationOptions(random_seed=0)
-            # What it finds no focal length for keeps the one that the search starts from.
+            # Without an estimate the focal length stays at the start of the search.
             pycolmap.calibrate_view_graph(database, calibration)
             _round_focal_length(database)
         progress(2 * len(frames), steps)

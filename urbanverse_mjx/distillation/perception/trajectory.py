@@ -25,9 +25,9 @@ class TrajectoryError:
 def trajectory_error(estimated: np.ndarray, true: np.ndarray) -> TrajectoryError:
     """Lays (m, 4, 4) estimated on (m, 4, 4) true poses by a rigid motion that minimises the squared distances.
 
-    Where the places lie on a line, the cameras' directions say how the trajectory is turned about it; elsewhere their
-    weight, a thousandth of the places', hardly counts.
-    Source: Umeyama, "Least-squares estimation of transformation parameters between two point patterns", 1991.
+    Where the places lie on a line, the cameras' directions determine the rotation of the trajectory about it; elsewhere
+    their weight, a thousandth of the places', hardly counts. Source: Umeyama, "Least-squares estimation of
+    transformation parameters between two point patterns", 1991.
     """
     a, b = estimated[:, :3, 3], true[:, :3, 3]
     a0, b0 = a - a.mean(0), b - b.mean(0)

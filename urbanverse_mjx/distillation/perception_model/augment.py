@@ -1,4 +1,4 @@
-"""What cameras, codecs and lenses do to an image, at random. Runs inside jit, on one rendered frame."""
+"""Random faults of cameras, codecs and lenses. Runs inside jit, on one rendered frame."""
 
 import jax
 import jax.numpy as jnp

@@ -35,7 +35,7 @@ class FoundObject:
 
 @dataclasses.dataclass(frozen=True)
 class Decoded:
-    """What one image shows, at the outputs' size.
+    """The decoded image, at the outputs' size.
 
     kinds: (h, w) i32 class of every pixel; masks: (h, w) i32 index into `objects`, -1 = none;
     depth: (h, w) f32 m along the camera's axis, the sky included.
@@ -80,7 +80,7 @@ def _peaks(centre: np.ndarray) -> np.ndarray:
 def _group(
     kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray
 ) -> tuple[np.ndarray, tuple[FoundObject, ...]]:
-    """Masks and objects. A house and what stands before it never share an object, though they may share a centre."""
+    """Masks and objects. A house and an object in front of it are never merged, though they may share a centre."""
     masks = np.full(kinds.shape, -1, np.int32)
     rows, columns = np.nonzero(kinds >= classes.FIRST_OBJECT)
     if not len(peaks) or not len(rows):
@@ -113,7 +113,7 @@ def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray,
     """1 and what speaks for an object: log odds of its class; its peak's height; `miss`, by how many output pixels its
     pixels point past the peak, over the side of a square with as many; and what share of them is in one piece.
 
-    What is left over between two objects points nowhere and lies in pieces.
+    Leftover regions between two objects point to no centre and are in several parts.
     """
     inside = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), bool)
     inside[rows - rows.min(), columns - columns.min()] = True

@@ -45,7 +45,7 @@ class PerceptionModel:
         factor = max(SIZE) / max(height, width)
         small = round(height * factor), round(width * factor)
         image = Image.fromarray(rgb).resize(small[::-1], Image.Resampling.BILINEAR)
-        # Multiples of the network's stride: what is added at the bottom and the right repeats the rim.
+        # Multiples of the network's stride: padding at the bottom and the right repeats the border.
         pad = [(0, -n % STRIDE) for n in small]
         padded = np.pad(np.asarray(image), [*pad, (0, 0)], "edge")
         seen = _apply(self.variables, padded[None] / np.float32(255.0))

@@ -30,7 +30,7 @@ WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 3, 4, 4, 3)
 _PYRAMID = (96, 96, 64, 64)
 
 
-#: The network answers in JAX; what is decoded are plain arrays.
+#: The network's outputs are JAX arrays; decoding uses NumPy arrays.
 type Array = jax.Array | np.ndarray
 
 

@@ -63,7 +63,7 @@ class Score:
             if hit[row].any() and leaf_of[row] >= 0:
                 self.with_leaf += 1
                 self.right_leaves += seen.objects[int(hit[row].argmax())].leaf == leaf_of[row]
-        # What mostly lies on something too small or of no group is not held against it.
+        # Detections mostly on objects that are too small or of no group do not count as false.
         excused = (counts[(true >= 0) & ~asked].sum(0) > 0.5 * areas) | (areas < MIN_PIXELS)
         for column in np.flatnonzero(~hit[asked].any(0) & ~excused):
             self.invented[predicted[column]] += 1

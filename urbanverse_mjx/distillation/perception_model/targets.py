@@ -1,4 +1,4 @@
-"""What the network should answer for a rendered frame, and how far off an answer is. Runs inside jit, one frame."""
+"""Targets of the network for a rendered frame, and the loss. Runs inside jit, one frame."""
 
 import dataclasses
 from typing import NamedTuple
@@ -19,11 +19,11 @@ NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
 
 @dataclasses.dataclass(frozen=True)
 class LossOptions:
-    """What a pixel and a part of the loss weigh.
+    """Weights of pixels and of the parts of the loss.
 
     Panoptic-DeepLab's parts weigh 1, 200 and 0.01 a pixel of the full image (0.32 a unit of ours). Our streets hold
     some thirty objects an image, so that 200 would leave the classes little of the gradient; the offset's weight is
-    doubled because half of our objects touch another. All else is set by hand; docs/decisions/gen_perception.md has
+    doubled because half of our objects touch another. All else is chosen manually; docs/decisions/gen_perception.md has
     the scores.
 
     Attributes:
@@ -33,8 +33,8 @@ class LossOptions:
         influence.
       min_weight: bound of that ratio.
       max_weight: bound of that ratio.
-      narrow_weight: what a miss near the narrow bump of a small object weighs more: the bump has a quarter of the
-        wide one's area.
+      narrow_weight: factor on errors near the narrow bump of a small object: the bump has a quarter of the wide one's
+        area.
       centre: weight of the centre map.
       offset: weight of the offset to the centre.
       depth: weight of the logarithm of depth.

@@ -1,7 +1,7 @@
 """Random views into the streets of a bank: camera poses and their images with ground truth.
 
-Of this package this module and the training command alone import the renderer: they make what the perception model
-learns from.
+Of this package this module and the training command alone import the renderer: they make the perception model's
+training data.
 """
 
 import dataclasses
@@ -23,7 +23,7 @@ FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens hel
 
 @dataclasses.dataclass(frozen=True)
 class ViewOptions:
-    """Where cameras stand, where they point, and what is drawn anew; set by hand.
+    """Distributions of camera poses and appearances; chosen manually.
 
     Attributes:
       ground_shares: shares of cameras on each kind of ground: robots and people on the pavement, cyclists and cars on
@@ -97,7 +97,7 @@ class Views:
         return Views(renderer, jnp.asarray(places), jnp.asarray(weights), jnp.asarray(table))
 
     def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, GroundTruth, jax.Array]:
-        """One frame per key: images (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
+        """One frame per key: images (n, H, W, 3) u8, their ground truth, and (n,) 0 where the view is blocked.
 
         With `dye`, every object takes on colours of its own in all but `plain_share` of the images.
         """

@@ -33,7 +33,7 @@ GROUND_TRUTH = "boxes.json"
 
 @dataclasses.dataclass(frozen=True)
 class Kitti360Options:
-    """What is read.
+    """The part of the data to read.
 
     Attributes:
       sequence: such as "2013_05_28_drive_0000_sync". first, last: frames, both included; step: every so many of them.

@@ -16,7 +16,7 @@ from .kitti360_boxes import Kitti360Box
 CAMERA_HEIGHT = 1.55
 #: Pixels to which one of the laser's points spreads: its lines lie 6 to 8 pixels apart.
 _POINT_SPREAD = 3
-#: m; farther the road is seen too flat for its level to say how far it is.
+#: m; farther away the view of the road is too flat to derive distance from its height.
 _ROAD_RANGE = 40.0
 
 

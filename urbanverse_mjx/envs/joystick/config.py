@@ -13,7 +13,7 @@ JOYSTICK_PRESETS = ("fast", "cpu")
 
 
 def _randomization() -> dict[str, Any]:
-    """What differs between robots, and what pushes them."""
+    """Randomised parameters of robots, and pushes."""
     return {
         "friction_scale": (0.5, 1.5),
         "mass_scale": (0.9, 1.15),

@@ -1,4 +1,4 @@
-"""What chance decides in the walking task: commands, what differs between robots, pushes, noise of the sensors."""
+"""Random values of the walking task: commands, parameters of robots, pushes, sensor noise."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from ml_collections import ConfigDict
 
 
 class Body(NamedTuple):
-    """What differs between the robots of two episodes.
+    """Randomised parameters of a robot in an episode.
 
     Attributes:
       friction_scale, mass_scale: (), see `SimState`.

@@ -97,7 +97,7 @@ class JoystickEnv(StagedBase[GaitState]):
         self._levels = TerrainLevels(bank, config.terrain)
         self.scenes = np.unique(self._levels.scenes).astype(np.int32)
 
-    # What users of Playground and Brax ask an environment.
+    # Properties in the interface of Playground and Brax.
 
     @property
     def action_size(self) -> int:

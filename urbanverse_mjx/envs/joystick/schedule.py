@@ -1,4 +1,4 @@
-"""Which ground an env walks on: a kind by its share, at a level of the env's own that follows what it can do."""
+"""Choice of an env's ground: a kind by its share, at the env's own level, which follows its performance."""
 
 import jax
 import jax.numpy as jnp

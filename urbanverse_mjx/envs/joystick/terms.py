@@ -24,7 +24,7 @@ SOFT_SPEED = 0.9
 
 
 class Motion(NamedTuple):
-    """What a control step made of the robot; J joints, F feet.
+    """The robot after a control step; J joints, F feet.
 
     Attributes:
       linear: (3,) m/s of the trunk, heading frame; angular: (3,) rad/s, body frame.

@@ -1,11 +1,11 @@
-"""Clearance maps, to the centimetre: how far it is from anywhere in a scene to what stands there, and to the edge of
-the ground a robot may be on.
+"""Clearance maps, to the centimetre: distances from any place of a scene to obstacles, and to the edge of the ground a
+robot may be on.
 
 In:   a `SceneBank`. Out:  `ClearanceMaps`, two signed distance fields of each scene. When: once per bank, on the host;
 for privileged code such as `evaluation.planner`.
 
-`surroundings` tells critics and rewards about the same in cells of 0.2 m; a robot that shall pass where 10 cm are left
-needs it finer, with signs, and up to the corners of the hulls instead of those of their boxes.
+`surroundings` has the same for critics and rewards in cells of 0.2 m; a robot that passes with a clearance of 10 cm
+needs a finer grid, with signs, and up to the corners of the hulls instead of those of their boxes.
 """
 
 import dataclasses
@@ -50,7 +50,7 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
     """The clearance maps of some scenes of a bank; the rows of all others stay 0.
 
     Args:
-      height: m, of the robot: what hangs higher above the ground is no obstacle.
+      height: m, of the robot: higher hulls are no obstacles.
     """
     cells = round(float(bank.map_resolution) / CELL)
     shape = (bank.map_kind.shape[1] * cells, bank.map_kind.shape[2] * cells)

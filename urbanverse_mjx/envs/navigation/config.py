@@ -101,7 +101,7 @@ def _crowd() -> dict[str, Any]:
         # m around the robot where agents are placed, about the range at which a person is visible at 135 rows
         # (crowds/spawning.py).
         "reach": 30.0,
-        # What share of avoiding each other people leave to the robot: 0 = all theirs, 1 = as to one another.
+        # Share of avoidance that people leave to the robot: 0 = people avoid alone, 1 = as between people.
         "yielding": 0.5,
         # Probability in an episode, each near its route (encounters.py).
         "encounters": {

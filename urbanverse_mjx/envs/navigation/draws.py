@@ -9,7 +9,7 @@ from ...datatypes import SimState, ValidationError
 
 #: Values of `config.randomization` without any effect.
 OFF = {"friction_scale": (1.0, 1.0), "mass_scale": (1.0, 1.0), "appearance": 0.0}
-#: Numbers that a key is folded with, so that what is drawn here leaves all other draws as they were.
+#: Numbers that a key is folded with, so that these draws do not change any others.
 _FRICTION, _MASS, _APPEARANCE = 101, 102, 103
 
 

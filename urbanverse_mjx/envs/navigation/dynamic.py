@@ -1,4 +1,4 @@
-"""Dynamic streets: the crowd of an env, what it does near the route, and how near the robot comes to people.
+"""Dynamic streets: the crowd of an env, its encounters near the route, and the robot's distances to people.
 
 In:   the bank, `config.crowd`, the robot's pose.
 Out:  `Crowd` states, `AgentMotion` for engines and renderer, distances to people.
@@ -35,7 +35,7 @@ _MAX_AGENT_SPEED = 12.0
 INTIMATE, PERSONAL = 0.45, 1.2
 #: m; distances to people are cut off here.
 FAR = 30.0
-#: Numbers that a key is folded with, so that what is drawn here leaves all other draws as they were.
+#: Numbers that a key is folded with, so that these draws do not change any others.
 _BEGIN, _STEP = 201, 1000
 
 
@@ -71,7 +71,7 @@ def slot_kinds(config: ConfigDict) -> tuple[str, ...]:
 
 
 def slot_shapes(kinds: tuple[str, ...]) -> AgentShapes:
-    """What a robot runs into, for slots of these kinds."""
+    """Collision bodies of slots of these kinds."""
     fields = AgentShapes._fields
     return AgentShapes(*(np.array([getattr(KINDS[k], f) for k in kinds], np.float32) for f in fields))
 

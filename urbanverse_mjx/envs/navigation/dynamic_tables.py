@@ -1,4 +1,4 @@
-"""What the scenes of a bank mean to a crowd, and how high their ground is: made once per bank and kept in the cache."""
+"""A crowd's tables of a bank's scenes, and the height of their ground: made once per bank and kept in the cache."""
 
 import hashlib
 import pathlib

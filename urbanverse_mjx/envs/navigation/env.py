@@ -26,7 +26,7 @@ from .surroundings import Surroundings
 _MIN_UP = 0.5
 #: (15, 2) m in the heading frame, places of the distances to hulls and edges that critics observe.
 PROBES = np.array([(x, y) for x in (0.0, 0.6, 1.2, 1.8, 2.4) for y in (-0.6, 0.0, 0.6)], np.float32)
-#: (20, 16, 2) m in the heading frame, 7.6 m along by 6 m across: where `privileged_map` tells the same distances.
+#: (20, 16, 2) m in the heading frame, 7.6 m along by 6 m across: places of the same distances in `privileged_map`.
 MAP_PROBES = np.stack(np.meshgrid(np.linspace(-1.4, 6.2, 20), np.linspace(-3.0, 3.0, 16), indexing="ij"), -1).astype(
     np.float32
 )
@@ -111,13 +111,13 @@ class NavEnv(StagedBase[NavState]):
         self.dynamic: DynamicStreet | None = None
         if scenario_of(config) == "dynamic":
             self.dynamic = DynamicStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
-        #: What can be pushed; None where the engine has no body slots.
+        #: Movable objects; None where the engine has no body slots.
         self.movables: Movables | None = None
         if engine.body_rows is not None:
             self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
             self.num_bodies = engine.num_bodies
 
-    # What users of Playground and Brax ask an environment.
+    # Properties in the interface of Playground and Brax.
 
     @property
     def action_size(self) -> int:

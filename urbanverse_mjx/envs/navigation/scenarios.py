@@ -1,6 +1,6 @@
 """Scenarios of a street by UrbanSim's names: `clean` without objects, `static` as it stands, `dynamic` with people.
 
-`dynamic` has what `config.crowd` and `config.movable` say; see `dynamic` and `movables`.
+`dynamic` adds the agents and objects of `config.crowd` and `config.movable`; see `dynamic` and `movables`.
 """
 
 import dataclasses

@@ -10,7 +10,7 @@ from ...datatypes import SceneBank, ValidationError
 
 
 class EpisodeSchedule:
-    """Draws scenes and episodes, from what an env has behind it.
+    """Draws scenes and episodes, depending on an env's progress.
 
     Every env counts its own control steps and episodes, so the schedule needs no word from the trainer and is the same
     under any vmap, pmap or resumption of a state.
@@ -28,7 +28,7 @@ class EpisodeSchedule:
       ValidationError: a negative value, no episodes between swaps, or a limit without a ramp.
     """
 
-    #: Routes of a scene that are never left out, however short the limit: one alone could be learnt by heart.
+    #: Routes of a scene that are never left out, however short the limit: a single one could be memorised.
     SHORTEST = 8
 
     def __init__(self, config: ConfigDict, bank: SceneBank, scenes: np.ndarray) -> None:

@@ -115,7 +115,7 @@ class Surroundings:
 
     Args:
       bank: the scenes.
-      height: m, of the robot: what hangs above it is no obstacle.
+      height: m, of the robot: higher hulls are no obstacles.
     """
 
     def __init__(self, bank: SceneBank, height: float) -> None:

@@ -137,7 +137,7 @@ def result_of(
     """() i32 result code; when several hold, the first of non-finite, hit, fall, off, goal, timeout counts.
 
     Args:
-      hit_agent: what was hit is, or is among others, an agent.
+      hit_agent: at least one of the hit bodies is an agent.
 
     A robot that touches something while it arrives has not arrived without collision (paper, SR).
     """

@@ -163,7 +163,7 @@ def _attempts(
 
 
 def job_of(source: pathlib.Path, out: pathlib.Path, options: GenerationOptions) -> Job:
-    """The job of one source; its cousins are compiled one after another unless the options say otherwise."""
+    """The job of one source; its cousins are compiled one after another by default."""
     return Job(source, out / folder_name(source), dataclasses.replace(options, workers=options.workers or 1))
 
 

@@ -28,7 +28,7 @@ def load_assets(folder: pathlib.Path) -> AssetIndex:
 def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     """Compiles the layout of a folder into that folder and checks the result; returns the contents of `check.json`.
 
-    What would not stay for two seconds of C MuJoCo is fixed (`kept_fixed`); all else has been seen to stay.
+    Objects that do not stay in place for two seconds of C MuJoCo are fixed (`kept_fixed`); all others do stay.
 
     Raises:
       ValidationError: the layout cannot be compiled.

@@ -21,7 +21,7 @@ def _descriptor_of_object(image: np.ndarray, mask: np.ndarray) -> list[int]:
     return descriptors.of_image(image, mask).tolist()
 
 
-#: What the materialisation compares: the index's own descriptors.
+#: The index's own descriptors, which the materialisation compares.
 DESCRIBE = Describe(
     _descriptor_of_object, appearance_search.ground_crop_descriptor, appearance_search.sky_crop_descriptor
 )

@@ -12,7 +12,7 @@ from .stages import GenerationOptions
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """One source of a batch: what it is, the folder of its run, and how its cousins are made."""
+    """One source of a batch: the source, the folder of its run, and the options of its cousins."""
 
     source: pathlib.Path
     out: pathlib.Path

@@ -1,4 +1,4 @@
-"""The street from above: what the recording's depth shows, and the graph's ground, boxes and headings over it."""
+"""The street from above: the recording's depth points, and the graph's ground, boxes and headings over them."""
 
 import html
 import math

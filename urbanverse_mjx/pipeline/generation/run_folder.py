@@ -111,7 +111,7 @@ class RunFolder:
             yield folder
 
 
-#: What writing a file of a run atomically calls it before it is whole.
+#: Temporary name of a file of a run during atomic writing.
 _HALF_A_FILE = re.compile(
     r"\.((run|materialisation|assets|layout|check)-(urbanverse-)?\w{8}\.json"
     r"|bank-(urbanverse-)?\w{8}\.npz|report-(urbanverse-)?\w{8}\.html)"

@@ -1,4 +1,4 @@
-"""What `urbanverse gen` is given: a scene graph, a recording, a folder of frames, or a video."""
+"""Sources of `urbanverse gen`: a scene graph, a recording, a folder of frames, or a video."""
 
 import dataclasses
 import hashlib

@@ -36,7 +36,7 @@ class Failure:
 
 
 def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
-    """What makes the graph of each layout of a set: a file to read, or the generator that the set's row names."""
+    """The source of each layout's graph in a set: a file, or the generator that the set's row names."""
     if scenes.builder in ("procedural", "places"):
         from ...citygen import procedural_places, procedural_streets
 
@@ -87,7 +87,7 @@ def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
 
 
 def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
-    """Compiles what is missing of a layout's scenes, in this process: meshes and hulls of its cousins are shared.
+    """Compiles the missing scenes of a layout, in this process: meshes and hulls of its cousins are shared.
 
     Returns:
       the record of each scene.
@@ -184,7 +184,7 @@ def build_set(
 
     Args:
       only: layouts with this in their id.
-      progress: called with (layouts done, in all, what was done).
+      progress: called with (layouts done, total, description).
 
     Returns:
       record of every scene by id, in the set's order, and the layouts that failed.

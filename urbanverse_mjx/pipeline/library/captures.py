@@ -1,7 +1,7 @@
-"""A block after a city, filmed and distilled: what a layout of UrbanVerse-160 or AutoBench comes from.
+"""A block modelled on a city, filmed and distilled: the source of a layout of UrbanVerse-160 or AutoBench.
 
-The block's true graph is materialised once, filmed along its trajectory with exact poses, depth and masks, and thrown
-away: what is kept is the graph that UrbanVerse-Gen distils from the recording.
+The block's true graph is materialised once, filmed along its trajectory with exact poses, depth and masks, and deleted:
+only the graph that UrbanVerse-Gen distils from the recording is kept.
 """
 
 import dataclasses

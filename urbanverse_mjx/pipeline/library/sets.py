@@ -12,7 +12,7 @@ from .building import build_set, pack_set, write_hashes
 
 @dataclasses.dataclass(frozen=True)
 class LibraryOptions:
-    """What of a set is built."""
+    """The part of a set to build."""
 
     workers: int | None = None
     """Processes; default: the cores this process may use."""
@@ -26,7 +26,7 @@ class LibraryOptions:
 
 @dataclasses.dataclass(frozen=True)
 class LibraryBuild:
-    """What came of a set.
+    """The result of building a set.
 
     Attributes:
       summary: counts over the scenes; where a bank was packed also its file, the most hulls in reach of a robot, and

@@ -30,7 +30,7 @@ __all__ = [
     "reference_model",
 ]
 
-#: How the scene's MJCF names what is no object.
+#: Prefixes of names in the scene's MJCF that are not objects.
 _GROUND = "ground/"
 _ROBOT = "robot/"
 #: Height of a contact's normal below which the ground is a kerb (45 degrees).
@@ -41,7 +41,7 @@ _MIN_UP = 0.5
 
 @dataclasses.dataclass(frozen=True)
 class Trace:
-    """What happened, S = T x physics steps per control step.
+    """The recorded run, S = T x physics steps per control step.
 
     Attributes:
       qpos: (N, S, nq) after each physics step.
@@ -196,7 +196,7 @@ def compare(reference: Trace, engine: Trace, robot: RobotSpec) -> ParityReport:
     count, steps = reference.hit.shape
     dt, rows = robot.physics_timestep, np.arange(count)
     apart = np.linalg.norm(reference.qpos[..., :3] - engine.qpos[..., :3], axis=-1)
-    # What is no number is far away from everything.
+    # NaN counts as an infinite distance.
     apart = np.where(np.isnan(apart), np.inf, apart)
     first = [np.where(t.hit.any(1), t.hit.argmax(1), steps) for t in (reference, engine)]
     both, either = np.maximum(*first), np.minimum(*first)

@@ -14,7 +14,7 @@ import numpy as np
 from ...datatypes import RobotSpec, SceneBank
 from ...geometry import rotations
 
-#: What a drive is meant to meet; an aimed one starts where an episode does and heads for an object at any angle.
+#: Intended obstacles of drives; an aimed one starts where an episode does and heads for an object at any angle.
 KINDS = ("free", "ramp", "kerb", "graze", "head_on", "wedge", "aimed")
 #: Proposals per round, and rounds, before a scene counts as having no such place.
 _PROPOSALS, _ROUNDS = 64, 6

@@ -15,9 +15,9 @@ from ...geometry import rotations
 from .settings import AGENT_LABEL, ROBOT_LABEL
 from .shapes import primitive_mesh
 
-#: MJCF geom group of what is seen of a robot (its collision spheres are in group 3, as in MuJoCo Menagerie).
+#: MJCF geom group of a robot's visual geoms (its collision spheres are in group 3, as in MuJoCo Menagerie).
 VISUAL_GROUP = 2
-#: m; what lies farther is sky. The longest designed street has 200 m, its skyline twice that.
+#: m; beyond it the sky is drawn. The longest designed street has 200 m, its skyline twice that.
 FAR = 1000.0
 NEAR = 0.01
 SLOT_GROUP = 0
@@ -43,7 +43,7 @@ class RobotCamera:
 
 @dataclasses.dataclass(frozen=True)
 class RenderModel:
-    """What the renderer draws.
+    """The render model.
 
     Attributes:
       model: compiled; geoms [0, N) are the slots, [N, N + R) the moving ones: the robot's visual geoms, then one geom

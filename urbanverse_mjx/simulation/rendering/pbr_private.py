@@ -13,7 +13,7 @@ from ..private_modules import missing
 NEEDED = "==0.2.0"
 
 try:
-    # Warp functions: the lobe of a light, and what a glTF material makes of a direction.
+    # Warp functions: the lobe of a light, and the shading of a glTF material for a direction.
     from mujoco_warp_pbr._src.brdf import specular_lobe
 
     # The display's transfer function and its inverse, and the tone curve of `shading="pbr"`.
@@ -27,7 +27,7 @@ try:
     # The table of a material's lobes by roughness and angle.
     from mujoco_warp_pbr._src.ibl import build_dfg_lut
 
-    # What its own renderer stores for each environment: the benchmark that compares with it needs the groups.
+    # Data of its own renderer for each environment: the benchmark that compares with it needs the groups.
     from mujoco_warp_pbr._src.kernel_inputs import BAKE_GROUPS
 
     # Materials of a MuJoCo model by geom, and the Warp struct and function that split one into lobes.

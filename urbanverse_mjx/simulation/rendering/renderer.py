@@ -29,7 +29,7 @@ _MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6
 __all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
 
 
-#: What goes in and what comes out, in the order of `Renderer._render`.
+#: Inputs and outputs, in the order of `Renderer._render`.
 _INPUTS = {
     "scene": wp.array[wp.int32],
     "xpos": wp.array2d[wp.vec3],
@@ -47,7 +47,7 @@ _IMAGES: dict[str, Any] = dict(zip(OUTPUTS, _IMAGE_TYPES, strict=True))
 
 @functools.cache
 def _call_into_warp(moved: bool) -> Any:
-    """What JAX calls; moved: with objects that stand elsewhere."""
+    """The functions that JAX calls; moved: with moved objects."""
     return jax_callable("Renderer.draw", Renderer._render, _INPUTS | (_MOVED_INPUT if moved else {}), _IMAGES)
 
 

@@ -1,4 +1,4 @@
-"""What the renderer needs of a bank's scenes: textures, skies, boxes and suns."""
+"""The renderer's data of a bank's scenes: textures, skies, boxes and suns."""
 
 import dataclasses
 

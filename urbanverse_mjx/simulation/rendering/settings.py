@@ -15,13 +15,13 @@ PLAIN_SKY = (0.62, 0.74, 0.88, 1.0)
 #: The tone mapper subtracts the light that gloss adds to every surface, which darkens shade; this factor compensates.
 #: Chosen visually on the shipped streets.
 PBR_EXPOSURE = 1.3
-#: Height (m) of what is not to be seen, deep under every street.
+#: Height (m) of invisible geoms, deep under every street.
 NOWHERE = -1.0e4
 
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """What is drawn and how.
+    """Options of rendering.
 
     outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
     which appearances vary; bodies: objects of a scene that may have moved; see `Renderer`.

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...datatypes import ValidationError
 
-#: Straight pieces of a full circle: what is cut off at a radius of 0.15 m is 0.05 mm (MuJoCo's own images have 28).
+#: Straight pieces of a full circle: the error at a radius of 0.15 m is 0.05 mm (MuJoCo's own images have 28).
 SLICES = 128
 
 

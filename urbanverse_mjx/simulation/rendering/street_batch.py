@@ -125,7 +125,7 @@ class Streets:
         material = np.concatenate([bank.mesh_material[mesh], mjm.geom_matid[geoms]])
         colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
         mesh_of_object = np.concatenate([mesh, mjm.geom_dataid[geoms]])
-        # What has no UV has no texture.
+        # Meshes without UV have no texture.
         textured = (material >= 0) & (mjm.mesh_texcoordadr[mesh_of_object] >= 0)
         texture = np.where(textured, mjm.mat_texid[material, role], -1)
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
@@ -239,7 +239,7 @@ class StreetBatch:
         self.views.moved = self._moved.ptr or 0
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
-        """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
+        """Launches that draw the pieces of the batch; see `Renderer._render` for the arrays."""
         scene, xpos, xquat, camera_position, turn, fovy, appearance_seeds, *moved = inputs
         s, settings = self.streets, self.streets.settings
         aspect = settings.width / settings.height

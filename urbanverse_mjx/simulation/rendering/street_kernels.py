@@ -1,4 +1,4 @@
-"""Warp functions that find what a ray meets in a still street with one robot in it.
+"""Warp functions for the first hit of a ray in a static street with one robot in it.
 
 All data are in tables of 16-byte rows, read with one load each. A street is a search tree over its objects, each of
 which leads on into the tree of its mesh: one loop traverses both, nearest first. Only the poses of the robot's parts
@@ -247,5 +247,5 @@ def place(
 
 
 def module_options() -> dict[str, object]:
-    """What a kernel that inlines these functions is built with."""
+    """Build options of a kernel that inlines these functions."""
     return {"enable_backward": False, "fast_math": True, "extra_build_options": BUILD_OPTIONS}

@@ -212,7 +212,7 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
 }  // namespace urbanverse
 """
 
-#: What a kernel must be built with that calls functions of `make_walks`.
+#: Build options of a kernel that calls functions of `make_walks`.
 BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_NUMBERS + _WALK, extra_cpu_preamble=_NUMBERS + _WALK)
 
 #: object, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).

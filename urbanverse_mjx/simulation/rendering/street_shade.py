@@ -1,4 +1,4 @@
-"""Warp functions that give what a ray meets its colour: materials, sun and sky, with or without gloss.
+"""Warp functions for the colour of a hit: materials, sun and sky, with or without gloss.
 
 Gloss is mujoco-warp-pbr's: its functions of a glTF material, of blurred skies and of tone are called here as they are.
 """
@@ -32,7 +32,7 @@ _FLAT = tuple(float(x) for x in srgb_to_linear(PLAIN_SKY[:3]))
 
 @wp.struct
 class Surface:
-    """What is seen where a ray ends; emission: share of its colour that it shines with on the display."""
+    """The surface at the end of a ray; emission: emitted share of its colour on the display."""
 
     normal: wp.vec3
     colour: wp.vec3
@@ -232,7 +232,7 @@ def make_background(settings: Settings, sky_width: int) -> Any:
 
 
 def make_display(settings: Settings) -> Any:
-    """display(radiance): what the display shows, still in linear light."""
+    """display(radiance): the displayed colour, in linear light."""
     gloss = settings.shading == "pbr"
 
     @wp.func

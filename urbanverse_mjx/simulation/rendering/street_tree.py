@@ -97,7 +97,7 @@ def _packed(corners: np.ndarray, links: np.ndarray, roots: np.ndarray, items: np
         last[links[front[leaf], 1] - 1] = True
         reached.append(front[~leaf])
         front = links[front[~leaf], :2].ravel()
-    # Warp's own order goes down into the first child first, so that what is read together stands together.
+    # Warp's own order goes down into the first child first, so that data read together are adjacent.
     inner = np.sort(np.concatenate([np.zeros(0, np.int32), *reached]))
     reference = np.zeros(len(links), np.int64)
     reference[inner] = NODE + np.arange(len(inner))

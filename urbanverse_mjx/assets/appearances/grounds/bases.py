@@ -73,7 +73,7 @@ def cast_concrete(board: Board, colour: Colour, finish: str, mottling: float = 0
 
 @dataclasses.dataclass(frozen=True)
 class Matter:
-    """What units are made of and how they are joined.
+    """Materials of units and their joints.
 
     Attributes:
       colours: sRGB, drawn per unit; weights: how often each.

@@ -53,7 +53,7 @@ class Board:
         return smoothstep((field - level) / (soft * max(float(sample.std()), 1e-9)) + 0.5)
 
     def bent(self, amount_m: float, scale_m: float) -> tuple[Field, Field]:
-        """Coordinates moved by smooth noise, so that what is laid on them has no ruler-straight edge."""
+        """Coordinates moved by smooth noise, so that edges are not perfectly straight."""
         if amount_m <= 0:
             return self.x, self.y
         return (

@@ -1,4 +1,4 @@
-"""What weather, traffic and time do to a surface: each condition takes a surface and returns one."""
+"""Effects of weather, traffic and time: each condition takes a surface and returns one."""
 
 import dataclasses
 

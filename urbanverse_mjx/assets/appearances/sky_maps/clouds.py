@@ -162,9 +162,9 @@ def heap_clouds(
     jitter = np.random.default_rng(0).random(sine.shape, dtype=np.float32)
     seen_at = np.zeros_like(passed)
     step = heaps.thick / heaps.levels
-    # What a view crosses within one level grows towards the horizon, up to a limit.
+    # The path of a view within one level grows towards the horizon, up to a limit.
     crossed = np.minimum(step / sine, 12 * step).astype(np.float32)
-    # What has been scattered many times came in from above: little of it under a low sun.
+    # Multiply scattered light came in from above: little of it under a low sun.
     deep = 0.34 * min(1.0, 0.15 + 2.5 * max(float(light.direction[2]), 0.0))
     for k in range(heaps.levels):
         at = distance_to(sine, heaps.base + (k + jitter) * step) * flat

@@ -1,4 +1,4 @@
-"""What stands below and along the horizon: far hills, trees, roofs or towers in the haze, and the ground."""
+"""The land below and along the horizon: far hills, trees, roofs or towers in the haze, and the ground."""
 
 import numpy as np
 

@@ -207,7 +207,7 @@ def _weather(
 
 
 def _distance_colour(clear: np.ndarray, cover: float) -> np.ndarray:
-    """What distance fades to, as `clear`: the light of the air low over the horizon, less where clouds shade it."""
+    """The colour of far objects, as `clear`: the light of the air low over the horizon, less where clouds shade it."""
     low = clear[-3:].mean(0, keepdims=True)
     mean = low.mean(1, keepdims=True)
     return np.broadcast_to((0.3 * np.minimum(low, 3.0 * mean) + 0.7 * mean) * (1.0 - 0.5 * cover), clear.shape)

@@ -1,4 +1,4 @@
-"""What open-vocabulary detectors and box-prompted segmenters answer, as labels, boxes and one image of masks."""
+"""Outputs of open-vocabulary detectors and box-prompted segmenters, as labels, boxes and one image of masks."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -62,7 +62,7 @@ def _area(box: np.ndarray) -> np.ndarray:
 
 
 def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple[np.ndarray, np.ndarray]:
-    """One image of masks: small objects lie on top of large ones, as what stands in front of a wall does.
+    """One image of masks: small objects are drawn over large ones, since they are usually in front.
 
     Args:
       masks: (k, H, W) bool. score: (k,).
