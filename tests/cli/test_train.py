@@ -107,6 +107,24 @@ def test_it_goes_on_with_the_seed_and_the_overrides_of_its_first_segment(session
     )
 
 
+def test_an_interrupted_run_says_how_it_is_continued(
+    session: Session, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = ["--preset", "cpu", "--num-episodes", "0", "--logdir", str(session.folder)]
+    with pytest.raises(KeyboardInterrupt):
+        cli_train.main(run)
+    (folder,) = session.folder.iterdir()
+    assert f"continue from the newest checkpoint: urbanverse train --resume {folder}\n" in capsys.readouterr().err
+
+    def stopped(**_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(session.trainer, "train", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        cli_train.main([*run, "--suffix", "early"])
+    assert "no checkpoint was written yet" in capsys.readouterr().err
+
+
 def test_a_go2nav_run_stays_one(session: Session) -> None:
     folder = session.killed("--env-name", "Go2Nav", "--preset", "fast")
     session.train("--resume", str(folder))

@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import pathlib
+import shlex
 import sys
 import time
 from collections.abc import Iterator
@@ -66,7 +67,19 @@ def train(
         join_processes(options.coordinator, options.num_processes, options.process_id)
     configs = configs_of(request) if options.resume is None else resumed_configs(options.resume, request)
     with _folder(configs[0], options) as folder:
-        return _train(*configs, folder, options, quiet)
+        try:
+            return _train(*configs, folder, options, quiet)
+        except KeyboardInterrupt:
+            _say(_how_to_continue(folder), quiet)
+            raise
+
+
+def _how_to_continue(folder: pathlib.Path) -> str:
+    from ..training.policy import FILE
+
+    if any(folder.glob(f"checkpoints/**/{FILE}")):
+        return f"to continue from the newest checkpoint: urbanverse train --resume {shlex.quote(str(folder))}"
+    return f"no checkpoint was written yet: nothing in {folder} can be continued"
 
 
 @contextlib.contextmanager
