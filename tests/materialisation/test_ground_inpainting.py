@@ -55,6 +55,21 @@ def test_ground_grows_under_what_stands_half_beside_it():
     assert outline(done).symmetric_difference(shapely.box(-10, -3, 10, 3).union(grown)).area < 1e-6
 
 
+def test_what_grows_stays_off_long_neighbours_whose_corners_lie_between_millimetres():
+    """Drawn streets have such corners; half a millimetre along 60 m is more than two regions may share."""
+    a, b = (-30.0004, 0.0004), (30.0004, 7.3004)
+    strips = [
+        GroundRegion(
+            name, "road", ((a[0], a[1] + y), (b[0], b[1] + y), (b[0], b[1] + y + 4), (a[0], a[1] + y + 4)), (0, 0, 0)
+        )
+        for name, y in (("low", -4.0), ("high", 0.0))
+    ]
+    for car in (box("c", "car", 31.0, 5.3), box("c", "car", 31.0, 9.3)):
+        done = filled(car, ground=tuple(strips))
+        check_regions(done.ground)
+        assert outline(done).area > outline(filled(ground=tuple(strips))).area + 1.0
+
+
 @pytest.mark.parametrize("obj", [box("c", "car", 11.0, 1.5, foot=3.0), box("h", "house", 13.0, 0.0, (5, 5, 9))])
 def test_nothing_grows_under_what_flies_or_is_a_house(obj):
     assert outline(filled(obj)).equals_exact(outline(filled()), 1e-9)

@@ -13,6 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from ..assets.categories.ontology import category_of
 from ..assets.categories.priors import prior
 from ..datatypes import PAINT_KINDS, GraphObject, GroundRegion, SceneGraph
+from ..geometry.polygons import MAX_OVERLAP
 from . import overlap
 
 #: m²: larger holes are courtyards or were not observed. Share of a hole that houses may cover, else it is theirs.
@@ -91,7 +92,15 @@ def _give(part: shapely.Polygon, regions: Sequence[GroundRegion], shapes: dict[s
     for region in order:
         if borders[region.id] <= 2 * GAPE:
             continue
-        both = shapely.union_all([shapes[region.id], part], grid_size=GRID)
+        both = _beside_others(region.id, shapely.union_all([shapes[region.id], part], grid_size=GRID), shapes)
         if isinstance(both, shapely.Polygon) and not both.interiors:
             shapes[region.id] = both
             return
+
+
+def _beside_others(own: str, grown: BaseGeometry, shapes: Mapping[str, shapely.Polygon]) -> BaseGeometry:
+    """A region that has grown, without what it shares with others: drawn streets have corners off the raster, and
+    moving them by half a millimetre lays long edges over a neighbour's."""
+    near = [p for name, p in shapes.items() if name != own and p.intersects(grown)]
+    over = [p for p in near if p.intersection(grown).area > MAX_OVERLAP]
+    return grown.difference(shapely.union_all(over)) if over else grown
