@@ -10,7 +10,7 @@ import shapely
 from benchmarks.lib import fidelity_scores as scores
 from benchmarks.lib.injection import Errors, inject
 from tests.support import drawn_street as street
-from urbanverse_mjx.datatypes import GraphObject, GroundRegion, LabelPrior, Recording, SceneGraph, ValidationError
+from urbanverse_mjx.datatypes import GraphObject, LabelPrior, Recording, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import KIND_INDEX
 from urbanverse_mjx.distillation import Distillation, DistilOptions, distil, ground
 
@@ -162,13 +162,3 @@ def test_crops_and_descriptors_reach_the_graph(recording: Recording, tmp_path: p
         assert (tmp_path / f"objects/{obj.id}_0.png").is_file()
     assert (tmp_path / "sky/sky_0.png").is_file()
     assert DistilOptions().min_score < 1.0
-
-
-def test_a_region_that_lies_on_another_is_cut_back() -> None:
-    road = GroundRegion("road_00", "road", ((0.0, 0.0), (20.0, 0.0), (20.0, 5.0), (0.0, 5.0)), (0.0, 0.0, 0.0))
-    over = ((0.0, 4.999), (20.0, 4.99), (20.0, 8.0), (0.0, 8.0))
-    (kept,) = ground._beside(over, [road])
-    assert shapely.Polygon(kept).intersection(shapely.Polygon(road.polygon)).area <= ground._OPTIONS.max_overlap
-    assert shapely.Polygon(kept).area == pytest.approx(60.0, abs=0.3)
-    apart = ((0.0, 5.0), (20.0, 5.0), (20.0, 8.0), (0.0, 8.0))
-    assert ground._beside(apart, [road]) == [apart]

@@ -7,11 +7,15 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import shapely
 
 from ..datatypes import GraphObject, LabelPrior, Recording, SceneGraph, ValidationError
+from ..geometry.polygons import rectangle
 from . import bearings, crops, fusion, ground, placement
+from .boxes import Box
 from .depth_scale import DepthScale, depth_scale
 from .drift import close_loops
+from .ground_completion import completed
 from .lifting import Views, lift
 from .objects import Fused, FusedObject, objects_of, without_fragments
 from .options import DistilOptions
@@ -130,11 +134,8 @@ def distil(
     if options.close_loops and not options.single_view:
         poses, placed, object_of_view = _fixed(views, placed, object_of_view, poses, depth, alike)
     ground_grid = ground.ground_map(seen, poses, depth.scale, depth.noise)
-    regions = () if ground_grid is None else ground.regions(ground_grid)
-    if ground_grid is None or not regions:
-        raise ValidationError(
-            f"recording {recording.id!r}: found no ground, needed surfaces with depth in some registered frame."
-        )
+    if ground_grid is None:
+        raise _no_ground(recording)
     from_above = bearings.measure(views, poses, depth.scale)
     single = options.single_view
     fused = Fused(
@@ -142,6 +143,9 @@ def distil(
     )
     objects = without_fragments(objects_of(fused, prior_of), fused)
     kept = [t for t in objects if t.score >= options.min_score]
+    regions = ground.regions(completed(ground_grid, [_footprint(t.box) for t in kept if t.prior.faces_road]))
+    if not regions:
+        raise _no_ground(recording)
     pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions)
     if not options.place:
         pulled = np.zeros_like(pulled)
@@ -178,6 +182,16 @@ def _fixed(
         poses = adjusted
         placed, object_of_view = _associated(views, poses, depth, alike)
     return poses, placed, object_of_view
+
+
+def _no_ground(recording: Recording) -> ValidationError:
+    return ValidationError(
+        f"recording {recording.id!r}: found no ground, needed surfaces with depth in some registered frame."
+    )
+
+
+def _footprint(box: Box) -> shapely.Polygon:
+    return rectangle(float(box.size[0]), float(box.size[1]), box.yaw, float(box.center[0]), float(box.center[1]))
 
 
 def _reach(prior: LabelPrior) -> float:

@@ -12,8 +12,9 @@ from shapely.geometry.base import BaseGeometry
 from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, ValidationError
 from ..datatypes.ground import check_polygon
 from ..geometry.grids import cell_of
-from ..geometry.polygons import MAX_OVERLAP
+from . import coverage
 from .lifting import GroundPoints
+from .straight_pieces import FitOptions
 
 type Ring = tuple[tuple[float, float], ...]  # m
 
@@ -27,25 +28,25 @@ class GroundOptions:
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      max_overlap: m^2 that two regions may share: half of what the compiler refuses.
       fill_distance: m that ground is carried on under objects that hide it.
-      min_area: m^2; smaller regions are left out as wrong votes.
-      straightening: m by which an outline may be straightened.
+      min_area: m^2; smaller regions are left out as wrong votes, or join the neighbour round them.
       max_plane_error: m; a region whose top leaves its plane by more is cut in two along its longer side.
       max_corners: a region with more corners is cut in two.
       min_kerb: m; lower steps are no kerb.
+      fit: how borders become straight.
     """
 
-    max_overlap: float = MAX_OVERLAP / 2
     fill_distance: float = 2.5
     min_area: float = 3.0
-    straightening: float = 0.2
     max_plane_error: float = 0.05
     max_corners: int = 200
     min_kerb: float = 0.03
+    fit: FitOptions = dataclasses.field(default_factory=FitOptions)
 
 
 _OPTIONS = GroundOptions()
+#: Kinds beside the carriageway, and those of it.
+WALKED, _DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,7 +124,7 @@ def _filled(seen: GroundMap) -> GroundMap:
     kind = np.where(use, seen.kind[tuple(nearest)], 0)
     kind = np.where(_large(kind), kind, 0)
     height = np.where(kind > 0, seen.height[tuple(nearest)], np.nan)
-    return GroundMap(seen.origin, kind.astype(np.uint8), height, seen.count)
+    return GroundMap(seen.origin, kind.astype(np.uint8), height, np.where(known, seen.count, 0))
 
 
 def _majority(kind: np.ndarray) -> np.ndarray:
@@ -146,68 +147,46 @@ def _large(kind: np.ndarray) -> np.ndarray:
 
 
 def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
-    """Simple polygons that tile what is known, with planes fitted to the heights inside."""
-    outlines, kinds = [], []
-    for k in np.unique(seen.kind[seen.kind > 0]):
-        for part in _polygons(seen.kind == k, seen.origin):
-            outlines.append(part)
-            kinds.append(int(k))
-    if not outlines:
+    """Simple polygons that tile what is known, with planes fitted to the heights inside; neighbours share corners."""
+    if not seen.kind.any():
         return ()
-    # Neighbours share their corners and are straightened together, so no gap opens between them.
-    straight = shapely.coverage_simplify(outlines, _OPTIONS.straightening)
+    areas = coverage.areas(seen.kind, seen.count > 0, _sorts(), seen.origin, CELL, _OPTIONS.min_area, _OPTIONS.fit)
+    pieces, kinds = [], []
+    for area in areas:
+        for piece in _simple_pieces(area.polygon, seen, area.label):
+            pieces.append(piece)
+            kinds.append(area.label)
     made: list[GroundRegion] = []
-    for outline, kind in zip(straight, kinds, strict=True):
-        for piece in _simple_pieces(outline, seen, kind):
-            plane, _ = fit_plane(seen, piece, kind)
-            for ring in _rings(piece):
-                for own in _beside(ring, made):
-                    name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
-                    made.append(GroundRegion(name, GROUND_KINDS[kind], own, plane))
+    for ring, number in _shared(pieces):
+        name = f"{GROUND_KINDS[kinds[number]]}_{len(made):02d}"
+        plane, _ = fit_plane(seen, shapely.Polygon(ring), kinds[number])
+        made.append(GroundRegion(name, GROUND_KINDS[kinds[number]], ring, plane))
     return tuple(made)
 
 
-def _beside(ring: Ring, made: Sequence[GroundRegion]) -> list[Ring]:
-    """A ring, or what is left of it beside regions that it lies on: corners that were left out or rounded to whole
-    millimetres move long edges over a neighbour's by more than the compiler lets regions share."""
-    whole = shapely.Polygon(ring)
-    others = [shapely.Polygon(r.polygon) for r in made]
-    over = [p for p in others if p.intersects(whole) and p.intersection(whole).area > _OPTIONS.max_overlap]
-    if not over:
-        return [ring]
-    left = whole - shapely.union_all([p.buffer(0.005, join_style="mitre") for p in over])
-    return [r for part in shapely.get_parts(left) if isinstance(part, shapely.Polygon) for r in _rings(part)]
+def _sorts() -> np.ndarray:
+    """Sorts of borders by the kinds beside them: 0 with the outside, 2 along the carriageway, 1 any other."""
+    on, off = (np.isin(GROUND_KINDS, kinds) for kinds in (_DRIVEN, WALKED))
+    sorts = 1 + (on[:, None] & off) + (off[:, None] & on)
+    sorts[0, :] = sorts[:, 0] = 0
+    return sorts
 
 
-def _rings(piece: shapely.Polygon) -> list[Ring]:
-    """The outline in whole millimetres; one that touches itself there is drawn in by 2 cm, which parts it."""
-    rings = []
-    for part in (piece, *shapely.get_parts(piece.buffer(-0.02, join_style="mitre"))):
-        flat = shapely.remove_repeated_points(shapely.set_precision(part, 0.001, mode="pointwise"), 0.002)
-        if flat.is_empty or flat.area < 0.25:
+def _shared(pieces: Sequence[shapely.Polygon]) -> list[tuple[Ring, int]]:
+    """Outlines in whole millimetres, each with the number of its piece; where two touch, both have all corners of their
+    border, because a corner that one lacks would move its long edge over the other."""
+    faces = coverage.tiled([shapely.LineString(p.exterior.coords) for p in pieces])
+    tree, found = shapely.STRtree(pieces), []
+    for face in faces:
+        inside = tree.query(face.representative_point(), predicate="intersects")
+        if not len(inside) or face.area < 0.25:
             continue
         try:
-            rings.append(check_polygon([list(c) for c in flat.exterior.coords[:-1]], "ground"))
+            ring = check_polygon([list(c) for c in face.exterior.coords[:-1]], "ground")
         except ValidationError:
             continue
-        if part is piece:
-            return rings
-    return rings
-
-
-def _polygons(mask: np.ndarray, origin: np.ndarray) -> list[shapely.Polygon]:
-    """Connected areas (by edges) as polygons in m."""
-    numbers, _ = scipy.ndimage.label(mask)
-    found = []
-    for n, where in enumerate(scipy.ndimage.find_objects(numbers), 1):
-        own = np.pad(numbers[where] == n, ((0, 0), (1, 1)))
-        # Runs of cells along y: fewer boxes to join.
-        edges = np.diff(own.astype(np.int8), axis=1)
-        (row, start), stop = np.nonzero(edges > 0), np.nonzero(edges < 0)[1]
-        x = origin[0] + (row + where[0].start) * CELL
-        y0, y1 = (origin[1] + (c + where[1].start) * CELL for c in (start, stop))
-        found += list(shapely.get_parts(shapely.union_all(shapely.box(x, y0, x + CELL, y1))))
-    return found
+        found.append((ring, int(inside[0])))
+    return sorted(found, key=lambda f: (f[1], f[0]))
 
 
 def _simple_pieces(outline: shapely.Polygon, seen: GroundMap, kind: int) -> list[shapely.Polygon]:

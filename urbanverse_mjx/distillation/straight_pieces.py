@@ -1,0 +1,158 @@
+"""A noisy line as the fewest straight pieces that explain it: dynamic programming over robust line fits.
+
+A piece costs a constant for being there and, for every metre, the squared distance of the points from it, up to a
+ceiling: a bulge that costs less than the pieces that would follow it is cut off, as in the weak string of Blake and
+Zisserman (Visual Reconstruction, 1987).
+"""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import shapely
+
+#: m over which errors of neighbouring points go together.
+_CORRELATION = 0.5
+#: m; an intersection of two pieces farther from where they part is no corner: they are joined across.
+_CORNER = 1.5
+#: Cosine of the turn from which on a corner is a spike, and cut off.
+_SHARP = -0.4
+
+
+@dataclasses.dataclass(frozen=True)
+class FitOptions:
+    """How a line is fitted.
+
+    Set by hand on blocks whose kerbs are known (docs/decisions/generation.md).
+
+    Attributes:
+      noise: m, standard error of a point across the line: edges of cells of 0.25 m and wrong votes.
+      ceiling: m from which on a point counts no more: what is farther off is not of this line.
+      piece: cost of a piece, in squared standard errors.
+      deep: m; a bulge deeper than this costs more, with the square of its depth.
+      bend: m by which the line must bend to be allowed a corner there.
+    """
+
+    noise: float = 0.1
+    ceiling: float = 0.25
+    piece: float = 24.0
+    deep: float = 1.5
+    bend: float = 0.15
+
+
+@dataclasses.dataclass(frozen=True)
+class _Line:
+    cost: float
+    middle: np.ndarray
+    direction: np.ndarray
+
+    def foot(self, point: np.ndarray) -> np.ndarray:
+        return self.middle + self.direction * float((point - self.middle) @ self.direction)
+
+    def distance(self, point: np.ndarray) -> float:
+        away = point - self.middle
+        return abs(float(away[1] * self.direction[0] - away[0] * self.direction[1]))
+
+
+def straight_pieces(points: np.ndarray, weights: np.ndarray, closed: bool, options: FitOptions) -> np.ndarray:
+    """The corners of the fewest straight pieces along a line.
+
+    Args:
+      points: (n, 2) m in order, evenly spaced.
+      weights: (n,) in [0, 1], how much is known of each; a point of weight 0.5 counts half.
+      closed: whether the last point is beside the first.
+
+    Returns:
+      (m, 2) m corners; where closed, the first is not repeated. Lines of fewer than three points come back as they are.
+    """
+    if len(points) < 3:
+        return points
+    spacing = float(np.median(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    weights = weights * spacing / (_CORRELATION * options.noise**2)
+    if closed:
+        begin = int(np.argmax(np.linalg.norm(points - points.mean(0), axis=1)))
+        points, weights = np.roll(points, -begin, 0), np.roll(weights, -begin)
+        points, weights = np.concatenate([points, points[:1]]), np.append(weights, weights[0])
+    breaks, lines = _divided(points, weights, options)
+    return _corners(points, breaks, lines, closed, options)
+
+
+def _fit(points: np.ndarray, weights: np.ndarray, options: FitOptions) -> _Line:
+    """A line by least squares, reweighted after Geman and McClure with a scale that shrinks to the ceiling."""
+    ceiling, weight = options.ceiling, weights
+    middle, direction, square = points[0], np.array([1.0, 0.0]), np.zeros(len(points))
+    for sharpen in (4.0, 2.0, 1.0, 1.0, 1.0):
+        total = weight.sum()
+        middle = weight @ points / total
+        away = points - middle
+        xx, yy = weight @ (away * away).reshape(-1, 2)
+        xy = weight @ (away[:, 0] * away[:, 1])
+        angle = 0.5 * np.arctan2(2.0 * xy, xx - yy)
+        direction = np.array([np.cos(angle), np.sin(angle)])
+        square = (away[:, 1] * direction[0] - away[:, 0] * direction[1]) ** 2
+        largest = float(square.max())
+        if largest < (0.5 * ceiling) ** 2:
+            return _Line(float(weights @ square), middle, _forward(direction, points))
+        weight = weights / (1.0 + square / (sharpen * ceiling) ** 2) ** 2
+    cost = float(weights @ (np.minimum(square, ceiling**2) * np.maximum(1.0, np.sqrt(square) / options.deep) ** 2))
+    return _Line(cost, middle, _forward(direction, points))
+
+
+def _forward(direction: np.ndarray, points: np.ndarray) -> np.ndarray:
+    return -direction if direction @ (points[-1] - points[0]) < 0 else direction
+
+
+def _divided(points: np.ndarray, weights: np.ndarray, options: FitOptions) -> tuple[list[int], list[_Line]]:
+    """Where the pieces part, and their lines: the cheapest chain."""
+    last = len(points) - 1
+    kept = shapely.get_coordinates(shapely.LineString(points).simplify(options.bend, preserve_topology=False))
+    number = {tuple(p): k for k, p in reversed(list(enumerate(points.tolist())))}
+    at = sorted({0, *(number[tuple(p)] for p in kept.tolist()[1:-1]), last})
+    best, before = [0.0] + [np.inf] * (len(at) - 1), [0] * len(at)
+    found: dict[tuple[int, int], _Line] = {}
+    begins: list[int] = []
+    for j in range(1, len(at)):
+        begins.append(j - 1)
+        for i in begins:
+            found[i, j] = _fit(points[at[i] : at[j] + 1], weights[at[i] : at[j] + 1], options)
+            # What leaves a line and does not come back is no bulge of it: pieces part where both lie near the points.
+            off = [found[i, j].distance(points[at[k]]) * weights[at[k]] ** 0.5 for k in (i, j)]
+            lost = np.clip(max(off, default=0.0) / (options.ceiling * weights.max() ** 0.5) - 1.0, 0.0, 1.0)
+            cost = best[i] + found[i, j].cost + options.piece * (1.0 + lost)
+            if cost < best[j]:
+                best[j], before[j] = cost, i
+        # From where beginning anew at j is no dearer, nothing longer can be cheaper (PELT: Killick et al., 2012).
+        begins = [i for i in begins if best[i] + found[i, j].cost < best[j]]
+    chain = [len(at) - 1]
+    while chain[-1]:
+        chain.append(before[chain[-1]])
+    chain.reverse()
+    return [at[k] for k in chain], [found[i, j] for i, j in itertools.pairwise(chain)]
+
+
+def _corners(
+    points: np.ndarray, breaks: list[int], lines: list[_Line], closed: bool, options: FitOptions
+) -> np.ndarray:
+    """Corners where pieces meet; pieces that do not meet nearby are joined across where they part."""
+    out: list[np.ndarray] = [] if closed else [lines[0].foot(points[0])]
+    for k, before in enumerate(lines if closed else lines[:-1]):
+        after, at = lines[(k + 1) % len(lines)], points[breaks[k + 1]]
+        meet = _meeting(before, after)
+        sharp = before.direction @ after.direction < _SHARP
+        if meet is not None and not sharp and np.linalg.norm(meet - at) <= _CORNER:
+            out.append(meet)
+        else:
+            feet = [before.foot(at), after.foot(at)]
+            step = np.linalg.norm(feet[1] - feet[0])
+            out += feet if step > options.ceiling or sharp else [(feet[0] + feet[1]) / 2]
+    if not closed:
+        out.append(lines[-1].foot(points[-1]))
+    return np.array(out)
+
+
+def _meeting(one: _Line, other: _Line) -> np.ndarray | None:
+    cross = float(one.direction[0] * other.direction[1] - one.direction[1] * other.direction[0])
+    if abs(cross) < 0.02:
+        return None
+    away = other.middle - one.middle
+    return one.middle + one.direction * float(away[0] * other.direction[1] - away[1] * other.direction[0]) / cross
