@@ -1,5 +1,6 @@
 """The call from JAX into the renderer: pure, the same under every transformation, and no context before it runs."""
 
+import concurrent.futures
 import gc
 import weakref
 from collections.abc import Callable
@@ -124,6 +125,21 @@ def test_scenes_change_without_a_trace_and_as_if_they_had_always_stood_there(
     call(some, xpos, xquat)
     np.testing.assert_array_equal(np.asarray(call(*inputs)), alone)
     assert len(traces) == 1
+
+
+def test_it_draws_without_threads_while_the_process_ends(
+    bank: SceneBank, robot: RobotSpec, inputs: Inputs, alone: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = []
+
+    def submit(*job: object) -> None:
+        refused.append(job)
+        raise RuntimeError("cannot schedule new futures after shutdown")
+
+    monkeypatch.setattr(concurrent.futures.ThreadPoolExecutor, "submit", submit)
+    frames = jax.vmap(cases.make_renderer(bank, robot, threads=3))(*inputs)["rgb"]
+    np.testing.assert_array_equal(frames, alone)
+    assert refused
 
 
 def test_threads_change_nothing(bank: SceneBank, robot: RobotSpec, inputs: Inputs, alone: np.ndarray) -> None:

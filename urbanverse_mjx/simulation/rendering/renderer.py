@@ -248,8 +248,16 @@ class Renderer:
         if jobs:
             if self._pool is None:
                 self._pool = concurrent.futures.ThreadPoolExecutor(self.threads, "render")
-            for waiting in [self._pool.submit(job) for job in jobs]:
-                waiting.result()
+            pending = []
+            for job in jobs:
+                try:
+                    pending.append(self._pool.submit(job))
+                except (
+                    RuntimeError
+                ):  # no more threads: the process ends, as after Ctrl-C, while JAX still asks for images
+                    job()
+            for drawn in pending:
+                drawn.result()
 
     def _batch(self, device: Any, total: int) -> tuple[Streets, StreetBatch]:
         assets, batches = self._devices.get_or_make(device, lambda: Streets(self.bank, self._model, self.settings))
