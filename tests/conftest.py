@@ -13,7 +13,7 @@ from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.pipeline import ensure_default_bank
 
 TESTS = pathlib.Path(__file__).parent
-#: Folders whose tests take a second each, and longer, by what they take in all.
+#: Folders whose tests take a second each or more, by their total time.
 LONG = (
     *("simulation", "training", "crowds", "envs", "project", "cli", "benchmarks", "robots", "evaluation", "assets"),
     *("scene", "distillation", "pipeline"),

@@ -1,4 +1,4 @@
-"""What several modules of this folder need and one run makes once."""
+"""Fixtures shared by several modules of this folder."""
 
 import pyarrow as pa
 import pytest

@@ -1,4 +1,5 @@
-"""The 288 ground materials: they tile, their joints are where the metres say, and their frictions are in order."""
+"""The 288 ground materials: they tile, their joints have the right metric positions, and their frictions are in
+order."""
 
 import hashlib
 

@@ -1,4 +1,4 @@
-"""Collision hulls: what they enclose, what they leave open, and how they are kept."""
+"""Collision hulls: enclosed volume, open passages, and storage."""
 
 from collections.abc import Iterable
 
@@ -43,7 +43,7 @@ def outside(points: np.ndarray, hulls) -> np.ndarray:
 def test_hulls_of_a_leaf(leaf: str) -> None:
     """They enclose the surface within 6 cm (25 cm overhead) but for foot plates, and little more than its hull.
 
-    Of what is larger than a house: within 1 % of its longest side, 3 % overhead (32 corners in a sphere leave a tenth
+    For assets larger than a house: within 1 % of its longest side, 3 % overhead (32 corners in a sphere leave a tenth
     of its radius out; grown halfway, 2.5 % of the width stays out: a balloon).
     """
     for record in INDEX.by_leaf(leaf):

@@ -1,4 +1,4 @@
-"""The committed index against what the recipes build today."""
+"""The committed index against the recipes' present output."""
 
 import numpy as np
 import pytest

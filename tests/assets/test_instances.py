@@ -115,7 +115,7 @@ def test_no_shape_is_bent_further_than_its_kind_allows(leaf: str) -> None:
 
 
 def test_the_largest_side_is_the_drawn_one() -> None:
-    """Where axes are tied: people are as tall, cars as long as their priors say."""
+    """Where axes are tied: people have the height, cars the length of their priors."""
     for leaf, axis in (("pedestrian adult", "height"), ("sedan", "length"), ("bollard", "height")):
         uids = [leaf_uid(leaf, k) for k in range(300)]
         placed = place(leaf, uids, np.array([r.extent_xyz for r in INDEX.by_leaf(leaf)]))

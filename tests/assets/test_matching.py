@@ -1,4 +1,4 @@
-"""The three steps of matching, each against what is known by construction."""
+"""The three steps of matching, each against cases known by construction."""
 
 import csv
 import pathlib

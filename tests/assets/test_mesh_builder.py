@@ -1,4 +1,4 @@
-"""Solids against the textbook's volumes, the texture against what was painted."""
+"""Volumes of solids against closed forms, the texture against the painted colours."""
 
 import numpy as np
 import pytest

@@ -9,7 +9,7 @@ from urbanverse_mjx.assets.categories.priors import FORMS, Prior, prior, priors
 from urbanverse_mjx.assets.categories.published import published
 from urbanverse_mjx.datatypes import ValidationError
 
-# What the median object of a leaf may weigh (kg) and measure at its largest (m), by mid-level category. Written apart
+# Range of the mass (kg) and of the largest side (m) of a leaf's median object, by mid-level category. Written apart
 # from the table, from what such objects are, so that a slipped decimal point in a row falls out.
 BOUNDS = {
     "emergency amenity": (0.1, 120, 0.08, 1.2),

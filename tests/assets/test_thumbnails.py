@@ -14,7 +14,7 @@ RECORDS = load_index().by_leaf("traffic cone")
 
 @pytest.fixture
 def drawn(tmp_path, monkeypatch) -> list[str]:
-    """Names of what was drawn, into a cache of this test's own."""
+    """Names of the drawn thumbnails, in a cache of this test's own."""
     names: list[str] = []
 
     def draw(mesh, path):

@@ -1,4 +1,4 @@
-"""Benchmark banks: they hold what was asked for, the same seed makes the same, and solids stay the shipped ones."""
+"""Benchmark banks: they have the requested contents, equal seeds give equal banks, and hulls are the shipped ones."""
 
 import collections
 import dataclasses
@@ -100,7 +100,7 @@ def test_every_layout_differs_and_objects_stand_apart(bench_bank: SceneBank) -> 
 
 
 def test_the_same_seed_makes_the_same_street(bench_bank: SceneBank) -> None:
-    """Built again, alone: to the bit what it is in the larger bank."""
+    """Built again, alone: bit-equal to that in the larger bank."""
     again = bank_script.build(dataclasses.replace(OPTIONS, layouts=1, first=1))
     rows = again.inst_hull[0] >= 0
     np.testing.assert_array_equal(rows, (bench_bank.inst_hull[1] >= 0)[: len(rows)])

@@ -1,4 +1,4 @@
-"""The judge of gaits: a robot that only stands gets the marks of one, and errors are those counted by hand."""
+"""The gait benchmark: a robot that only stands gets the expected scores, and errors equal those computed by hand."""
 
 import dataclasses
 import json
@@ -83,7 +83,7 @@ def test_errors_count_a_second_after_a_command() -> None:
     linear, angular = trials.settled_errors(_walk(velocity, command), 0.02)
     np.testing.assert_allclose(linear, 0.1, atol=1e-9)
     np.testing.assert_allclose(angular, 0.2, atol=1e-9)
-    # What shakes faster than the window does not count, what stays does.
+    # Oscillations faster than the window do not count, constant errors do.
     shake = command + 0.5 * np.sin(2 * np.pi * 4.0 * 0.02 * np.arange(500))[:, None] * [1.0, 0.0, 0.0]
     assert trials.settled_errors(_walk(shake, command), 0.02)[0].max() < 0.02
 

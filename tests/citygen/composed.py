@@ -1,4 +1,4 @@
-"""What is asked of every scene composed by hand, counted on its graph."""
+"""Requirements on every manually composed scene, checked on its graph."""
 
 import math
 

@@ -116,7 +116,7 @@ def test_the_same_seed_gives_the_same_block_and_another_does_not(tokyo: SceneGra
 
 
 def test_nothing_stands_in_something_else(tokyo: SceneGraph) -> None:
-    """Houses and what hangs apart, footprints do not meet."""
+    """Except for houses and hanging objects, footprints do not overlap."""
     standing = [
         clearance.footprint(o)
         for o in tokyo.objects

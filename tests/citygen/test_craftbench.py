@@ -1,4 +1,4 @@
-"""CraftBench: what is asked of hand-made scenes, counted on the graphs that its modules build."""
+"""CraftBench: requirements on manually composed scenes, checked on the graphs that its modules build."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""The six streets: what the issue asks of them, counted on the committed files."""
+"""Requirements on the six streets, checked on the committed files."""
 
 import itertools
 import json
@@ -166,7 +166,7 @@ def test_streets_differ_in_character():
 
 
 def test_nobody_can_walk_behind_the_houses(graph):
-    """Walkable ground is in front of the houses: what is left of it beside them is one street, not a yard behind."""
+    """Walkable ground is in front of the houses: the rest of it is one street, not a yard behind."""
     houses = shapely.union_all([clearance.footprint(o).buffer(0.02) for o in graph.objects if is_house(o)])
     open_ground = shapely.union_all([s for _, s in solid(graph)]).difference(houses).buffer(-0.3)
     pieces = [p for p in shapely.get_parts(open_ground) if p.area > 0.5]

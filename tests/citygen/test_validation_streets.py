@@ -1,4 +1,4 @@
-"""Validation streets: what is asked of hand-made scenes, and that no plan of CraftBench is among them."""
+"""Validation streets: requirements on manually composed scenes, and difference from all plans of CraftBench."""
 
 import itertools
 import math

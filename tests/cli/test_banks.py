@@ -21,7 +21,7 @@ def _own_cache(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def builds(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
-    """The graphs of every bank that is asked for; what comes out is the same small bank."""
+    """Records the graphs of every requested bank and returns the same small bank."""
     made: list[list[str]] = []
 
     def build(graphs, splits, seed=0, quiet=False, cousins=1):

@@ -1,4 +1,4 @@
-"""`urbanverse doctor` names what is broken and survives it."""
+"""`urbanverse doctor` reports broken parts and continues."""
 
 import json
 import os

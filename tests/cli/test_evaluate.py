@@ -88,7 +88,7 @@ class BodyImage(GoalImage):
 
 
 def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:
-    """What `registry.load` gives, on the kinematic engine."""
+    """The environment of `registry.load`, on the kinematic engine."""
     assert name == "CocoNav"
     robot = unicycle_robot()
     sizes = Sizes(**config.movable.to_dict())

@@ -1,4 +1,4 @@
-"""`urbanverse gen`: sources, resuming, what is refused; and batches with retries and a journal."""
+"""`urbanverse gen`: sources, resuming, refused input; and batches with retries and a journal."""
 
 import contextlib
 import json
@@ -314,7 +314,7 @@ def test_a_graph_becomes_scenes_that_stand_still(tmp_path: pathlib.Path) -> None
     graph = SceneGraph.load(GRAPH)
     assert done["nodes"] == len(graph.objects)
     assert [p + n for p, n in zip(done["placed"], done["left_out"], strict=True)] == [len(graph.objects)] * 2
-    for k in range(2):  # what is movable in the scene that was made stays where it is
+    for k in range(2):  # movable objects of the compiled scene keep their places
         assert displacements(CompiledScene.load(out / "cousins" / str(k) / "scene").geometry) == []
     for k in range(2):
         folder = out / "cousins" / str(k)

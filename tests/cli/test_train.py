@@ -155,7 +155,7 @@ def test_what_differs_is_refused_and_nothing_changes(session: Session, option: s
     assert said in str(error.value)
     assert (folder / "config.json").read_bytes() == before
     assert len(session.trainer.calls) == 1
-    # What the run has may be said again, and it may be asked to train longer.
+    # Options equal to the run's are accepted, and so is a longer training.
     session.train("--resume", str(folder), *own, "--num-timesteps", "30000000")
     assert session.trainer.calls[1]["num_timesteps"] == 30_000_000 - 1000
     record = RunRecord.load(folder)

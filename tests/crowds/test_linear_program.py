@@ -34,7 +34,7 @@ def solve(
 def ground_truth(
     lines: np.ndarray, num_hard: int, limit: np.ndarray, preferred_velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What the published algorithm chooses (2, B), and whether it kept all lines (B,)."""
+    """The published algorithm's choice (2, B), and whether it satisfies all lines (B,)."""
     chosen, kept = np.zeros_like(preferred_velocity), np.zeros(len(limit), bool)
     for b in range(len(limit)):
         rows = [reference.Line(offset * complex(x, y), complex(y, -x)) for x, y, offset in lines[:, :, b].T.tolist()]
@@ -113,7 +113,7 @@ _angles = st.lists(st.floats(-3.125, 3.125, width=32, allow_subnormal=False), mi
 def test_whatever_the_lines_nothing_better_is_found(
     angles: list[float], offsets: list[float], preferred_velocity: tuple[float, float]
 ) -> None:
-    # Nearly parallel lines may part the two programs by rounding; then what is reached is compared, not the place.
+    # Rounding may separate the two programs for nearly parallel lines; then the objective is compared, not the point.
     num_hard, limit = 2, np.array([1.3])
     offsets = [-abs(o) if i < num_hard else o for i, o in enumerate(offsets)]
     lines = np.stack([np.cos(angles), np.sin(angles), offsets])[:, :, None]

@@ -113,7 +113,7 @@ def kind_of(path: Path, value: Any) -> str:
 
 
 def corruptions(body: Any) -> Iterator[tuple[str, Path, Any]]:
-    """(what was done, where, the spoiled body)."""
+    """(description, place, the corrupted body)."""
     for path, value in walk(body):
         yield from corruptions_at(body, path, value)
 
@@ -186,7 +186,7 @@ def of_layout(body: Any) -> Iterator[tuple[str, Path, Any]]:
 
 
 def expected_words(body: Any, path: Path, spoiled: Any) -> list[str]:
-    """What the message must name: the entry (by its id, or by its place if the id itself is spoiled) and the field."""
+    """Parts of the message: the entry (by its id, or by its place if the id itself is corrupted) and the field."""
     field = next((key for key in reversed(path) if isinstance(key, str)), "")
     if len(path) < 2 or path[0] not in ("objects", "ground") or not isinstance(path[1], int):
         return [field]
@@ -286,7 +286,7 @@ def test_lists_of_datatypes_hold_datatypes_only(group):
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=3, max_size=8))
 def test_a_ring_is_taken_exactly_when_shapely_calls_it_a_simple_polygon(corners):
-    """Small whole coordinates make crossings, touches, spikes and repeats common; shapely is the judge."""
+    """Small whole coordinates make crossings, touches, spikes and repeats common; shapely gives the reference."""
     shapely = pytest.importorskip("shapely")
     ring = shapely.Polygon(corners)
     sound = ring.is_valid and ring.area > 1e-4 and all(a != b for a, b in itertools.pairwise([*corners, corners[0]]))

@@ -1,4 +1,4 @@
-"""The schemas against the datatypes: what they accept and refuse, and what they say of every field."""
+"""The schemas against the datatypes: accepted and refused files, and the text of every field."""
 
 import copy
 import dataclasses
@@ -38,7 +38,7 @@ def test_it_is_a_schema_that_describes_every_field(name: str) -> None:
                 walk(inner["items"], f"{path}.{field}[]")
 
     walk(schema, name)
-    # The ground of a layout refers to that of a graph; the fields of a source say what they are by their names.
+    # The ground of a layout refers to that of a graph; the fields of a source are clear by their names.
     assert all(".source." in path or path.startswith(("layout.ground", "graph.sky")) for path in bare), bare
 
 

@@ -1,4 +1,4 @@
-"""The blur by OpenCV's cascades: where boxes go, and what is said where they are missing."""
+"""The blur by OpenCV's cascades: positions of boxes, and the error without the cascades."""
 
 import pathlib
 import types

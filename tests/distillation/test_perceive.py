@@ -53,7 +53,7 @@ def _pose(along: float, yaw: float, pitch: float = -0.1) -> np.ndarray:
 
 
 def _frame(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.ndarray, FrameObservation, np.ndarray]:
-    """Image (H, W, 3) u8, what it shows, and true depth (H, W) m (0 = sky)."""
+    """Image (H, W, 3) u8, its observation, and true depth (H, W) m (0 = sky)."""
     rays = CAMERA.rays() @ pose[:3, :3].T
     _, y0, z0 = pose[:3, 3]
     with np.errstate(divide="ignore"):
@@ -90,7 +90,7 @@ def structure(frames: Frames) -> Structure:
 
 
 class _Oracle:
-    """Predictor what is there; `guess` distorts the depth that it guesses, None guesses none."""
+    """A perfect predictor; `guess` distorts its depth, None: no depth."""
 
     def __init__(self, guess: float | None = None) -> None:
         self.calls, self.guess = 0, guess

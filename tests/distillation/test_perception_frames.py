@@ -1,4 +1,4 @@
-"""Frames of videos and folders: sampling, sizes, the screen, and what is said of broken input."""
+"""Frames of videos and folders: sampling, sizes, the screening, and errors for broken input."""
 
 import itertools
 import pathlib

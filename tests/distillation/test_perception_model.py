@@ -1,4 +1,4 @@
-"""The perception model: what it shall answer, how its answers become objects, its weights' file, and its score."""
+"""The perception model: its targets, decoding to objects, its weights' file, and its score."""
 
 import dataclasses
 import pathlib

@@ -53,7 +53,7 @@ TRAJECTORY = _trajectory()
 def _model(
     rows: np.ndarray, seed: int, unit: float, points: np.ndarray = POINTS, trajectory: np.ndarray = TRAJECTORY
 ) -> dict[str, np.ndarray]:
-    """What the frames of some rows see within 14 m, in a unit and axes of the model's own."""
+    """Points within 14 m of the frames of some rows, in the model's own unit and axes."""
     own = np.eye(4)
     own[:3, :3] = Rotation.random(random_state=seed).as_matrix()
     own[:3, 3] = 3.0 * seed
@@ -102,7 +102,7 @@ def test_two_models_that_share_no_point_are_joined():
     assert list(metric.kept) == list(range(2 * OUT))
     assert _off(structure, metric) < 0.35
     np.testing.assert_allclose(metric.scale, np.repeat([1 / 0.4, 1 / 2.5], OUT), rtol=0.02)
-    # What both saw lies at one place.
+    # Points that both observed coincide.
     there, back = (structure.point[np.isin(structure.frame, k)] % len(POINTS) for k in (THERE, BACK))
     seen = np.intersect1d(there, back)
     apart = metric.points[seen] - metric.points[seen + len(POINTS)]

@@ -101,5 +101,5 @@ def test_a_hundred_thousand_spoilt_steps_of_an_engine(small_bank: SceneBank, imp
         after = step(dataclasses.replace(state, data=spoil(state.data, rng, spoilt)), jnp.asarray(action))
         assert unsound(after) == [], k
         assert (np.asarray(after.info["result"])[spoilt] == Result.NON_FINITE).all()
-        # Half of the steps go on from what the last one made of its spoilt state.
+        # Half of the steps continue from the result of the last corrupted state.
         state = after if k % 2 else state

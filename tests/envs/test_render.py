@@ -135,7 +135,7 @@ def test_playground_need_not_be_there(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_stock_mujoco_takes_a_state_as_playgrounds_own_drawing_does(env: NavEnv, states: list[State[Any]]) -> None:
-    """What `mjx_env.render_array` copies from a state gives the bodies' places."""
+    """The fields that `mjx_env.render_array` copies from a state give the bodies' poses."""
     data = mujoco.MjData(env.mj_model)
     carried = states[1].data
     data.qpos, data.qvel = carried.qpos, carried.qvel

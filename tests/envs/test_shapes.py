@@ -36,7 +36,7 @@ CASES: list[tuple[Callable[..., Any], tuple[tuple[int, ...], ...], int, tuple[in
 
 
 def shapes_of(function: Callable[..., Any], shapes: tuple[tuple[int, ...], ...], *before: Any) -> Any:
-    """What the function returns under the checks, traced and not computed."""
+    """The function's result under the shape checks, traced and not computed."""
     checked = jaxtyped(typechecker=beartype)(function)
     return jax.eval_shape(lambda *a: checked(*before, *a), *(jax.ShapeDtypeStruct(s, jnp.float32) for s in shapes))
 

@@ -1,4 +1,4 @@
-"""Policies from outside: what they are given, what they answer, and what is refused in one sentence."""
+"""External policies: their observations, their actions, and errors of one sentence."""
 
 import dataclasses
 import pathlib
@@ -44,7 +44,7 @@ NUMBER = 3
 
 
 class Asking:
-    """Stands still, and remembers what it was given."""
+    """Stands still, and records its inputs."""
 
     def __init__(self) -> None:
         self.given: set[tuple[str, ...]] = set()

@@ -1,4 +1,4 @@
-"""The scripted controller that students imitate: along the route, around what stands on it, never into it."""
+"""The scripted controller that students imitate: along the route, around obstacles on it, without contact."""
 
 import jax
 import jax.numpy as jnp

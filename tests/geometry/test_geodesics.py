@@ -1,4 +1,4 @@
-"""Paths over a grid cost what a plain search finds, and keep off what is not passable."""
+"""Paths over a grid have the cost that a simple search finds, and avoid impassable cells."""
 
 import heapq
 

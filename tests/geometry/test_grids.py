@@ -53,7 +53,7 @@ def test_touched_cells_are_those_whose_squares_meet_the_outline(points: np.ndarr
     hull = shapely.MultiPoint(points).convex_hull
     found = mask(touched(GRID, points))
     if isinstance(hull, shapely.Polygon):
-        # What touches by less than rounding may be on either side.
+        # Shapes that touch within rounding may be on either side.
         meets, clear = (shapely.intersects(squares(), hull.buffer(d)) for d in (-1e-6, 1e-6))
         assert not (meets & ~found).any()
         assert not (found & ~clear).any()

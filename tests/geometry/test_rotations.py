@@ -1,4 +1,4 @@
-"""Rotations agree with SciPy's, in numpy and under jit, and say which way they turn."""
+"""Rotations agree with SciPy's, in numpy and under jit, with the right sense of rotation."""
 
 from typing import Any
 

@@ -45,8 +45,8 @@ def test_the_pages_stable_baselines_example_trains() -> None:
 
 
 def test_rsl_rl_learns_and_is_told_of_ends(unicycle_id: str, tmp_path: pathlib.Path) -> None:
-    """A robot without inertia, paid for heading for the goal: in 2,560 steps it gets half of what is left up to 40, the
-    most that an episode can return."""
+    """A robot without inertia, rewarded for driving towards the goal: in 2,560 steps it closes half of the gap to 40,
+    the largest return of an episode."""
     pytest.importorskip("rsl_rl")
     from rsl_rl.runners import OnPolicyRunner  # pyright: ignore[reportMissingImports]
 

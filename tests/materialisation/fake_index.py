@@ -62,7 +62,7 @@ def round_prism(x: float, y: float, low: float, high: float) -> np.ndarray:
 
 
 def box_hulls(asset: AssetRecord) -> HullSet:
-    """The asset's box as one hull; slender objects are a stem and what hangs above 2.2 m."""
+    """The asset's box as one hull; slender objects are a stem and an overhang above 2.2 m."""
     x, y, z = asset.extent_xyz
     stem = STEMS.get(asset.leaf)
     if stem is None:

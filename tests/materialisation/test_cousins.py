@@ -63,7 +63,7 @@ def test_the_same_inputs_give_the_same_layouts_and_another_seed_others(cousins):
 
 
 def test_a_cousin_is_the_same_alone_and_among_any_number(cousins):
-    """With what was seen known and not: the draw among near matches must not depend on how many cousins there are."""
+    """With and without descriptors: the draw among near matches must not depend on the number of cousins."""
     image = np.random.default_rng(1).integers(0, 255, (60, 90, 3)).astype(np.uint8)
     appearance = tuple(map(int, descriptors.of_image(image)))
     seen = [dataclasses.replace(node, descriptor=appearance) for node in OBJECTS[:2]]

@@ -1,4 +1,4 @@
-"""Ground that objects hid is given back; what stands in a kerb leaves it."""
+"""Ground hidden by objects is filled; objects in a kerb are moved off it."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Kerbs where a graph shows none, and only there; and what an object stands on."""
+"""Kerbs are added only where a graph has none; supports of objects."""
 
 import math
 

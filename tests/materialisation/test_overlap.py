@@ -18,7 +18,7 @@ ROAD = GroundRegion("road", "road", ((-30, -8), (30, -8), (30, 0), (-30, 0)), (0
 
 @dataclasses.dataclass(frozen=True)
 class Resolved:
-    """What was moved how far (id, m), and the pairs of ids that stay in one place."""
+    """Moved objects and distances (id, m), and the pairs of ids that still overlap."""
 
     moved: tuple[tuple[str, float], ...]
     unresolved: tuple[tuple[str, str], ...]
@@ -33,7 +33,7 @@ def at(name: str, label: str, x: float, y: float, yaw: float = 0.0, foot: float 
 
 
 def run(*objects: PlacedObject) -> tuple[Resolved, dict[str, PlacedObject]]:
-    """Ends penetrations; what was done, and where everything stands then."""
+    """Ends penetrations; returns the changes and the final positions."""
     records = [fake_index().get(placed.asset_uid) for placed in objects]
     bodies = [
         overlap.Body(placed, record, overlap.prisms_of(placed, box_hulls(record)))

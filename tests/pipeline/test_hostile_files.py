@@ -81,7 +81,7 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
 
 
 def spoiled(name: str, body: bytes) -> Iterator[tuple[str, bytes]]:
-    """What becomes of a file."""
+    """The outcome for a file."""
     rng = np.random.default_rng(0)
     for share in (0.0, 0.01, 0.5, 0.9, 0.999):
         yield f"cut at {share}", body[: int(share * len(body))]

@@ -1,4 +1,4 @@
-"""Worker processes end with the process that started them; what a killed run left is removed by the next."""
+"""Worker processes end with the process that started them; the next run removes the remains of a killed one."""
 
 import json
 import os
@@ -51,7 +51,7 @@ subprocess.run([sys.executable, "-c", code, sys.argv[1], str(os.getpid())])
 
 
 def sleep(folder: str, number: int) -> None:
-    """What the workers do."""
+    """The task of the workers."""
     path = pathlib.Path(folder) / f".{number}"
     path.write_text(str(os.getpid()))
     path.rename(pathlib.Path(folder) / str(number))
@@ -170,7 +170,7 @@ def test_a_folder_put_aside_comes_back_after_a_kill_between_the_renames(tmp_path
 
 
 def left_behind(parent: pathlib.Path, name: str) -> pathlib.Path:
-    """What a process leaves that was killed between the renames that replace a folder: the old one put aside."""
+    """State after a kill between the renames that replace a folder: the old one under its temporary name."""
     left = parent / f".{name}-abcd1234"
     for part in ("old", "new"):
         (left / part).mkdir(parents=True)
@@ -193,7 +193,7 @@ def test_whoever_opens_scenes_finds_the_one_that_was_put_aside(tmp_path: pathlib
         CompiledScene.load(tmp_path / "g")
     assert (tmp_path / "g").is_dir()
     assert not left.exists()
-    # The scene has come back: what is left beside it goes.
+    # The scene is restored, and the remains next to it are removed.
     left = left_behind(tmp_path, "g")
     assert scene_folders([tmp_path]) == [tmp_path / "g"]
     assert not left.exists()

@@ -1,4 +1,4 @@
-"""The bank of the preset `quick`: the shipped streets and procedural ones, which it trains on and is judged by."""
+"""The bank of the preset `quick`: shipped and procedural streets for training and evaluation."""
 
 import dataclasses
 import pathlib

@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).parents[2]
 
 LAYERS = "every package stands in its layer"
 ASSETS = "assets build on one another"
-#: (Contract, package that gets the fault, what it imports and must not.)
+#: (Contract, package with the fault, its forbidden import.)
 FAULTS = [
     (LAYERS, "datatypes", "urbanverse_mjx.robots"),
     (LAYERS, "datatypes", "urbanverse_mjx.settings"),

@@ -1,4 +1,4 @@
-"""The notebooks run from top to bottom, and are kept without what they print.
+"""The notebooks run from top to bottom, and are stored without outputs.
 
 The tests that are not slow run the quick start, in box streets and without its training; the slow ones run all of all.
 """

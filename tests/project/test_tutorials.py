@@ -22,7 +22,7 @@ TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 #: Their Python is run by a test of their own, below.
 APART = ("own_scene",)
 every_tutorial = pytest.mark.parametrize("path", TUTORIALS, ids=lambda p: p.stem)
-#: Where the tutorials say that the reader's files lie: a folder of the test stands in for it.
+#: Folder of the reader's files in the tutorials, replaced by a folder of the test.
 FOLDER = "/robots"
 #: A block that a line ending in its file's name in backquotes introduces, and any other.
 FILE_BLOCK = re.compile(r"`([\w./-]+)`:\n\n```\w+\n(.*?)^```", re.MULTILINE | re.DOTALL)

@@ -1,4 +1,4 @@
-"""What `pip install` puts on a machine: the package with its data files, and the folders of data beside it."""
+"""The installed files of `pip install`: the package with its data files, and the folders of data."""
 
 import pathlib
 

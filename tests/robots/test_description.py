@@ -59,7 +59,7 @@ def test_what_is_not_said_is_worked_out(folder: pathlib.Path) -> None:
     assert robot.circumradius == pytest.approx(0.4)
     assert (model.geom_contype == 0).all(), "its parts never touch each other"
     np.testing.assert_allclose(robot.command(np.array([0.6, 0.0])), [5.0, 5.0], rtol=1e-6)
-    # 0.5 rad/s with a track of 0.4 m: 0.1 m/s more and less; faster than it can, it does what it can.
+    # 0.5 rad/s with a track of 0.4 m: 0.1 m/s more and less; faster commands are clipped to its limits.
     np.testing.assert_allclose(robot.command(np.array([0.6, 0.5])), np.array([0.5, 0.7]) / 0.12, rtol=1e-6)
     np.testing.assert_allclose(robot.command(np.array([9.0, 0.0])), [10.0, 10.0], rtol=1e-6)
     told = change(folder, spawn_height=0.2, circumradius=0.9)
@@ -67,7 +67,7 @@ def test_what_is_not_said_is_worked_out(folder: pathlib.Path) -> None:
 
 
 def test_a_bound_on_the_reach_holds_for_every_robot() -> None:
-    """The bound that is worked out is no smaller than what the built-in robots state by geometry."""
+    """The computed bound is no smaller than the built-in robots' geometric one."""
     from urbanverse_mjx.robots.description import reach
 
     for robot, slack in ((make_coco("differential"), 1e-6), (make_go2(), 0.2)):
@@ -92,7 +92,7 @@ def test_a_robot_from_outside_drives_to_its_waypoints(folder: pathlib.Path, smal
     gone = np.linalg.norm(np.asarray(state.data.sim.xpos[:, 1]) - first, axis=1)
     assert (gone > 0.8).all()
     assert (gone < 1.25).all()
-    # Its crate, from a file, is in the model of what is seen.
+    # Its crate, from a file, is in the visual model.
     model = mujoco.MjModel.from_xml_string(env.robot.mjcf)
     assert model.nmesh == 1
 
@@ -107,7 +107,7 @@ def test_an_axle_that_steers(folder: pathlib.Path) -> None:
     with pytest.raises(ValidationError, match=r"found 2 actuators named, needed each of the 3"):
         load(folder)
     change(folder, drive={**drive, "kind": "ackermann", "steer": "steer", "wheelbase": 0.5})
-    # The nose weighs as much where what is only seen of it has been taken away.
+    # The nose keeps its mass when its visual geoms are removed.
     assert make_physics_model(load(folder)).model.body("nose").mass[0] == pytest.approx(1.0)
     left, right, angle = np.asarray(load(folder).command(np.array([1.0, 0.5])), np.float64)
     assert angle == pytest.approx(np.arctan(0.5 * 0.5))

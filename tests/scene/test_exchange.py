@@ -101,7 +101,7 @@ def test_their_map_loads_in_the_right_place(tmp_path: pathlib.Path) -> None:
 
 
 def test_ways_over_their_stripes_are_straight(tmp_path: pathlib.Path) -> None:
-    """Stripes of 0.5 m with gaps of 0.5 m are one crosswalk: a way over them costs what one over a whole one does."""
+    """Stripes of 0.5 m with gaps of 0.5 m are one crosswalk: a path over them costs as much as over a whole one."""
     their_files(tmp_path / "s")
     theirs = load_map(tmp_path / "s")
     x, y = theirs.map.origin

@@ -42,6 +42,6 @@ def test_two_halves_make_the_whole(turn: float) -> None:
         box = shapely.get_coordinates(shapely.minimum_rotated_rectangle(part))
         sides = np.linalg.norm(np.diff(box, axis=0), axis=1)[:2]
         assert sorted(sides) == pytest.approx([16.0, 30.0], abs=2.5)
-        # What was one area still is: no slit where neighbours were cut.
+        # A connected area stays connected: no gap where neighbours were cut.
         assert len(shapely.get_parts(part.buffer(0.003).buffer(-0.003))) == 1
         assert half.hashes["half_of"] == layout.content_hash()

@@ -1,4 +1,4 @@
-"""The sets of the scene library: their table, ids, hashes, and what is said where a bank is missing."""
+"""The sets of the scene library: their table, ids, hashes, and the error for a missing bank."""
 
 import dataclasses
 import gzip
@@ -68,7 +68,7 @@ def test_joined_banks_hold_validation_out_even_where_they_were_packed_before(
     meta = {**small_bank.meta, "scene_ids": ids, "splits": ["train"] * count}
     dataclasses.replace(small_bank, meta=meta).save(tmp_path / "bank.npz")
     assert join_banks([tmp_path / "bank.npz"]).meta["splits"] == ["validation", *["train"] * (count - 1)]
-    # The paper's comparison trains on all of them: what a caller asks for wins.
+    # The paper's comparison trains on all of them: a caller's choice has priority.
     assert join_banks([tmp_path / "bank.npz"], ["train=*"]).meta["splits"] == ["train"] * count
 
 

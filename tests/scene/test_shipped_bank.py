@@ -1,4 +1,4 @@
-"""What the six shipped streets must be, checked on the bank that environments load."""
+"""Requirements on the six shipped streets, checked on the bank that environments load."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What stays, what falls, and that what falls is kept fixed."""
+"""Stable and unstable objects, and that unstable ones become fixed."""
 
 import dataclasses
 
@@ -61,7 +61,7 @@ def test_a_box_in_the_air_comes_down_and_one_in_another_is_thrown_out():
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """What `_with_unstable_frozen` reads of a layout."""
+    """The fields of a layout that `_with_unstable_frozen` reads."""
 
     id: str
     movable: bool = True

@@ -94,7 +94,7 @@ _GROUND_COLOUR = {"road": (70, 70, 75), "crosswalk": (190, 190, 190), "sidewalk"
 
 
 def box_scene(number: int, seed: int = 0, num_objects: int = 40) -> SceneGeometry:
-    """One street; `number` and `seed` choose what stands where."""
+    """One street; `number` and `seed` select the objects and their places."""
     rng = np.random.default_rng([seed, number])
     regions = street_regions()
     solids = [_solid(rng) for _ in range(num_objects)]

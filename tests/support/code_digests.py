@@ -31,7 +31,7 @@ HOW_TO = (
 
 @dataclasses.dataclass(frozen=True)
 class Meaning:
-    """What a file means.
+    """The meaning of a file.
 
     Attributes:
       digest: 16 hexadecimal digits. imports: (level, module, name) of each import but those for annotations alone;
@@ -180,7 +180,7 @@ def complaints(known: Mapping[str, str], root: pathlib.Path = ROOT) -> list[str]
 
 
 def imports_of(path: pathlib.Path, root: pathlib.Path = ROOT) -> set[str]:
-    """Names below the package of the modules that a file imports; what a package hands on counts as its own module's.
+    """Names below the package of the modules that a file imports; names that a package re-exports count as its own.
 
     Imports for annotations alone do not count.
     """

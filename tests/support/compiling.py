@@ -10,7 +10,7 @@ NAME = "jax_disable_most_optimizations"
 
 @contextlib.contextmanager
 def optimized() -> Iterator[None]:
-    """All of LLVM's optimizations for what is compiled within."""
+    """Enables all of LLVM's optimizations for code compiled within."""
     before = jax.config.values[NAME]
     jax.config.update(NAME, False)
     try:

@@ -5,7 +5,7 @@ import re
 from typing import Any
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs" / "playground.md"
-#: What a block alone holds -> the test that runs it.
+#: Text that identifies a block -> the test that runs it.
 MARKERS = {
     "env.render(": "envs/test_render.py",
     "wrapped.step": "envs/test_stock_wrappers.py",

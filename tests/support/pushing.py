@@ -34,8 +34,8 @@ class MovableObject(NamedTuple):
 
 
 class Push(NamedTuple):
-    """What came of a drive of T control steps with M objects: robot (T, 7); places (T, M, 3), quaternions (T, M, 4) of
-    the objects' frames, hit (T,) bool, object (T,) i32, the object that was hit, -1 = none."""
+    """Result of a drive of T control steps with M objects: robot (T, 7); places (T, M, 3), quaternions (T, M, 4) of the
+    objects' frames, hit (T,) bool, object (T,) i32, the object that was hit, -1 = none."""
 
     robot: np.ndarray
     places: np.ndarray

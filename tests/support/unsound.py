@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-#: What a sensor, a solver or a caller may hand over.
+#: Invalid values that a sensor, a solver or a caller may pass.
 NO_NUMBERS = np.array([np.nan, np.inf, -np.inf, 3e38, -3e38], np.float32)
 
 

@@ -1,4 +1,4 @@
-"""ONNX files of policies: what they answer, what they say about themselves, and how they drive."""
+"""ONNX files of policies: their outputs, metadata, and results in the environment."""
 
 import csv
 import dataclasses
@@ -30,7 +30,7 @@ IMAGE = {"vision_config.height": 12, "vision_config.width": 16}
 
 
 def _louder(params: Any) -> Any:
-    """Parameters whose actions are far from 0: what is not wired through shows."""
+    """Parameters whose actions are far from 0, so that missing connections are detected."""
     rng = np.random.default_rng(0)
     return jax.tree.map(lambda x: np.asarray(x + 0.08 * rng.normal(size=np.shape(x)), np.float32), params)
 
@@ -108,7 +108,7 @@ def test_a_recurrent_policy_answers_as_in_jax_and_forgets_where_episodes_begin(f
             if t == 0:
                 first.append(found)
     np.testing.assert_array_equal(*first)
-    # What it answers hangs on what came before.
+    # Its output depends on earlier inputs.
     assert np.abs(controller.agent({k: x[0] for k, x in obs.items()}) - first[0]).max() > 1e-3
 
 
@@ -150,7 +150,7 @@ def test_a_benchmark_drives_the_file_as_the_checkpoint(
     monkeypatch.setattr(registry, "load", kinematic)
     rows = {}
     for name, policy in (("checkpoint", folders[kind]), ("onnx", files[kind])):
-        # Two batches: what is remembered of the first is no part of the second.
+        # Two batches: the memory of the first does not enter the second.
         options = BenchmarkOptions(policy=str(policy), contact="ends", pictures=False, at_once=8)
         benchmark(str(tmp_path / "boxes.json"), tmp_path / name, options, tmp_path / "bank.npz")
         with (tmp_path / name / "ends" / "episodes.csv").open() as file:

@@ -69,7 +69,7 @@ def test_papers_table() -> None:
 
 @pytest.fixture(scope="module")
 def begun(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
-    """Run folder of a training that reached its end, for all tests that go on from one."""
+    """Run folder of a finished training, for all tests that continue one."""
     folder = tmp_path_factory.mktemp("begun")
     env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
     assert train("CocoNav", env, with_overrides(default_ppo_config("cpu"), SMALL), folder, quiet=True).steps == 8192
@@ -123,7 +123,7 @@ def test_starts_from_another_policy_with_a_new_critic(
     env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
     ppo = with_overrides(default_ppo_config("cpu"), {**SMALL, "num_timesteps": 2048, "num_checkpoints": 1})
     actor = export_actor(begun, tmp_path / "actor")
-    # With steps of no length, what comes out is what went in.
+    # With a learning rate of 0 the parameters do not change.
     still = with_overrides(ppo, {"learning_rate": 0.0, "learning_rate_schedule": "NONE", "seed": 7})
     second = train("Go2Nav", env, still, tmp_path / "second", quiet=True, start_from=actor)
     assert second.policy is not None

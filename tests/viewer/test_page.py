@@ -92,7 +92,7 @@ def tab(served: tuple[Page, Streets, str]) -> Iterator[Any]:
 
 
 def screenshot(tab: Any) -> np.ndarray:
-    """(H, W, 3) of what is left of the panel."""
+    """(H, W, 3) of the page left of the panel."""
     return np.asarray(Image.open(io.BytesIO(tab.screenshot(timeout=120_000))).convert("RGB"))[:, :560].astype(int)
 
 
@@ -124,7 +124,7 @@ def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) 
     driven = len(page.session)
     tab.get_by_role("button", name="Step").click()
     wait(lambda: page.index == 3)
-    assert len(page.session) == driven  # what was driven is shown again
+    assert len(page.session) == driven  # the recorded drive is shown again
 
 
 def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Streets, str]) -> None:

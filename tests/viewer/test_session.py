@@ -1,4 +1,4 @@
-"""A session's states are those of stepping the environment; what a person does, and what goes wrong."""
+"""A session's states are those of stepping the environment; actions of a person, and failures."""
 
 import jax
 import jax.numpy as jnp
@@ -43,7 +43,7 @@ def test_states_are_those_of_the_environment(env, machine: Machine) -> None:
 
 @pytest.mark.parametrize("name", ["random", "go_to_goal"])
 def test_it_ends_as_an_evaluation_does(env, name: str) -> None:
-    """Also of an agent that draws: the same keys, and an ended episode stands still while others go on."""
+    """Also for a random agent: the same keys, and an ended episode pauses while others continue."""
     rows = [0, 5, 9]
     session = Session(Machine(env, Driver(name, BASELINES[name])), 0, rows, seed=7)
     while not session.over:

@@ -1,4 +1,4 @@
-"""Go2Joystick: the promises every environment keeps, rewards by hand, levels, disturbances that do what they should."""
+"""Go2Joystick: the contract of all environments, rewards computed by hand, levels, effects of disturbances."""
 
 import dataclasses
 import functools

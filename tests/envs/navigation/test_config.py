@@ -1,4 +1,4 @@
-"""What the presets pay for: discounted returns of driving straight to the goal, crawling and standing short."""
+"""Incentives of the presets: discounted returns of driving straight to the goal, crawling and standing short."""
 
 from typing import Any
 

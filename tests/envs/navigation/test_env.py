@@ -68,7 +68,7 @@ def test_where_a_robot_may_be_is_what_the_map_says(small_bank: SceneBank) -> Non
 
 
 def sent(env: NavEnv, nav: NavState, action: jax.Array) -> jax.Array:
-    """What an env commands its engine in one step."""
+    """The commands of an env to its engine in one step."""
 
     def advance(nav: NavState) -> jax.Array:
         ctrl = []
@@ -208,7 +208,7 @@ def test_small_and_fast_presets_change_only_image_weights_and_randomization(pres
 
 
 def test_register_from_outside(small_bank: SceneBank) -> None:
-    """All that is registered is what the trainer and the pipeline then use."""
+    """The trainer and the pipeline use all registered parts."""
 
     def own_training(preset: str) -> ConfigDict:
         return registry.with_overrides(ppo_config(preset), {"num_envs": 32})

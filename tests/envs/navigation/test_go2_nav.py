@@ -1,4 +1,4 @@
-"""Go2Nav: COCO's task on legs. What is seen and what an action means are the same, so one policy drives both."""
+"""Go2Nav: COCO's task on legs. Observations and actions are the same, so one policy runs on both."""
 
 import pathlib
 

@@ -1,4 +1,4 @@
-"""Objects that can be pushed in the environment: which they are, what a touch of one is called, and new episodes."""
+"""Objects that can be pushed in the environment: their choice, the record of a touch, and new episodes."""
 
 import itertools
 

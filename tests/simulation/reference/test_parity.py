@@ -130,7 +130,7 @@ def test_compare_finds_what_differs() -> None:
     np.testing.assert_array_equal(report.objects_agree, [False, True])
     np.testing.assert_array_equal(report.ends_agree, [True, False])
     np.testing.assert_allclose(report.before_time, [0.11, 0.01])
-    # A wheel that stands against a kerb before it: that is what the difference came after.
+    # A wheel is at a kerb before that, so the difference follows that contact.
     met = hit.copy()
     met[0, 5:] = True
     report = c_mujoco.compare(dataclasses.replace(one, met=met), other, robot)

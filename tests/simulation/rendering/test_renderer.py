@@ -1,4 +1,4 @@
-"""What the renderer draws: against C MuJoCo's rays, against light computed by hand, and against committed images."""
+"""Images of the renderer against C MuJoCo's rays, light computed by hand, and committed images."""
 
 import dataclasses
 import pathlib
@@ -143,7 +143,7 @@ def test_brightness_of_grey_ground_under_the_sun_alone(bank: SceneBank, shading:
     colour = np.median(cases.to_linear(image["rgb"])[ground], axis=0)
     expected = 0.5 / np.pi * 0.8 * np.array([2.0, 1.0, 0.5])
     if shading == "pbr":
-        # Khronos PBR Neutral takes off 0.04 from colours above 0.08, to pay for what a surface reflects.
+        # Khronos PBR Neutral subtracts 0.04 from colours above 0.08, to compensate for the reflection of a surface.
         expected = expected * PBR_EXPOSURE - 0.04
     np.testing.assert_allclose(colour, expected, rtol=0.025 if shading == "matte" else 0.15)
 

@@ -112,7 +112,7 @@ def tests_of(mutant: Mutant, lines: Mapping[str, Sequence[str]]) -> set[str]:
 
 
 def judge(mutant: Mutant, covered: Mapping[str, Any], root: pathlib.Path = ROOT) -> dict[str, Any]:
-    """What the tests that ran a mutant's line say about it, the quickest first."""
+    """Results of the tests that ran a mutant's line, the fastest first."""
     seconds = covered["seconds"]
     tests = sorted(tests_of(mutant, covered["lines"]), key=lambda test: seconds.get(test, 0.0))
     begin, outcome, said = time.monotonic(), "uncovered", ""
@@ -166,7 +166,7 @@ def _no_bytecode(folder: str, names: Sequence[str]) -> list[str]:
 
 
 def results(out: pathlib.Path) -> list[dict[str, Any]]:
-    """What earlier runs found; a line that was cut off does not count."""
+    """Results of earlier runs; a truncated line does not count."""
     path = out / "results.jsonl"
     rows = []
     for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else ():

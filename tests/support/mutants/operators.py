@@ -50,7 +50,7 @@ class Mutant:
 def places_of(source: str) -> list[tuple[int, int]]:
     """Every change of a module as (number of its node, number of the change there); see `plant`.
 
-    None in annotations, docstrings, decorators or what is raised.
+    None in annotations, docstrings, decorators or raised exceptions.
     """
     tree = ast.parse(source)
     nodes = list(ast.walk(tree))
@@ -70,7 +70,7 @@ def plant(file: str, source: str, place: tuple[int, int]) -> Mutant:
 
 
 def _not_code(node: ast.AST) -> Iterator[ast.AST]:
-    """Parts of a node that are no code: annotations, texts that stand alone, what is raised, conditions of imports."""
+    """Parts of a node that are no code: annotations, standalone strings, raised exceptions, conditions of imports."""
     if isinstance(node, ast.arg | ast.AnnAssign) and node.annotation is not None:
         yield node.annotation
     elif isinstance(node, ast.FunctionDef):
@@ -85,7 +85,7 @@ def _not_code(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _changes(node: ast.AST) -> Iterator[Callable[[Any], None]]:
-    """What can be changed about a node, as functions that change it."""
+    """Possible changes of a node, as functions."""
     yield from _operators(node)
     if isinstance(node, ast.Constant):
         yield from _constants(node)
