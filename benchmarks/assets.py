@@ -1,4 +1,4 @@
-"""The asset index in figures: what it holds, whether it agrees with itself and with published objects, how fast it is.
+"""The asset index in figures: contents, consistency, agreement with published objects, and speed.
 
     python -m benchmarks.assets --json
 

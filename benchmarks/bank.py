@@ -45,8 +45,8 @@ GOALS = 14
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """What a bank shall hold; ranges include both ends. `first`: number of the first street, which is the same street
-    in every bank of a seed."""
+    """Parameters of a bank; ranges include both ends. `first`: number of the first street, which is the same street in
+    every bank of a seed."""
 
     layouts: int = 16
     first: int = 0
@@ -139,7 +139,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
 
 
 def summary(bank: SceneBank) -> dict[str, Any]:
-    """What is in it."""
+    """Contents of the bank."""
     hulls = (bank.inst_hull >= 0).sum(1)
     objects = [len(set(row[row >= 0])) for row in bank.inst_object]
     ground = np.array([name.startswith("ground:") for name in bank.meta["categories"]])

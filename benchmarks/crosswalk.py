@@ -38,7 +38,7 @@ HEIGHT, WIDTH, FOV = 180, 320, 0.9
 _AHEAD, _LINE, _STOP = 0.8, 0.7, 1.3
 #: m ahead of its middle at which it detects the crosswalk.
 _FRONT = (0.7, 0.9, 1.1)
-#: rad by which it may turn off its way, and m that it keeps its middle from what stands (COCO touches at 0.4).
+#: rad, largest deviation from its direction, and m from its centre to obstacles (COCO touches at 0.4).
 _TURNS, _CLEAR = jnp.radians(jnp.arange(-75.0, 76.0, 15.0)), 0.6
 #: m of route that a row has at least before its crosswalk (and twice that at most) and behind it.
 _BEFORE, _BEHIND = 4.5, 2.6
@@ -137,7 +137,7 @@ class Controller:
         front = p_xy + terms.to_world(jnp.array([[0.0, 0.0], *([d, 0.0] for d in _FRONT)]), yaw)
         here, *edge = crossing_at(self.table, self.scene, front[:, 0], front[:, 1]) == self.number
         taken = self.taken(nav.crowd)
-        # It leaves its route to go around objects: what it has before it counts, not only how far it has come.
+        # It leaves its route to go around objects: the distance ahead counts, not only the distance driven.
         comes = ~here & jnp.stack(edge).any()
         waits = taken & ((arc < self.first) | comes) & ~here
         aim = jnp.where(waits, jnp.minimum(arc + _AHEAD, line), arc + _AHEAD)
@@ -155,7 +155,8 @@ class Controller:
         return jnp.where(blocked | at_line, still, terms.limit_norm(walk, 0.55)), stands & (waits | blocked)
 
     def around(self, p_xy: Any, walk: Any) -> Any:
-        """A way (2,) m turned as little as keeps `_CLEAR` from what stands: routes cut corners between waypoints."""
+        """A direction (2,) m rotated as little as needed for `_CLEAR` from obstacles: routes cut corners between
+        waypoints."""
         turned = jax.vmap(lambda a: terms.to_world(walk, a))(_TURNS)
         ahead = turned / jnp.maximum(jnp.linalg.norm(walk), 1e-6)
         points = p_xy + jnp.array([0.4, 0.8, 1.2])[:, None, None] * ahead

@@ -149,7 +149,7 @@ class Street:
 
 @dataclasses.dataclass(frozen=True)
 class Work:
-    """What a process made of a street: its name, row -> what it scored, row -> why it failed, MB that it took."""
+    """Results of a street: its name, row -> scores, row -> reason of a failure, peak memory in MB."""
 
     name: str
     rows: dict[str, fidelity_store.Row]
@@ -158,7 +158,7 @@ class Work:
 
 
 def street_rows(street: Street) -> Work:
-    """Films a street, or takes what was filmed, and scores the rows that have no scores yet."""
+    """Films a street, or takes an earlier capture, and scores the rows that have no scores yet."""
     priors = LabelPriors(load_index())
     if street.recording is not None:
         filmed = imported(street.recording)
@@ -294,7 +294,7 @@ def _worked(streets: Sequence[Street], processes: int, threads: int) -> Iterator
     if processes <= 1:
         yield from map(street_rows, streets)
         return
-    # What the new processes import reads these: on many cores every library would start as many threads.
+    # Libraries of the new processes read these: on many cores each would start as many threads.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "URBANVERSE_THREADS"):
         os.environ[name] = str(threads)
     os.environ["JAX_PLATFORMS"] = "cpu"

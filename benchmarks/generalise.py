@@ -283,7 +283,7 @@ def load(args: argparse.Namespace, log: Log) -> tuple[SceneBank, list[str], Suit
 
 def main() -> int:
     args = arguments()
-    # Tables of the scenes become arguments of what is compiled, in place of constants of hundreds of MB in it.
+    # Tables of the scenes become arguments of the compiled program, instead of constants of hundreds of MB.
     if hasattr(jax.config, "jax_use_simplified_jaxpr_constants"):
         jax.config.update("jax_use_simplified_jaxpr_constants", True)
     jax.pmap = _one_device_pmap  # type: ignore[assignment]

@@ -1,4 +1,4 @@
-"""How well a gait walks, judged in C MuJoCo and not in the engine it was trained in.
+"""Evaluates a gait in C MuJoCo, not in the engine it was trained in.
 
     python -m benchmarks.go2_gait --json
 
@@ -107,7 +107,7 @@ def tables(found: Mapping[str, Any]) -> str:
 
 
 def _earlier(path: pathlib.Path) -> Mapping[str, Any]:
-    """What an earlier run found."""
+    """Results of an earlier run."""
     parts = ("gait", "meta", "seed", "flat", "straight", "pushes", "kerbs", "ramps", "goals", "wall_seconds")
     return v.mapping(v.read_json(path, "what the judge found"), str(path), parts)
 

@@ -100,7 +100,7 @@ def make_suite(
     return Suite(bank, drives, c_mujoco.drive_reference(models, robot, drives, CONTROL_DT))
 
 
-# What compiles scenes is imported where it is needed: a machine with kept suites lacks it.
+# The scene compiler is imported on use: a machine with stored suites lacks it.
 
 
 def street_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:

@@ -44,7 +44,7 @@ SPLITS = ("train", "test")
 TEST_SKIES = ("golden_hour", "overcast_grey", "partly_cloudy")
 #: Layouts of the splits come from different seeds.
 SEEDS = {"train": 11, "test": 12}
-LENGTH = 70.0  # m; what is farther than this from an eye at 1.5 m is a few pixels high
+LENGTH = 70.0  # m; farther objects are a few pixels high from a camera at 1.5 m
 #: Houses among them; the more there stands, the more there is to learn from a image.
 OBJECTS = {"train": (90, 140), "test": (70, 120)}
 #: Number of instances added to the training variants of each leaf.
@@ -112,12 +112,12 @@ def shown_leaves() -> frozenset[str]:
 
 
 def _leaves() -> dict[str, tuple[str, ...]]:
-    """What stands in each band."""
+    """Labels for each band."""
     return {band: (*names, *_MORE[band].split("|")) for band, names in streets.Stock().leaves.items()}
 
 
 def stock(split: str) -> streets.Stock:
-    """What the streets of a split are filled with."""
+    """Objects of the streets of a split."""
     skies = tuple(s for s in sky_ids() if (s in TEST_SKIES) == (split == "test"))
     return streets.Stock(HOUSES, _leaves(), variants=INSTANCES + 8, skies=skies)
 

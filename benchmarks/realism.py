@@ -25,7 +25,7 @@ from urbanverse_mjx.scene.folders import scene_folders
 
 @dataclasses.dataclass(frozen=True)
 class Published:
-    """What is published for real streets of one measure: a range or values, where it was read, and what it is."""
+    """Published figures of one measure for real streets: a range or values, the source, and a description."""
 
     low: float
     high: float

@@ -1,4 +1,4 @@
-"""What the renderer alone makes: frames a second of each shading, style and size, the stock renderer beside them.
+"""Throughput of the renderer alone: frames a second of each shading, style and size, and of the stock renderer.
 
     python -m benchmarks.render --cases 135x240@1024,36x64@4096 --styles plain,shadows
 
@@ -39,7 +39,7 @@ from urbanverse_mjx.simulation.rendering import street_draw
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 SHADINGS = ("matte", "pbr", "megakernel", "stock")
-#: What a style changes of the default: sky, textures, no shadows, one ray a pixel.
+#: Changes of a style to the default: sky, textures, no shadows, one ray a pixel.
 STYLES: dict[str, dict[str, Any]] = {
     "plain": {},
     "shadows": {"shadows": True},
@@ -153,7 +153,7 @@ class Bare:
             self.renderer._render(self.inputs, list(self.outputs.values()))
 
     def place(self) -> None:
-        """What comes before the rays."""
+        """Work before the rays."""
         _, batch = self.renderer._batch(self.device, self.number)
         with wp.ScopedDevice(self.device):
             batch.jobs(self.inputs, self.outputs)

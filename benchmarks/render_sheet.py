@@ -1,4 +1,4 @@
-"""What each style of the renderer costs and adds, side by side in one image.
+"""Cost and effect of each style of the renderer, side by side in one image.
 
     python -m benchmarks.render_sheet --results render_1.jsonl --out docs/renderer_looks.jpg
 
@@ -39,7 +39,7 @@ LABEL, TITLE = 190, 36
 
 
 def costs(results: pathlib.Path | None) -> dict[str, dict[str, Any]]:
-    """Measured lines by "HEIGHTxWIDTH shading style", and what they were measured on under "title".
+    """Measured lines by "HEIGHTxWIDTH shading style", and the machine under "title".
 
     The first of each counts, before any tried block sizes.
     """

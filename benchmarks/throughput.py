@@ -158,7 +158,7 @@ def _load_bank(path: str | None) -> SceneBank:
 
 
 def load_env(case: Case) -> Any:
-    """The environment of a case over its bank, cut to what the case asks for."""
+    """The environment of a case over its bank, reduced to the case's scenes."""
     bank = _load_bank(case.bank)
     if case.scenes is not None:
         bank = banks.first_scenes(bank, case.scenes)
@@ -190,7 +190,7 @@ def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str,
 
 
 def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
-    """What the case asks for, in pieces, so that what was measured before a failure is kept."""
+    """The case's measurements, in parts, so that those before a failure are kept."""
     wanted = set(case.measure)
     if wanted - {"learn"}:
         run = measurements.start(env, case)

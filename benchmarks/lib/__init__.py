@@ -1,1 +1,1 @@
-"""What the benchmark scripts share: cases, measurements, trials and how results are reported."""
+"""Common parts of the benchmark scripts: cases, measurements, trials and how results are reported."""

@@ -43,7 +43,7 @@ def _without_unseen_meshes(bank: SceneBank) -> SceneBank:
 def with_hulls(bank: SceneBank, count: int, seed: int = 0) -> SceneBank:
     """At most `count` hulls a scene: objects in a seeded order keep theirs until there are so many.
 
-    What is seen, the map and the episodes stay as they are, so costs can be compared.
+    Visual meshes, the map and the episodes do not change, so costs can be compared.
 
     Raises:
       ValidationError: `count` below 1.

@@ -29,7 +29,7 @@ SCENE = 0
 MJX_HULLS, MJX_PRISMS = 48, 8
 #: Contacts that MJX solves, as many as the product's own engine; without it every pair of geoms gets rows.
 MJX_CONTACTS = 12
-#: Room for contacts and constraint rows per world in MuJoCo Warp: twice what was seen.
+#: Room for contacts and constraint rows per world in MuJoCo Warp: twice the measured maximum.
 WARP_CONTACTS, WARP_ROWS = 64, 256
 #: C MuJoCo runs so many envs per core at most, and draws so many frames: its rates do not grow with the number.
 ENVS_PER_CORE, FRAMES = 64, 40
@@ -37,7 +37,7 @@ ENVS_PER_CORE, FRAMES = 64, 40
 
 @dataclasses.dataclass(frozen=True)
 class Drive:
-    """What all baselines do.
+    """The common steps of all baselines.
 
     Attributes:
       bank, robot: the scene is row `SCENE`.

@@ -1,4 +1,4 @@
-"""What the speedometer measures: one `Case` per configuration, from the command line or a grid file."""
+"""Configurations of the throughput benchmark: one `Case` per configuration, from the command line or a grid file."""
 
 import dataclasses
 import itertools
@@ -10,7 +10,7 @@ from typing import Any
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
 
-#: What can be measured of a configuration, see `measure`.
+#: Available measures of a configuration, see `measure`.
 MEASURES = ("step", "parts", "refit", "active", "policy", "learn")
 
 

@@ -1,4 +1,4 @@
-"""Crowds in streets: what they cost an environment, and what a long run of them alone is like."""
+"""Crowds in streets: their cost in an environment, and statistics of a long run without one."""
 
 import argparse
 import time
@@ -26,7 +26,7 @@ STUCK, OVERLAP = 20.0, 0.02
 
 
 def _scenarios(arguments: argparse.Namespace) -> dict[str, dict[str, Any]]:
-    """Name of each environment that is timed, and what it overrides; the first is what the others are held against."""
+    """Name of each environment that is timed, and its overrides; the first is the reference for the others."""
     ends = {"scenes": "all", "terminate_on_hit": not arguments.push}
     found = {
         "static": {"scenario": "static", **ends},
@@ -98,7 +98,7 @@ def _moving_bodies(run: measure.Run | None) -> dict[str, Any]:
 def _segment_gap(bodies: Bodies, half: Any, radius: Any) -> Any:
     """(A, A) m between the bodies (discs along segments) of one env; negative where they overlap, inf on the diagonal.
 
-    Segments that cross have an end within each other's width, whose overlap is what is wanted here.
+    Segments that cross have an end within each other's width, whose overlap is computed here.
     """
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
     gap = jnp.full((len(radius), len(radius)), jnp.inf)

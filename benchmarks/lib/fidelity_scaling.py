@@ -10,7 +10,7 @@ from urbanverse_mjx.pipeline import GenerationOptions, generate
 from urbanverse_mjx.work_folder import work_folder
 
 FRAMES = (10, 40, 80, 180, 720)
-#: What `urbanverse gen` does of a recording, up to MJCF, USD and the bank; the report draws images beside.
+#: The steps of `urbanverse gen` for a recording, up to MJCF, USD and the bank, without the report's images.
 _STAGES = ("graph", "cousins", "scenes", "bank")
 _OPTIONS = GenerationOptions(cousins=5, pictures=False)
 

@@ -16,13 +16,13 @@ IOU = 0.25
 SEEN_SHARE = 0.0015
 #: A footprint whose least and greatest bounding rectangle differ by less than this has no heading.
 _ROUND = 1.12
-#: Sides nearer to each other than this do not say which is which.
+#: Sides with a ratio nearer to 1 than this do not distinguish length and width.
 _SQUARE = 1.15
 
 
 @dataclasses.dataclass(frozen=True)
 class Scores:
-    """What one capture scored; the raw numbers, so that captures can be pooled.
+    """Scores of one capture; the raw numbers, so that captures can be pooled.
 
     right: per match, whether the label is right. distance: m. heading: rad of matches that have a heading, modulo half
     a turn. front: whether the heading is within 90° of the true one, with its sign. volume: m^3 differences of small

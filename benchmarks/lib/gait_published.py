@@ -1,7 +1,7 @@
 """The tables of `benchmarks.go2_gait`: a gait's results with its goals, and with published figures.
 
-Others' figures are taken as they stand at their source; none of them comes from a run of this judge. A quantity for
-which no published figure was found is in the first table alone.
+Published figures are copied from their source; none comes from a run of this benchmark. A quantity for which no
+published figure was found is in the first table alone.
 """
 
 import dataclasses
@@ -22,8 +22,8 @@ class Published:
     """A published figure.
 
     Attributes:
-      what: quantity and unit. theirs: as published. whose: robot, engine, device. source: where it stands.
-      ours: the same of what the judge found; None where it was not tried.
+      what: quantity and unit. theirs: as published. whose: robot, engine, device. source: of the figure. ours: this
+        benchmark's result; None where it was not tried.
     """
 
     what: str
@@ -86,13 +86,13 @@ PUBLISHED = (
 
 
 def published_table(found: Found) -> str:
-    """Markdown: what was found beside others' figures."""
+    """Markdown: results with published figures."""
     rows = [(row.what, row.ours(found) or "not tried", row.theirs, row.whose, row.source) for row in PUBLISHED]
     return tables.markdown(("what", "this gait", "others", "whose", "where it stands"), rows)
 
 
 def goals_table(found: Found, at_most: dict[str, float], kerbs: dict[float, float], push: float, ramp: float) -> str:
-    """Markdown: what was found, and the goal where there is one.
+    """Markdown: results, and the goal where there is one.
 
     Args:
       found: of `go2_gait.judge_all`.

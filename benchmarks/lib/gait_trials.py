@@ -42,7 +42,7 @@ SIDE, KERB_SIDE, RAMP_SIDE = 50.0, 16.0, 36.0
 
 @dataclasses.dataclass(frozen=True)
 class Judge:
-    """What all trials share: the robot, the gait, and processes that step it (None: this one)."""
+    """Common data of all trials: the robot, the gait, and processes that step it (None: this one)."""
 
     robot: RobotSpec
     gait: Gait

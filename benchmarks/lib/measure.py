@@ -18,7 +18,7 @@ from urbanverse_mjx.work_folder import work_folder
 
 @dataclasses.dataclass
 class Run:
-    """An environment under measurement and what was compiled for it so far.
+    """An environment under measurement and its compiled functions.
 
     Attributes:
       env, case: of the measurement; batch: its auto-resetting batch.
@@ -46,7 +46,7 @@ def start(env: Any, case: Case) -> Run:
     run = Run(env, case, wrap_for_training(env, env.config.episode_length))
     keys = jax.random.split(jax.random.key(case.seed), case.num_envs)
     run.first = run.compile_("reset", run.batch.reset, keys)(keys)
-    # Forward with a random turn: what an untrained policy does once it moves, so that episodes end by hits, too.
+    # Forward with a random turn: the motion of an untrained policy, so that episodes also end by hits.
     shape = (case.steps, case.num_envs, env.action_size)
     actions = jax.random.uniform(jax.random.key(case.seed + 1), shape, minval=-1.0, maxval=1.0)
     run.actions = actions.at[..., 0].set(0.5 + 0.5 * actions[..., 0])
@@ -109,7 +109,7 @@ def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
 
 
 def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
-    """Seconds of a step and of what it is made of, each run alone over the same states, by turns."""
+    """Seconds of a step and of its parts, each run alone over the same states, by turns."""
     env, steps = run.env, run.case.steps
     ctrl = jax.vmap(jax.vmap(lambda waypoint: command(env, waypoint)))(run.actions[..., :2])
     keys = jax.random.split(jax.random.key(run.case.seed + 2), (steps, run.case.num_envs))
@@ -137,7 +137,7 @@ def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
 
 
 def refit(run: Run) -> dict[str, Any]:
-    """What a frame costs before its pixels: a renderer of one pixel places objects and refits the search trees
+    """The cost of a frame without its pixels: a renderer of one pixel places objects and refits the search trees
     alike."""
     from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
@@ -150,7 +150,7 @@ def refit(run: Run) -> dict[str, Any]:
 
 
 def active(run: Run) -> dict[str, Any]:
-    """Physics alone with robots driven into what stands nearest, and the same robot without hull slots."""
+    """Physics alone with robots driven into the nearest object, and the same robot without hull slots."""
     env, steps, num_envs = run.env, run.case.steps, run.case.num_envs
     config, robot = env.config, env.robot
     poses = placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)

@@ -1,6 +1,6 @@
 """mujoco-warp-pbr as it comes: its own kernel over MuJoCo Warp's data and trees, one tree per world.
 
-What `shading="pbr"` of our renderer shows is held against it by tests, and its speed by benchmarks.render.
+Tests compare the images of our renderer with `shading="pbr"` with it, and benchmarks.render its speed.
 """
 
 import copy
@@ -26,7 +26,7 @@ from urbanverse_mjx.simulation.warp_engine.mujoco_warp_private import (
 
 
 def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
-    """Moves what the renderer needs of every scene to the current Warp device, as `SceneTables`.
+    """Moves the renderer's data of every scene to the current Warp device, as `SceneTables`.
 
     Args:
       sky: whether skies are drawn.

@@ -1,4 +1,4 @@
-"""Warp kernels that fill a render context from the scene tables and unpack what it drew."""
+"""Warp kernels that fill a render context from the scene tables and unpack its image."""
 
 # Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
@@ -49,7 +49,7 @@ class RobotTables:
 
 @wp.struct
 class Worlds:
-    """What a render context reads, per world and geom or per world and light."""
+    """Inputs of a render context, per world and geom or per world and light."""
 
     geom_xpos: wp.array2d[wp.vec3]
     geom_xmat: wp.array2d[wp.mat33]

@@ -50,7 +50,7 @@ def crowded_poses(bank: SceneBank, robot: RobotSpec, count: int, control_dt: flo
       ValidationError: the bank holds no hull within reach of any place.
     """
     reach = robot.circumradius + robot.max_speed * control_dt
-    # Hulls are judged at half the robot's height, where its body would meet them.
+    # Hulls are tested at half the robot's height, where its body would meet them.
     lift = np.array([0.0, 0.0, 0.5 * robot.planner_height], np.float32)
     found = []
     for scene in range(bank.num_scenes):

@@ -1,4 +1,4 @@
-"""What the benchmark scripts share: `urbanverse benchmark` with the name already said."""
+"""Common part of the benchmark scripts: `urbanverse benchmark` with a given name."""
 
 import os
 import pathlib

@@ -24,7 +24,7 @@ SCHEMA = "urbanverse.throughput_baseline/1"
 #: A rate this much below the baseline's counts as slower. Repeats on an idle machine spread by 2-5 %, and machines of
 #: one kind differ by about as much again.
 TOLERANCE = 0.15
-#: What of a row is compared, where it is there; all are rates.
+#: Fields of a row that are compared, if present; all are rates.
 RATES = (
     "env_steps_per_s",
     "parts.physics_steps_per_s",
@@ -33,7 +33,7 @@ RATES = (
     "learn.env_steps_per_s",
     "physics_active.physics_steps_per_s",
 )
-#: What tells two rows apart, beside the bank.
+#: Fields that identify a row, in addition to the bank.
 _IDENTITY = (
     "env",
     "preset",
@@ -72,7 +72,7 @@ def machine() -> dict[str, Any]:
 
 
 def bank_hash(bank: SceneBank) -> str:
-    """16 hexadecimal digits over what the bank's scenes were made of; the same file always gives the same."""
+    """Hash (16 hexadecimal digits) of the inputs of the bank's scenes; the same file always gives the same."""
     hashes = bank.meta.get("hashes", {})
     hulls = [int(n) for n in (bank.inst_hull >= 0).sum(1)]
     return content_hash({"scenes": {s: hashes.get(s, "") for s in bank.scene_ids}, "hulls": hulls})[:16]
@@ -84,7 +84,7 @@ def planned(case: Any) -> dict[str, Any]:
 
 
 def describe(env: Any, case: Any) -> dict[str, Any]:
-    """What was measured, on what."""
+    """The measurement, machine and versions."""
     view, bank = env.config.vision_config, env.bank
     hulls, objects = (bank.inst_hull >= 0).sum(1), (bank.slot_mesh >= 0).sum(1)
     seen = {name: view[name] for name in ("shading", "shadows", "sky") if name in view}
@@ -126,7 +126,7 @@ def look_up(row: Mapping[str, Any], name: str) -> Any:
 
 
 def markdown(rows: Sequence[Mapping[str, Any]]) -> str:
-    """All rows as a table: what was measured, its rates, and where a step's time goes."""
+    """All rows as a table: the configuration, its rates, and the parts of a step's time."""
     columns = {
         "what": lambda r: r.get("rival") or f"urbanverse {r['impl']}",
         "scenes": lambda r: r.get("scenes"),
@@ -167,7 +167,7 @@ def proof_sheet(frames: np.ndarray, path: pathlib.Path) -> None:
 
 
 def identity(row: Mapping[str, Any]) -> str:
-    """What was measured, as text: rows of equal identity can be compared."""
+    """The configuration as text: rows of equal identity can be compared."""
     return json.dumps({name: row[name] for name in (*_IDENTITY, "bank") if row.get(name) is not None}, sort_keys=True)
 
 
@@ -221,7 +221,7 @@ def compare(rows: Sequence[Mapping[str, Any]], path: pathlib.Path, tolerance: fl
     found = []
     for row in rows:
         for rate, before in known.get(identity(row), {}).items():
-            # What the baseline could do and this run could not is slower than anything.
+            # A row that only the baseline has counts as slower than any rate.
             now = look_up(row, rate) or 0.0
             ratio = now / before
             what = row.get("rival") or identity(row)

@@ -1,13 +1,13 @@
-"""One scene of a bank with the robot in it as a stock MuJoCo model: what a user without this package would load."""
+"""One scene of a bank with the robot in it as a stock MuJoCo model, as a user without this package would load it."""
 
 import mujoco
 import numpy as np
 
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 
-#: Names and groups as in a compiled scene's MJCF: what is seen, and what is hit.
+#: Names and groups as in a compiled scene's MJCF: visual meshes and collision hulls.
 ROBOT, SEEN, HIT = "robot/", 2, 3
-#: What draws a frame as the scene's own MJCF does, m: far houses are seen, near wheels are not cut.
+#: Camera planes as in the scene's own MJCF, m: far houses are seen, near wheels are not cut.
 _NEAR, _FAR = 0.02, 300.0
 
 

@@ -116,7 +116,7 @@ _LEAVES = {"kerb": KERBSIDE, "wall": WALLSIDE, "walk": WALKING, "road": VEHICLES
 
 @dataclasses.dataclass(frozen=True)
 class Stock:
-    """What a street is filled with.
+    """Objects of a street.
 
     houses: leaves of the fronts; leaves: of the objects, by band; variants: records of a leaf that are used;
     skies: that may be drawn, none for all.
@@ -209,8 +209,7 @@ def make_layout(
     """Layout `number` of a seed with between objects[0] and objects[1] objects, house fronts included.
 
     Args:
-      stock: what it is filled with; default: what the frozen benchmark banks hold.
-      ground: what it stands on; default: one of `SECTIONS`.
+      stock: its objects; default: those of the frozen benchmark banks. ground: its section; default: one of `SECTIONS`.
 
     Raises:
       ValidationError: so many do not fit, or fewer are wanted than there are house fronts.
@@ -333,7 +332,8 @@ def _facing(band: str, side: int, rng: np.random.Generator) -> float:
 
 
 def _footprint(record: AssetRecord, yaw: float) -> tuple[float, float, tuple[float, float]]:
-    """Half sizes (m) along x and y of what an object takes at walking height, and that place seen from its origin."""
+    """Half sizes (m) along x and y of an object's footprint at walking height, and its centre relative to the
+    origin."""
     along, across, _ = record.extent_xyz
     stem = catalogue.STEMS.get(record.leaf)
     ahead = 0.0

@@ -49,7 +49,7 @@ def compile_(function: Callable[..., Any], *arguments: Any) -> Compiled:
 
 
 def first_call(call: Callable[..., Any], *arguments: Any) -> tuple[Any, float]:
-    """What a call returns, and the seconds of it: the first one may still load or compile Warp's kernels."""
+    """The result of a call, and its seconds: the first one may still load or compile Warp's kernels."""
     start = time.perf_counter()
     out = jax.block_until_ready(call(*arguments))
     return out, time.perf_counter() - start

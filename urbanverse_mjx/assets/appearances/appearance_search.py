@@ -308,7 +308,7 @@ def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
 
 
 def sky_crop_descriptor(crop: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
-    """`sky_descriptor` of the pixels of an image (H, W, 3) uint8 that a mask (H, W) holds: what is seen between roofs.
+    """`sky_descriptor` of the pixels of an image (H, W, 3) uint8 in a mask (H, W): the sky between roofs.
 
     Of the rows that the mask touches the upper half counts, as the paper takes the upper half of frames: at a street's
     end the sky reaches down into haze and far land.
