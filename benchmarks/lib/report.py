@@ -221,7 +221,7 @@ def compare(rows: Sequence[Mapping[str, Any]], path: pathlib.Path, tolerance: fl
     found = []
     for row in rows:
         for rate, before in known.get(identity(row), {}).items():
-            # A row that only the baseline has counts as slower than any rate.
+            # A rate that only the baseline has counts as 0.
             now = look_up(row, rate) or 0.0
             ratio = now / before
             what = row.get("rival") or identity(row)

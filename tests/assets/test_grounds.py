@@ -1,5 +1,4 @@
-"""The 288 ground materials: they tile, their joints have the right metric positions, and their frictions are in
-order."""
+"""The 288 ground materials: they tile, joints have their metric positions, frictions are ordered."""
 
 import hashlib
 

@@ -92,7 +92,7 @@ def test_a_policy_that_succeeds_in_every_second_scene_is_not_known_well() -> Non
     assert s["SR"] == {"mean": 50.0, "low": 0.0, "high": 100.0}
     assert (s["n"], s["scenes"]) == (100, 2)
     assert summarise(good)["SR"] == {"mean": 100.0, "low": None, "high": None}, "one scene tells nothing of others"
-    # Without a failed episode no draw has one, so the interval of independent episodes remains.
+    # Without a success no draw has one, so the interval of independent episodes remains.
     none = summarise([_result(scene=x, result="timeout") for x in "abcdefgh" for _ in range(10)])["SR"]
     assert none == {"mean": 0.0, "low": 0.0, "high": round(100 * wilson_interval(0, 80)[1], 1)}
 
