@@ -1,11 +1,11 @@
-"""How straight the borders of distilled ground are, and how near the truth: committed graphs, before and after.
+"""How straight the borders of distilled ground are, and how near the filmed block: committed graphs, before and after.
 
     python -m benchmarks.ground_borders [--set autobench] [--only Kyoto] [--graphs DIR] [--pictures DIR]
 
 The ground of every committed graph is drawn on cells again and goes through `distillation.ground.regions`, as a new
 recording's does; what stands at most `HIDES` m away counts as hidden, because a graph does not say what was seen. With
 --graphs, graphs of `benchmarks.library_captures` (DIR/<set>/<layout>/graph.json.gz) are measured instead, beside the
-committed ones. The truth is the block that was filmed. Ground under houses counts for neither.
+committed ones. The reference is the filmed block. Ground under houses counts for neither.
 
 Columns: regions, corners, prisms; holes (m^2); kerbs of 15 m and more: metres off the line that fits them best (95 %),
 share within 5 cm of it, and the distance of that line from the true kerb; intersection over union for each kind.
@@ -48,7 +48,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--set", choices=sorted(city_blocks.PROFILES), default="urbanverse160")
     parser.add_argument("--only", default="", help="layouts with this in their id")
     parser.add_argument("--graphs", type=pathlib.Path, help="measure these instead of cleaning the committed ones")
-    parser.add_argument("--pictures", type=pathlib.Path, help="folder for PNGs: truth, before, after")
+    parser.add_argument("--pictures", type=pathlib.Path, help="folder for PNGs: reference, before, after")
     arguments = parser.parse_args(argv)
     layouts = {n: p for n, p in city_blocks.layouts(arguments.set).items() if arguments.only in n}
     if arguments.graphs:
@@ -125,10 +125,10 @@ def _cells(regions: tuple[GroundRegion, ...], hidden: BaseGeometry) -> ground.Gr
 def measure(graph: SceneGraph, true: SceneGraph, priors: LabelPriors) -> dict[str, float]:
     """One row of the table."""
     solid = [r for r in graph.ground if r.kind not in PAINT_KINDS]
-    found, truth = _by_kind(graph), _by_kind(true)
+    found, reference = _by_kind(graph), _by_kind(true)
     whole = shapely.union_all(list(found.values())).buffer(0.03, join_style="mitre").buffer(-0.03, join_style="mitre")
     holes = [shapely.Polygon(ring) for part in shapely.get_parts(whole) for ring in part.interiors]
-    off, shift = _straightness(found, truth)
+    off, shift = _straightness(found, reference)
     below = shapely.union_all(_houses(true, priors)).buffer(-UNDER)
     row = {
         "regions": float(len(solid)),
@@ -140,7 +140,7 @@ def measure(graph: SceneGraph, true: SceneGraph, priors: LabelPriors) -> dict[st
         "shift": shift,
     }
     for kind in KINDS:
-        a, b = (shapely.difference(x[kind], below, grid_size=1e-3) for x in (found, truth))
+        a, b = (shapely.difference(x[kind], below, grid_size=1e-3) for x in (found, reference))
         union = a.union(b, grid_size=1e-3).area
         row[f"IoU {kind}"] = a.intersection(b, grid_size=1e-3).area / union if union else np.nan
     return row
@@ -158,12 +158,12 @@ def _kerb(kinds: dict[str, BaseGeometry]) -> BaseGeometry:
     return kinds["road"].boundary.intersection(shapely.union_all([kinds["sidewalk"], kinds["ground"]]).buffer(0.05))
 
 
-def _straightness(found: dict[str, BaseGeometry], truth: dict[str, BaseGeometry]) -> tuple[np.ndarray, float]:
-    """m: how far points of found kerbs lie from the line along each long true kerb, and that line from the truth."""
+def _straightness(found: dict[str, BaseGeometry], reference: dict[str, BaseGeometry]) -> tuple[np.ndarray, float]:
+    """m: how far points of found kerbs lie from the line along each long true kerb, and that line from the true one."""
     parts = [p for p in shapely.get_parts(_kerb(found)) if p.length > 0.1]
     points = np.concatenate([shapely.get_coordinates(p.segmentize(0.05)) for p in parts])
     off, shifts = [], []
-    for part in shapely.get_parts(shapely.line_merge(_kerb(truth))):
+    for part in shapely.get_parts(shapely.line_merge(_kerb(reference))):
         corners = shapely.get_coordinates(part.simplify(0.02))
         for a, b in itertools.pairwise(corners):
             length = float(np.linalg.norm(b - a))
