@@ -146,7 +146,7 @@ def user_bank_path(
     The name begins with another word than that of the shipped scenes: it never takes their place.
 
     Raises:
-      ValidationError: a graph that is no file, or no asset index.
+      ValidationError: a graph that is not a file, or no asset index.
     """
     for path in graphs:
         if not path.is_file():

@@ -109,7 +109,7 @@ CODE: Mapping[str, Code] = {
         ),
         ("cousins", "rendering"),
     ),
-    # The stages of a run; what each calls has a number of its own.
+    # The stages of a run; the code that each calls has numbers of its own.
     "generation": Code(2, ("pipeline.generation.stages",), ("bank", "distillation", "perception", "report")),
     # The scenes of the library.
     "library": Code(1, ("pipeline.library.building",), ("bank",)),

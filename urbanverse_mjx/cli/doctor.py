@@ -1,4 +1,4 @@
-"""`urbanverse doctor`: what this machine has, and the command that fixes what is missing.
+"""`urbanverse doctor`: the state of this machine, and commands that fix missing parts.
 
 Every check runs in a process of its own, so that a package that crashes, hangs or gives wrong information about itself
 affects one line of the table only. Exit status 0 if all requirements of `make train` are met, 1 otherwise.

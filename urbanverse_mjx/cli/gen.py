@@ -80,7 +80,7 @@ class ImportArgs:
 class BatchArgs:
     """Make cousins of many sources; a source that fails never stops the rest; prints one JSON line.
 
-    Exit status 1 where any source failed for good.
+    Exit status 1 where any source failed finally.
     """
 
     sources: Annotated[pathlib.Path, tyro.conf.Positional]

@@ -30,7 +30,7 @@ POOL = 2
 REACH = {"foot": 3.0, "road": 6.0}
 #: m, unit of the stored distances; 255 units mean no flat.
 UNIT = 0.025
-#: m, what may stick out of a flat: the steps of a slanted wall drawn in cells.
+#: m, largest protrusion from a flat: the steps of a slanted wall drawn in cells.
 _MAX_PROTRUSION = 0.05
 _DIRECTIONS = 256
 #: Cells worked on at a time.

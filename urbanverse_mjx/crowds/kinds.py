@@ -25,8 +25,8 @@ class AgentKind:
       speed: m/s, mean of the preferred speed over people; spread: m/s, its standard deviation.
       speed_limit: m/s, never exceeded; headroom: how much faster than preferred one may go to let others pass.
       acceleration, braking: m/s².
-      wheeled: moves along its heading only; what does not goes any way at once, as far as acceleration and braking
-        allow. The rest concerns wheeled kinds:
+      wheeled: moves along its heading only; others move in any direction, as far as acceleration and braking allow. The
+        rest concerns wheeled kinds:
       turn_radius: m, least radius of its path; pivot: rad/s, how fast it turns on the spot; turn_rate: rad/s, largest;
       lateral: m/s², largest in a curve.
       horizon: s, how far ahead it avoids others; wall_horizon: s, the same for what stands still.
@@ -108,7 +108,7 @@ WHEELCHAIR = AgentKind(
     "wheelchair",
     "foot",
     # ISO 7193: an occupied wheelchair takes at most 0.70 m x 1.20 m; a disc of that area has a radius of 0.52 m, and as
-    # one turned with its way takes less across, 0.46 m. It turns on the spot: it may go any way.
+    # one turned with its way takes less across, 0.46 m. It turns on the spot, so it may move in any direction.
     radius=0.46,
     half_length=0.0,
     margin=0.08,

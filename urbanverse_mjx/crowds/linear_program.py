@@ -8,9 +8,9 @@ When: every crowd step, inside jit.
 The method is the published one (van den Berg, Guy, Lin and Manocha, "Reciprocal n-body collision avoidance", 2011,
 sections 5.2 and 5.3): half-planes are added one after the other, and where the optimum so far violates the next one,
 the new optimum lies on its line. In this form it is a loop of branches. It can be vectorised because the optimum *on* a
-line, under the lines before it, depends on no earlier result: all of them are computed side by side, and what is left
-of the loop is one select a line. The same holds for the three-dimensional program of crowded places, where "the lines
-before" are the bisectors between two violations.
+line, under the lines before it, depends on no earlier result: all of them are computed in parallel, and one select a
+line remains of the loop. The same holds for the three-dimensional program of crowded places, where "the lines before"
+are the bisectors between two violations.
 
 Arrays have the line as their first axis and agents behind it, so that neighbouring agents lie side by side in memory.
 """
@@ -115,8 +115,8 @@ def nearest_permitted(lines: HalfPlanes, limit: Any, preferred_x: Any, preferred
       preferred_x, preferred_y: (...) m/s.
 
     Returns:
-      (...) x and y m/s, and i32: the first line that excludes what those before it permit, N where none does. Then
-      x and y are the optimum under the lines before.
+      (...) x and y m/s, and i32: the first line that makes the program infeasible, N where none does. Then x and y are
+      the optimum under the lines before.
     """
     speed = jnp.sqrt(preferred_x * preferred_x + preferred_y * preferred_y)
     scale = jnp.minimum(1.0, limit / jnp.maximum(speed, 1e-9))

@@ -27,7 +27,7 @@ from .linear_program import HalfPlanes
 
 @dataclasses.dataclass(frozen=True)
 class MotionOptions:
-    """Which controls of a vehicle are tried, and what each costs; chosen manually.
+    """Sampled controls of a vehicle, and their costs; chosen manually.
 
     One m/s off the preferred velocity costs at most twice the speed (17 m²/s² for a car), so that violations come
     first: walls, then others, then the preferred velocity.
@@ -62,7 +62,7 @@ _OPTIONS = MotionOptions()
 def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPlanes, dt: float) -> tuple[Any, Any]:
     """Velocities of walkers after one step, m/s: towards the chosen ones, as fast as legs allow.
 
-    Where keeping to that would run into a wall within two steps, it is given up: one stops against a wall.
+    Where keeping to that would run into a wall within two steps, it does not apply: walkers stop at a wall.
 
     Args:
       chosen: (A, E) m/s. bodies, traits: (A, E). walls: (M, A, E), which `chosen` keeps. dt: s.

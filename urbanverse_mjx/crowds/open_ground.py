@@ -4,9 +4,9 @@ In:   `FreeSpace` of each scene, or their maps.
 Out:  `OpenGround`, a table on the device; `is_open` looks it up.
 When: the table once per scene; the look-up every step, inside jit.
 
-Flats (`flats`) are a convex piece of the free space and leave out what does not fit in it; this is the map itself, one
-bit a cell: a table that a jitted function closes over is written into its program, and 160 streets of 200 m at a byte
-per 5 cm are more than a compiler takes in well.
+Flats (`flats`) are a convex piece of the free space and leave out the rest of it; this is the map itself, one bit a
+cell: a table that a jitted function closes over is written into its program, and 160 streets of 200 m at a byte per 5
+cm are more than a compiler takes in well.
 """
 
 from collections.abc import Sequence

@@ -128,7 +128,7 @@ def _of(hint: Any) -> dict[str, Any]:
     if dataclasses.is_dataclass(hint):
         return _object(typing.cast("type", hint))
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
-    if origin is types.UnionType:  # what may be None is left out of the file
+    if origin is types.UnionType:  # fields that may be None are left out of the file
         return _of(next(part for part in inner if part is not type(None)))
     if origin is dict:
         return {"type": "object", "additionalProperties": _of(inner[1])}

@@ -11,7 +11,7 @@ def package(name: str, where: str, extra: str, instead: str = "") -> Any:
     """Imports a package that an extra of ours installs.
 
     Args:
-      where: what asks for it. instead: what else to do.
+      where: the requesting option. instead: the alternative.
 
     Raises:
       ValidationError: it or a package that it needs is not installed, or cannot be imported.

@@ -1,6 +1,6 @@
 """`SimState` and the interfaces of engines and renderers. Arrays are per env; both work alone and under `jax.vmap`.
 
-The shapes are for type checkers and readers: what makes scenes imports this module and loads no JAX.
+The shapes are for type checkers and readers: modules that make scenes import this one without loading JAX.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ class Contacts(NamedTuple):
     """Contacts during the last control step.
 
     Attributes:
-      hit: () bool, any robot geom touched an object or an agent, or a geom that is no foot touched the ground.
+      hit: () bool, any robot geom touched an object or an agent, or a geom other than a foot touched the ground.
       hit_object: () i32, the object (visual slot) of the strongest touch, -1 = none, the ground or an agent.
-      hit_ground: () bool, a geom that is no foot touched the ground.
+      hit_ground: () bool, a geom other than a foot touched the ground.
       hit_force: () f32 N, largest normal force of such a touch over the physics steps.
       hit_fraction: () f32, share of the physics steps with such a touch.
       foot_force: (F,) f32 N, normal force on each of the robot's `foot_geoms`, the mean over the physics steps.
@@ -92,8 +92,8 @@ class SimState(NamedTuple):
         a hull that may have touched and found no place among the contacts.
       carry: further state of the engine, such as the solver's warm start.
       friction_scale: () f32, factor on the friction of every contact of the robot; 1 in a new state.
-      mass_scale: () f32, factor on mass and inertia of every body of the robot; 1 in a new state. How softly contacts
-        and joint limits give way stays that of the robot as it is described.
+      mass_scale: () f32, factor on mass and inertia of every body of the robot; 1 in a new state. The softness of
+        contacts and joint limits stays that of the robot's description.
       bodies: see `Bodies`; None where the engine has none.
     """
 

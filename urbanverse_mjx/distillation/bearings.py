@@ -106,8 +106,8 @@ def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: D
     """(m, 4, 4) adjusted poses, or None where the views agree with these as well.
 
     Args:
-      views: of the trajectory. object: (n,) what each view shows.
-      poses: (m, 4, 4) T_world_camera. depth: each frame's scale, and the noise that remains.
+      views: of the trajectory. object: (n,) of each view. poses: (m, 4, 4) T_world_camera. depth: each frame's scale,
+        and the noise that remains.
     """
     problem = _whole_objects(views, object_of_view, poses, depth, _OPTIONS.min_views)
     if problem is None:

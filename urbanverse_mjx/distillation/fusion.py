@@ -1,6 +1,6 @@
 """Associates views of the same object: frame by frame with a map of earlier objects, then a pass over the map.
 
-The cost of a frame depends on what is near it, not on how many frames came before.
+The cost of a frame depends on the objects near it, not on the number of earlier frames.
 """
 
 import dataclasses

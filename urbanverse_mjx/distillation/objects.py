@@ -1,4 +1,4 @@
-"""From views to objects: what each is called, how sure it is, and the box around it."""
+"""From views to objects: label, confidence and box of each."""
 
 import dataclasses
 from collections.abc import Callable
@@ -60,7 +60,7 @@ class Fused:
 
     Attributes:
       camera: of every frame.
-      views: the views; object_of_view (n,) i32, what each shows; alike (L, L), similarity of their labels.
+      views: the views; object_of_view (n,) i32, object of each; alike (L, L), similarity of their labels.
       coarse: (m, H / COARSE, W / COARSE) m, depth of the frames.
       placed, seen: where the views are in the world, and from above.
       poses: (m, 4, 4) T_world_camera; depth: each frame's scale and the noise that remains.

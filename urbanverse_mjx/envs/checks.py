@@ -1,4 +1,4 @@
-"""`check_env`: what every environment of this package promises, as a program that users can run on theirs."""
+"""`check_env`: the contract of this package's environments, as checks that users can run on their own."""
 
 import dataclasses
 from typing import Any

@@ -21,7 +21,7 @@ def is_sound(tree: Any) -> Bool[Array, ""]:
 
 
 def repaired[T](tree: T) -> tuple[T, Bool[Array, ""]]:
-    """A pytree with 0 for every float that is no number or too large, and whether there was none: `is_sound`."""
+    """A pytree with 0 for every float that is NaN or too large, and whether there was none: `is_sound`."""
 
     def repair(leaf: Any) -> Any:
         return jnp.where(jnp.abs(leaf) <= LARGEST, leaf, 0.0).astype(leaf.dtype) if _is_float(leaf) else leaf

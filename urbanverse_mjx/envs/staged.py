@@ -1,4 +1,4 @@
-"""`StagedBase`: what every environment of stages has alike, from its config and its stages."""
+"""`StagedBase`: the common part of staged environments, derived from config and stages."""
 
 import abc
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ class StagedBase[C](ModelNames, abc.ABC):
 
     bank: SceneBank
     _config: ConfigDict
-    #: How many objects may stand elsewhere than in the bank, see `Bodies`.
+    #: Largest number of objects moved from their places in the bank, see `Bodies`.
     num_bodies: int = 0
     _state_renderers: dict[tuple[int, int, str | None], StateRenderer]
 
@@ -178,6 +178,6 @@ class StagedBase[C](ModelNames, abc.ABC):
 
 
 def observed_size(env: StagedEnv[Any]) -> dict[str, tuple[int, ...]]:
-    """Shapes of what `observe` gives, by name: what our own trainers see."""
+    """Shapes of the outputs of `observe`, by name, for our own trainers."""
     shapes = jax.eval_shape(lambda key: env.observe(env.begin(key)), jax.random.key(0))
     return {name: tuple(x.shape) for name, x in shapes.items()}

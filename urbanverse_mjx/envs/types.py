@@ -130,8 +130,8 @@ class Carried:
         return np.zeros((*self.sim.xpos.shape[:-1], 6), np.float32)
 
     def replace(self, **changes: Any) -> Any:
-        """A copy with some fields changed, of its own or of `sim` (qpos, qvel, xpos, xquat). As in MJX, what follows
-        from a new `qpos` is computed by the next step."""
+        """A copy with some fields changed, of its own or of `sim` (qpos, qvel, xpos, xquat). As in MJX, the next step
+        computes the quantities that follow from a new `qpos`."""
         inner = {name: changes.pop(name) for name in list(changes) if name not in self._fields}
         if inner:
             changes["sim"] = changes.get("sim", self.sim)._replace(**inner)

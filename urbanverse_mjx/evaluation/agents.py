@@ -1,4 +1,4 @@
-"""Agents to compare with, and what else may drive: each gives an action (2,) in [-1, 1] for one env."""
+"""Baseline agents and the interfaces of agents: each gives an action (2,) in [-1, 1] for one env."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable

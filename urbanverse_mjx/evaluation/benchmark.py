@@ -138,7 +138,7 @@ def _with_interval(table: Mapping[str, Any], name: str) -> str:
 
 
 def write_outcome(folder: pathlib.Path, title: str, runs: Runs, outcome: Outcome, record: dict[str, Any]) -> Table:
-    """Writes report.json, episodes.csv and scenes.csv of one policy and one way of judging contact.
+    """Writes report.json, episodes.csv and scenes.csv of one policy and one contact rule.
 
     Returns:
       the summary.

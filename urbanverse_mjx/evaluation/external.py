@@ -24,7 +24,7 @@ SENSED = (IMAGE, "goal")
 
 @dataclasses.dataclass(frozen=True)
 class ExternalPolicy:
-    """A policy that lives outside JAX; a `BatchAgent` that hands over the declared observations and no others.
+    """A policy outside JAX: a `BatchAgent` that passes on the declared observations only.
 
     Attributes:
       agent: observations of n envs -> actions (n, 2).

@@ -37,8 +37,7 @@ class Walk:
       torque: (N, T) largest share of a motor's torque limit. speed: (N, T) largest share of its speed limit.
       beyond: (N, T) rad, farthest that a joint is beyond its range.
       slip: (N, T) m/s, mean speed over ground of the feet that stand; NaN where none does.
-      touch: (N, T) bool, something that is no foot touched.
-      fell: (N,) bool.
+      touch: (N, T) bool, contact of a part other than a foot. fell: (N,) bool.
     """
 
     command: np.ndarray

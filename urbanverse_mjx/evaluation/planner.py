@@ -267,7 +267,7 @@ class Planner:
         shy = dt / self._slower * driving * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
         touched = driving * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
         here = _field_at(route, pose, 0.0) - _OPTIONS.goal_distance
-        # The episode ends where the goal is reached: what would come then does not count.
+        # The episode ends where the goal is reached: later costs do not count.
         driving = driving * (here > 0.0)
         left = driving * (0.5 * (here + _field_at(route, pose, _OPTIONS.nose) - _OPTIONS.goal_distance) + _OPTIONS.nose)
         mean = ahead.mean + left * dt / self._steps.sum()

@@ -150,7 +150,7 @@ class Rollout:
         episodes: EpisodeSet,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> tuple[list[EpisodeResult], Trajectory]:
-        """Every episode once by an agent that lives outside JAX and is asked for all of them at once, step by step.
+        """Every episode once by an agent outside JAX, which is called for all of them together at each step.
 
         Raises:
           ValidationError: it answers with something else than a finite (n, 2).

@@ -53,7 +53,7 @@ class RouteFields:
 
     Attributes:
       origin: (n, 2) f32 m, centre of the first node of each window.
-      cost: (n, X, Y) f32, cost-metres to the goal; large where there is no way. Nodes are `NODE` apart.
+      cost: (n, X, Y) f32, cost-metres to the goal; large where there is no path. Nodes are `NODE` apart.
     """
 
     origin: np.ndarray

@@ -1,4 +1,4 @@
-"""Polygons on the ground plane. For what makes scenes: it needs shapely and scikit-image."""
+"""Polygons on the ground plane, for modules that make scenes: it needs shapely and scikit-image."""
 
 import numpy as np
 import shapely

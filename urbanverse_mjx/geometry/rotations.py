@@ -1,6 +1,6 @@
 """Rotations as unit quaternions (wxyz) and as matrices, of numpy and of JAX arrays alike.
 
-Each function takes the library from its argument, so that what makes scenes loads no JAX.
+Each function takes the library from its argument, so that modules that make scenes load no JAX.
 """
 
 from typing import Any

@@ -137,7 +137,7 @@ def _materialise(
     objects: ObjectLibrary | None,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> list[Cousin]:
-    """Cousins by their numbers; what does not depend on the cousin is done once."""
+    """Cousins by their numbers; steps that do not depend on the cousin are done once."""
     count = numbers[-1] + 1
     v.integer(seed, "seed", 0)
     v.number(kerb, "kerb", 0.0, 1.0)

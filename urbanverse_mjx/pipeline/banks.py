@@ -75,7 +75,7 @@ def ensure_default_bank(quiet: bool = False) -> SceneBank:
     """The bank that environments load; the shipped streets' is built into the cache where it is missing or wrong.
 
     Raises:
-      ValidationError: `URBANVERSE_BANK` names a file that is no bank.
+      ValidationError: `URBANVERSE_BANK` names a file that is not a bank.
     """
     chosen = settings.chosen_bank_path()
     if chosen is not None:

@@ -39,7 +39,7 @@ def draw_gallery(
       quiet: draw no progress bar on standard error.
 
     Raises:
-      ValidationError: no compiled scene in a folder, or a file that is no report.
+      ValidationError: no compiled scene in a folder, or a file that is not a report.
     """
     from rich.console import Console
     from rich.progress import track

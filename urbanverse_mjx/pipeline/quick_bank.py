@@ -21,7 +21,7 @@ def ensure_quick_bank(quiet: bool = False) -> SceneBank:
     procedural ones.
 
     Raises:
-      ValidationError: `URBANVERSE_BANK` names a file that is no bank.
+      ValidationError: `URBANVERSE_BANK` names a file that is not a bank.
     """
     if settings.chosen_bank_path() is not None:
         return banks.ensure_default_bank(quiet)

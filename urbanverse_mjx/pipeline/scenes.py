@@ -71,8 +71,8 @@ def compile_layout(
 
     Args:
       layout: of the scene. index: holds its assets. out: folder to write or to replace.
-      rules: of the episodes. freeze_unstable: whether what does not stay for two seconds of C MuJoCo is fixed.
-      place: what the scene is after, for its metadata.
+      rules: of the episodes. freeze_unstable: whether objects that do not stay in place for two seconds of C MuJoCo are
+        fixed. place: the scene's model city, for its metadata.
 
     Raises:
       ValidationError: see `scene.compile_scene`.

@@ -50,7 +50,7 @@ class Fit:
 def replace_by_spheres(
     spec: mujoco.MjSpec, model: mujoco.MjModel, feet: Sequence[str], options: FitOptions, where: str
 ) -> tuple[tuple[str, ...], tuple[Fit, ...]]:
-    """Replaces every colliding geom of `spec` that is no sphere.
+    """Replaces every colliding geom of `spec` other than spheres.
 
     A foot on a body that turns about a hinge is a wheel, and becomes one with the same rolling radius; so does a foot
     that is a cylinder or capsule, about its own axis. Other feet keep their lowest height. The shapes no longer

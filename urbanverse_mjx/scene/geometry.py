@@ -1,6 +1,6 @@
 """`SceneGeometry`: one compiled scene as plain arrays, before it is written as MJCF or packed into a bank.
 
-It is what both writers start from, so `scene.xml` and the bank cannot differ. File: `geometry.npz`.
+Both writers start from it, so `scene.xml` and the bank cannot differ. File: `geometry.npz`.
 """
 
 import dataclasses

@@ -1,4 +1,4 @@
-"""Per-scene grids that list what may matter near a place."""
+"""Per-scene grids that list the hulls and prisms near a place."""
 
 import numpy as np
 

@@ -184,7 +184,7 @@ class GoalField:
         self._space = space
         self._search = MCP_Geometric(space.cost, fully_connected=True)
         costs, _ = self._search.find_costs([tuple(int(c) for c in goal)])
-        #: Cost to the goal of every planning cell, inf where there is no way.
+        #: Cost to the goal of every planning cell, inf where there is no path.
         self.cost: np.ndarray = costs * space.pool * space.map.resolution
 
     def paths(self, starts: np.ndarray) -> list[np.ndarray]:

@@ -49,7 +49,7 @@ def let_go(scene: SceneGeometry) -> StabilityTrial:
 
 
 def hanging(scene: SceneGeometry) -> np.ndarray:
-    """(n,) bool: objects whose lowest point is over the ground below, and over the tops of what else stands there."""
+    """(n,) bool: objects whose lowest point is over the ground below, and over the tops of other objects there."""
     rotation = rotations.matrix(scene.object_quaternion)
     low = np.full(len(scene.object_ids), np.inf)
     for hull, obj in zip(scene.inst_hull, scene.inst_object, strict=True):

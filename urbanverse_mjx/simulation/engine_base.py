@@ -31,7 +31,7 @@ class EngineBase:
     """The part of an engine that is independent of the physics backend; for the arguments see the engines.
 
     Raises:
-      ValidationError: a control period that is no multiple of the time step, no slots, or a bank whose grids do not
+      ValidationError: a control period that is not a multiple of the time step, no slots, or a bank whose grids do not
         reach as far as the robot can get in one control step.
     """
 

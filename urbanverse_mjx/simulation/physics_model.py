@@ -170,7 +170,7 @@ def make_physics_model(robot: RobotSpec) -> PhysicsModel:
     """Compiles the robot for the engine.
 
     Raises:
-      ValidationError: a collision geom that is no sphere, no or several free joints, an unknown foot, other options
+      ValidationError: a collision geom other than a sphere, no or several free joints, an unknown foot, other options
         than Euler and pyramidal cones, or a time step that differs from the robot's.
     """
     spec = bare_robot(mujoco.MjSpec.from_string(robot.mjcf))

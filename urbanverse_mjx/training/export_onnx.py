@@ -114,7 +114,7 @@ def _feed_forward(spec: PolicySpec, config: ConfigDict, params: Any, shapes: dic
 
     def act(*values: jax.Array) -> tuple[jax.Array, ...]:
         logits = network.apply(None, params, dict(zip(read, values, strict=True)))
-        # The mode of a normal distribution squashed by tanh; what follows the means are the standard deviations.
+        # The mode of a normal distribution squashed by tanh; the standard deviations follow the means.
         return (jnp.tanh(logits[..., : spec.action_size]),)
 
     return act, {name: shapes[name] for name in read}, {}

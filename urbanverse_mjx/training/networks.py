@@ -63,7 +63,7 @@ def convolution_of(name: str) -> Convolution:
 
 
 class Encoder(nn.Module):
-    """Conv layers with ReLU, flattened (never pooled: where an object stands matters).
+    """Conv layers with ReLU, flattened, without pooling, to keep the positions of objects.
 
     Attributes:
       layers: (depth, kernel, stride) of each layer; kernel is a multiple of stride.

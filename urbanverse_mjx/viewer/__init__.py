@@ -1,4 +1,4 @@
-"""Streets, robots and what drives them in a web page.
+"""Streets, robots and policies in a web page.
 
 In:   a `SceneBank`, a navigation environment and a driver.
 Out:  `Session` (states, no page), meshes as binary glTF, `Page` (viser), recordings as HTML.

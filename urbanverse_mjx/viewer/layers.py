@@ -90,7 +90,7 @@ def touched(bank: SceneBank, scene: int, frame: Frame, robot: int) -> np.ndarray
 
 
 def object_motion(bank: SceneBank, scene: int, frame: Frame, robot: int, slot: int) -> tuple[np.ndarray, np.ndarray]:
-    """(3,) and (3, 3): what takes a point of an object from where the bank has it to where it is now."""
+    """(3,) and (3, 3): transform of a point of an object from its pose in the bank to its present one."""
     where = moved_objects(frame, robot).get(slot)
     if where is None:
         return np.zeros(3), np.eye(3)

@@ -190,7 +190,7 @@ class Stage:
                 node.visible = there
 
     def _place(self, node: Any, position: np.ndarray, quaternion: np.ndarray) -> None:
-        """Moves a node where it stands elsewhere than before: what does not move costs no message."""
+        """Moves a node if its pose has changed; nodes at rest cost no message."""
         pose = (*map(float, position), *map(float, quaternion))
         if self._places.get(node.name) != pose:
             self._places[node.name] = pose

@@ -223,7 +223,7 @@ def ground_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ..
     Each crop becomes 32 x 32 pixels, then 4 x 4 cells: 48 mean colours, and 16 times the standard deviation of the
     cell's luminance (doubled, at most 255), which measures the visible roughness independently of where the joints lie.
     Several crops are averaged: the errors |a - t|^2 of several crops a against one thumbnail t are that of their mean
-    plus what does not depend on t.
+    plus a term that does not depend on t.
     """
     cells = np.mean([_cells(crop) for crop in _checked(crops)], axis=0)
     return tuple(int(x) for x in np.round(np.clip(cells, 0.0, 255.0)))

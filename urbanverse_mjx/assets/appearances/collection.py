@@ -1,4 +1,4 @@
-"""One way to search anything that has a uid, a description and named values: skies, roads, sidewalks.
+"""Search over records with a uid, a description and named values: skies, roads, sidewalks.
 
 The names are the official toolkit's (`get_uids_all`, `categories`, `get_uids_conditioned`, `load_annotations`,
 `load_thumbnails`, `explain_annotation` ...): filters are joined by AND, the entries of one list by OR.

@@ -40,7 +40,7 @@ def thumbnail(record: AssetRecord) -> np.ndarray:
 def path_of(record: AssetRecord, mesh: AssetMesh) -> pathlib.Path:
     """The file of a record's image."""
     digest = hashlib.sha256(np.round(mesh.vertices, 3).tobytes() + mesh.faces.tobytes() + mesh.texture.tobytes())
-    # The mesh is here: the number of the drawing counts, not those of what makes meshes.
+    # The mesh exists, so only the version of the drawing counts, not those of the mesh code.
     digest.update(str(versions.CODE["thumbnails"].version).encode())
     return folder() / f"{record.uid.replace('/', '--')}-{digest.hexdigest()[:12]}.png"
 

@@ -49,7 +49,7 @@ class Source:
       names: of its nodes, meshes and materials, outermost first.
       generator, copyright: texts of the file; extras: its `asset.extras`.
       roughness, metallic: of its largest part.
-      notes: what could not be read.
+      notes: parts that could not be read.
     """
 
     parts: tuple[Part, ...]

@@ -76,7 +76,7 @@ def annotate(endpoint: VisionEndpoint, images: Sequence[bytes], name: str) -> tu
 
 
 def post(endpoint: VisionEndpoint, body: dict[str, Any]) -> Any:
-    """The endpoint's answer to a request for a chat completion; what may pass by itself is tried again.
+    """The endpoint's answer to a request for a chat completion; temporary errors are retried.
 
     Raises:
       VisionError: no answer, or none in JSON.

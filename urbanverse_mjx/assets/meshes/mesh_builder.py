@@ -35,7 +35,7 @@ class BuiltAsset:
     Attributes:
       mesh: the painted mesh, footprint centred, bottom at z = 0.
       description: one sentence without its full stop.
-      params: what makes this variant itself, recorded in the index (JSON values).
+      params: of this variant, recorded in the index (JSON values).
       volume: m^3 enclosed by the closed parts (overlaps counted twice).
       mass: kg, or None to take volume times the recipe's bulk density.
       part_faces: number of faces of each part (or solid), in the order of the mesh's faces.

@@ -277,7 +277,7 @@ def split_at_creases(shape: Shape, crease_deg: float | np.ndarray, parts: Sequen
     at_start, at_end = corners.ravel(), np.roll(corners, -1, 1).ravel()
     count = len(shape.vertices)
     forward, backward = start.astype(np.int64) * count + end, end.astype(np.int64) * count + start
-    # Part by part: which of two equal edges is found does not depend on what else the shape holds.
+    # Part by part: the choice between two equal edges does not depend on other parts of the shape.
     ends = np.cumsum(parts if parts is not None else [len(faces)])[:-1] * 3
     blocks = np.split(forward, ends)
     order = np.concatenate([first + np.argsort(b, kind="stable") for first, b in zip([0, *ends], blocks, strict=True)])

@@ -1,4 +1,4 @@
-"""The annotation of a record as the official JSON has it, and what each of its fields means."""
+"""The annotation of a record in the official JSON format, and the meaning of its fields."""
 
 import functools
 import json

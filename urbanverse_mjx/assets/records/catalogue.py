@@ -81,7 +81,7 @@ _KIN = {
     "clay": "terracotta",
     "metal": "steel",
 }
-CLEARANCE_ALIVE = 0.5  # m, what people keep from each other in passing
+CLEARANCE_ALIVE = 0.5  # m, distance between people that pass each other
 
 
 def leaf_counts() -> dict[str, int]:

@@ -51,7 +51,7 @@ class Match:
 
 
 class Matcher:
-    """Matches objects against a library; holds what does not change between them."""
+    """Matches objects against a library; holds the data shared by all matches."""
 
     def __init__(self, objects: ObjectLibrary | None = None, index: AssetIndex | None = None) -> None:
         self._objects = objects or library()

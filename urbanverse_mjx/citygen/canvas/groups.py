@@ -7,7 +7,7 @@ from .canvas import Canvas, Edge
 
 #: m from a table's middle to a chair's.
 SEAT = 0.78
-#: m from a bicycle rail's middle to the middle of a bicycle whose front wheel is in it, and what is kept free between.
+#: m from a bicycle rail's middle to the middle of a bicycle whose front wheel is in it, and the free gap between them.
 RAIL = 1.06
 
 

@@ -1,4 +1,4 @@
-"""Small groups that a hand sets down at once: a laid table, bicycles at their stand, a queue."""
+"""Small groups of objects, placed together: a laid table, bicycles at their stand, a queue."""
 
 import itertools
 import math
@@ -89,7 +89,7 @@ def chain(canvas: Canvas, label: str, points: Sequence[Corner], variant: int = 0
 
     Args:
       stretch: how much longer than the label's size a piece may be made to fill its stretch; 1 keeps the size and
-        shares out what is left over between the pieces.
+        spreads the remaining length between the pieces.
     """
     thick, along, high = canvas.sizes[label][variant]
     for (x0, y0), (x1, y1) in itertools.pairwise(points):

@@ -64,7 +64,7 @@ class Filler:
         return [(float(a), float(b)) for a, b in zip(s, np.interp(s, knots, wanted), strict=True)]
 
     def close_zones(self) -> None:
-        """Fixes what stays free: lanes but for their blocked parts, crosswalks, mouths of side streets."""
+        """Reserves free areas: lanes but for their blocked parts, crosswalks, mouths of side streets."""
         plan, zones = self.plan, []
         for side, lane in self.lanes.items():
             half = plan.profile.lane / 2

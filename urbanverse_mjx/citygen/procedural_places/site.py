@@ -162,7 +162,7 @@ class Site:
                 s += front.size[1] + JOINT if front else min(length - s, 0.5)
 
     def _tried(self, label: str, rest: float, bare: bool) -> list[tuple[str, catalogue.Size]]:
-        """Label and size of what may stand where `rest` metres of an edge are left, best first."""
+        """Labels and sizes that fit `rest` metres of an edge, best first."""
         deep, wide, high = self.rng.choice(stock.SIZES[label])
         tall, some = round(self.uniform(2.6, 5.2), 2), self.uniform(3.0, 6.0)
         first = rest if 0.55 * wide < rest < 1.5 * wide else wide

@@ -63,7 +63,7 @@ def courtyard(scene_id: str, rng: random.Random) -> Site:
 
 
 def _deck(site: Site, long: float, wide: float) -> tuple[float, float, float, float]:
-    """A floor 0.15 to 0.4 m up in the middle, a ramp of 1:10 to it from two sides; returns what all of it takes."""
+    """A floor 0.15 to 0.4 m up in the middle, a ramp of 1:10 to it from two sides; returns the whole occupied area."""
     high = round(site.uniform(0.15, 0.36), 2)
     run, half = round(high * 10.0, 2), round(site.uniform(0.8, 1.4), 2)
     x0, x1 = round(long / 2 - site.uniform(3.0, 4.5), 2), round(long / 2 + site.uniform(3.0, 4.5), 2)

@@ -1,4 +1,4 @@
-"""Frames become a `Recording`: poses, metric scale, what each frame shows, and depth."""
+"""Converts frames to a `Recording`: poses, metric scale, objects and surfaces of each frame, and depth."""
 
 import dataclasses
 import pathlib

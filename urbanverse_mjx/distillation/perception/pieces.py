@@ -54,7 +54,7 @@ _CUT = CutOptions()
 
 @dataclasses.dataclass(frozen=True)
 class JoinOptions:
-    """When two pieces are joined by what both saw.
+    """Conditions for joining two pieces by their common structure.
 
     Chosen manually; docs/decisions/gen_perception.md measures their effect on poses.
 

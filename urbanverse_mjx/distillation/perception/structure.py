@@ -207,7 +207,7 @@ def _maps(
 
     # Without this it writes pages to standard error.
     pycolmap.logging.minloglevel = pycolmap.logging.Level.FATAL.value
-    # Features do not depend on how the work is split over threads; what follows does.
+    # Features do not depend on the number of threads; the later steps do.
     database, threads, steps = work / "database.db", settings.num_threads(), 3 * len(frames)
     extraction = pycolmap.FeatureExtractionOptions(num_threads=threads)
     extraction.sift.max_num_features = options.features

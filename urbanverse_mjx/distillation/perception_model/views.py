@@ -17,7 +17,7 @@ from . import classes
 from .augment import recolour
 from .targets import GroundTruth, ground_truth
 
-HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a hand held up
+HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a raised hand
 FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens held upright to an action camera
 
 
@@ -217,7 +217,7 @@ def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.n
 
 
 def _kind_heights(bank: SceneBank) -> np.ndarray:
-    """(Z, kinds) m: the middle top of a scene's ground by its kind; ramps are few enough not to matter."""
+    """(Z, kinds) m: the middle top of a scene's ground by its kind; ramps are few enough to be ignored."""
     tops = bank.prism_position[..., 2] + (bank.hull_box[..., 0, 2] + bank.hull_box[..., 1, 2])[bank.prism_hull]
     out = np.zeros((bank.num_scenes, len(GROUND_KINDS)), np.float32)
     for z in range(bank.num_scenes):

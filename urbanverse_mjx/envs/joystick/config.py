@@ -27,7 +27,7 @@ def _randomization() -> dict[str, Any]:
 
 
 def _rewards() -> dict[str, Any]:
-    """Weights of the terms of `terms`, and what these aim at."""
+    """Weights of the terms of `terms`, and their targets."""
     return {
         "tracking_width": 0.25,  # (m/s)² and (rad/s)²
         "foot_clearance": 0.10,  # m

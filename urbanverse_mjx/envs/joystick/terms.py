@@ -33,7 +33,7 @@ class Motion(NamedTuple):
       joints: (J,) rad; joint_speed: (J,) rad/s; joint_acceleration: (J,) rad/s²; torque: (J,) N m.
       foot_height: (F,) m of the soles above the ground; foot_speed: (F,) m/s over ground.
       contact: (F,) bool; air_time: (F,) s that each foot was in the air before this step; landed: (F,) bool.
-      touch: () share of the step in which something that is no foot touched.
+      touch: () share of the step with contact of a part other than a foot.
       action, last_action: (J,). fell: () bool. command: (3,).
     """
 

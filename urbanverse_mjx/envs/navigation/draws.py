@@ -22,7 +22,7 @@ class Randomization:
       another factor.
 
     Raises:
-      ValidationError: a range that is no (least, greatest) above 0, or a share outside [0, 1).
+      ValidationError: a range that is not (least, greatest) above 0, or a share outside [0, 1).
     """
 
     def __init__(self, config: ConfigDict) -> None:

@@ -1,4 +1,4 @@
-"""Encounters: what people do on and beside an episode's route, as `crowds.behaviours` has it.
+"""Encounters: behaviours (`crowds.behaviours`) of people on and beside an episode's route.
 
 In:   the route, the clearance of the ground, `config.crowd.encounters`.
 Out:  a `Script` for the first walkers of a crowd.
@@ -75,8 +75,8 @@ def _queue(pose: Pose, left: Float[Array, ""]) -> Script:
     return behaviours.queue(x, y, heading, 3)
 
 
-#: Name -> rows, where along the route its middle lies (m), and what makes the script of a pose of the route and how
-#: far aside it is (m, left positive, drawn from [-1.2, 1.2]).
+#: Name -> rows, the position of its middle along the route (m), and the function from a pose of the route and a lateral
+#: offset (m, left positive, drawn from [-1.2, 1.2]) to the script.
 ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Float[Array, ""]], Script]]] = {
     "head_on": (1, (8.0, 16.0), _head_on),
     # A crossing agent has 2.5 m at 1.34 m/s to the route, in which a robot covers 2.2 m.

@@ -39,7 +39,7 @@ class Movables:
     """The objects of every scene that can be pushed.
 
     Args:
-      bank: the scenes. row: (Z, N) i32, -1 for what cannot be pushed. number: M, how many an env has.
+      bank: the scenes. row: (Z, N) i32, -1 for fixed objects. number: M, objects of an env.
     """
 
     def __init__(self, bank: SceneBank, row: Int[np.ndarray, "Z N"], number: int) -> None:

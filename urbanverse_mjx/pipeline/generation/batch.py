@@ -95,7 +95,7 @@ def run_batch(
       counts: sources, done (earlier ones included), failed; the failed ones with their last words.
 
     Raises:
-      ValidationError: no list, an unknown executor, or no way to write.
+      ValidationError: no list, an unknown executor, or a folder without write access.
     """
     v.choice(executor, "--executor", tuple(EXECUTORS))
     v.integer(retries, "--retries", 0)

@@ -76,7 +76,7 @@ def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
 
 
 def _camera_path(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
-    """The block's trajectory, moved off objects that came to stand in it, the camera looking to both sides in turn."""
+    """The block's trajectory, moved off objects that block it, with the camera turning to both sides alternately."""
     path = np.array(ground_truth.camera_path)
     if profile.travel == "walk":
         path[:, :2] = _cleared(path[:, :2], street_grid(bank, 0))

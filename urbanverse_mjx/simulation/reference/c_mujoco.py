@@ -180,7 +180,7 @@ def drive_engine(
 
 
 def _ends(trace: Trace) -> list[str]:
-    """Why an episode would end, per drive; what comes first counts, and a hit before a fall."""
+    """Why an episode would end, per drive; the first event counts, and a hit before a fall."""
     up = rotations.up_of(trace.qpos[..., 3:7])
     events = {"hit": trace.hit, "fall": up < _MIN_UP, "nan": ~np.isfinite(trace.qpos).all(-1)}
     first = {name: np.where(e.any(1), e.argmax(1), e.shape[1]) for name, e in events.items()}

@@ -1,4 +1,4 @@
-"""`Renderer`: what robots see, for many envs at once and each in its own scene, inside jitted JAX code.
+"""`Renderer`: camera images of robots, for many envs at once and each in its own scene, inside jitted JAX code.
 
 Warp draws, on the CPU and on CUDA, by our own traversal of search trees that are built once (`street_*.py`) and with
 mujoco-warp-pbr's materials; the rest of the program uses both through this module only.
@@ -199,7 +199,7 @@ class Renderer:
         return self._view(scene, *arrays, jnp.asarray(appearance_seed, jnp.int32), *moved)
 
     def _moved(self, scene: Any, bodies: Bodies | None) -> tuple[jax.Array, jax.Array, jax.Array]:
-        """Slots (M,) of the objects that stand elsewhere, -1 = none, and T_world_object: places (M, 3), quaternions."""
+        """Slots (M,) of the moved objects, -1 = none, and T_world_object: places (M, 3), quaternions."""
         number = self.settings.bodies
         if bodies is None:
             still = jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))

@@ -95,7 +95,7 @@ def number_at(table: wp.uint64, index: int) -> int:
 
 
 def make_rays(moved: bool) -> tuple[Any, Any]:
-    """`nearest_hit` and `is_hidden`; moved: objects of the street may stand elsewhere."""
+    """`nearest_hit` and `is_hidden`; moved: objects of the street may have moved."""
     nearest, any_hit = make_walks(moved)
 
     @wp.func
@@ -146,7 +146,7 @@ def make_rays(moved: bool) -> tuple[Any, Any]:
 
 @wp.func
 def object_of(street: Street, views: Views, world: int, obj: int) -> int:
-    """The object that a ray met, where a part may be an object of the street that stands elsewhere."""
+    """The object that a ray met, where a part may be a moved object of the street."""
     body = obj - street.num_objects - street.num_parts + street.num_bodies
     if body < 0:
         return obj
@@ -181,8 +181,8 @@ def place(
 ):
     """Fills the tables of `Views`; dim worlds.
 
-    shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state blew up; slot (worlds, bodies): objects
-    that stand elsewhere, -1 = none, whose objects are object_of_slot (Z, N).
+    shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state is not finite; slot (worlds, bodies):
+    moved objects, -1 = none, whose objects are object_of_slot (Z, N).
     """
     w = wp.tid()
     origin = camera_position[w]

@@ -78,9 +78,9 @@ def scalars(street: Street, scene: int, first: int) -> wp.vec3:
 
 
 def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
-    """surface(street, views, world, textures, hit, direction, spread): what is seen there.
+    """surface(street, views, world, textures, hit, direction, spread): the surface at the hit.
 
-    spread: angle between neighbouring rays; moved: objects of the street may stand elsewhere.
+    spread: angle between neighbouring rays; moved: objects of the street may have moved.
     """
 
     @wp.func

@@ -32,7 +32,7 @@ class Trees:
       nodes: (nodes, 4, 4) f32; of each of two children: lower corner and reference, upper corner.
       order: (items,) item numbers in the order of the leaves.
       last: (items,) bool in that order: whether the item is the last of its leaf.
-      depth: nodes passed at most on the way to a leaf.
+      depth: largest number of nodes on the path to a leaf.
     """
 
     roots: np.ndarray

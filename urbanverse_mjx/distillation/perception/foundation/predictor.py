@@ -14,7 +14,7 @@ from ..observation import FrameObservation
 from . import boxes, grounds
 from .loading import DEPTH, DETECTOR, GROUND, SEGMENTER, Loaded, load
 
-#: Queries that OWLv2 is asked at once, and what its scores mean little below (they are of sigmoids, low by nature).
+#: Queries per call of OWLv2, and the threshold of its scores (outputs of sigmoids, which are generally low).
 QUERIES, LEAST_SCORE = 64, 0.2
 
 
