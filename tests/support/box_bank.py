@@ -93,10 +93,32 @@ def _mesh(corners: np.ndarray, rng: np.random.Generator) -> AssetMesh:
 _GROUND_COLOUR = {"road": (70, 70, 75), "crosswalk": (190, 190, 190), "sidewalk": (150, 140, 130)}
 
 
-def box_scene(number: int, seed: int = 0, num_objects: int = 40) -> SceneGeometry:
-    """One street; `number` and `seed` select the objects and their places."""
+def ragged_regions(number: int, seed: int = 0) -> list[GroundRegion]:
+    """Ground as videos give it: at x 22-27 the pavements beside a road are crooked pieces, some 25 cm wide."""
+    rng, regions = np.random.default_rng([seed, number]), []
+    step, road = 0.25, [(0.0, -KERB_Y), (LENGTH, -KERB_Y), (LENGTH, KERB_Y), (0.0, KERB_Y)]
+    regions.append(GroundRegion("road", "road", tuple(road), (0.0, 0.0, 0.0)))
+    x, y = np.arange(22.0, 27.0 + step / 2, step), KERB_Y + np.arange(0.0, 4.0 + step / 2, 2 * step)
+    for side in (-1.0, 1.0):
+        for end, (x0, x1) in {"west": (0.0, 22.0), "east": (27.0, LENGTH)}.items():
+            ring = [(x0, side * KERB_Y), (x1, side * KERB_Y), (x1, side * HALF_WIDTH), (x0, side * HALF_WIDTH)]
+            regions.append(GroundRegion(f"{end}_{side:+.0f}", "sidewalk", tuple(ring[:: int(side)]), (0.0, 0.0, KERB)))
+        corners = np.stack(np.meshgrid(x, side * y, indexing="ij"), -1)
+        corners[1:-1, 1:-1] += rng.uniform(-0.08, 0.08, corners[1:-1, 1:-1].shape)
+        for i, j in np.ndindex(len(x) - 1, len(y) - 1):
+            ring = corners[[i, i + 1, i + 1, i], [j, j, j + 1, j + 1]][:: int(side)]
+            regions.append(
+                GroundRegion(f"piece_{side:+.0f}_{i}_{j}", "sidewalk", tuple(map(tuple, ring)), (0.0, 0.0, KERB))
+            )
+    return regions
+
+
+def box_scene(
+    number: int, seed: int = 0, num_objects: int = 40, regions: list[GroundRegion] | None = None
+) -> SceneGeometry:
+    """One street on `street_regions` or others; `number` and `seed` select the objects and their places."""
     rng = np.random.default_rng([seed, number])
-    regions = street_regions()
+    regions = regions or street_regions()
     solids = [_solid(rng) for _ in range(num_objects)]
     x = np.sort(rng.uniform(1.0, LENGTH - 1.0, num_objects))
     y = rng.uniform(KERB_Y + 0.4, HALF_WIDTH - 0.4, num_objects) * rng.choice([-1, 1], num_objects)

@@ -8,6 +8,7 @@ from mujoco import mjx
 
 from ..datatypes import AgentMotion, AgentShapes, Bodies, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
+from ..datatypes.reach_count import most_objects_in_reach, most_prisms_in_reach
 from ..precision import full_precision
 from .collision_slots import body_contact, body_slots
 from .physics_model import make_physics_model
@@ -71,7 +72,18 @@ class EngineBase:
                 f"{self.reach:g} m for {robot.name!r}",
                 "pack the bank again",
             )
+        asked = self.num_slots, self.num_prism_slots
+        self._fit_slots(bank)
+        #: Whether the streets need more slots than were asked for.
+        self.crowded = (self.num_slots, self.num_prism_slots) != asked
         self._data = mjx.make_data(self.physics.model)
+
+    def _fit_slots(self, bank: SceneBank) -> None:
+        """Adds slots until all that comes within reach on traversable ground finds one."""
+        for scene in range(bank.num_scenes):
+            if self.num_slots:  # none means that there are to be no objects
+                self.num_slots = most_objects_in_reach(bank, scene, self.reach, self.num_slots)
+            self.num_prism_slots = most_prisms_in_reach(bank, scene, self.reach, self.num_prism_slots)
 
     def check_agents(self, motion: AgentMotion | None) -> None:
         """Refuses agents without slots, slots without agents, and other numbers of both."""

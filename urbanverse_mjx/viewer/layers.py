@@ -38,10 +38,10 @@ def segments(points: np.ndarray) -> np.ndarray:
 
 
 class HullsInReach:
-    """The hulls in an engine's slots around a robot: the nearest ones, at most `num_slots`.
+    """The hulls in an engine's slots around a robot: all in its reach.
 
     Args:
-      machine: whose environment has the robot, the bank and the number of slots.
+      machine: whose environment has the robot and the bank.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -58,7 +58,7 @@ class HullsInReach:
             origin = jnp.asarray(self.bank.grid_origin)[sim.scene]
             cell = static_slots.grid_cell(origin, jnp.asarray(self.bank.grid_cell), shape, sim.xpos[root])
             taken = None if sim.bodies is None else sim.bodies.object_index
-            number = int(env.config.num_slots)
+            number = self._table.grid.shape[-1]
             return static_slots.nearest(self._table, cell, sim.scene, sim.xpos[root], reach, number, taken)[0]
 
         self._find = find

@@ -110,7 +110,8 @@ def crowd(number: int) -> SceneBank:
 
 @pytest.mark.parametrize("slots", [8, 20, 24])
 def test_hulls_without_a_slot_are_counted(slots: int) -> None:
-    engine = JaxEngine(crowd(20), make_coco(), control_dt=CONTROL_DT, num_slots=slots)
+    engine = JaxEngine(crowd(20), make_coco(), control_dt=CONTROL_DT)
+    engine.num_slots = slots  # as where nothing was counted, off the traversable ground
     place = jnp.array([20.0, 6.5, 0.4])
     nearby, missing = jax.jit(engine.find_slots)(0, place)
     assert int(missing) == max(20 - slots, 0)
@@ -129,7 +130,8 @@ def test_a_step_counts_hulls_without_a_slot_and_pairs_without_a_contact(monkeypa
         return before._replace(touch=before.touch._replace(missed=jnp.int32(2)))
 
     monkeypatch.setattr(JaxEngine, "_physics_step", misses_two)
-    engine = JaxEngine(crowd(20), make_coco(), control_dt=CONTROL_DT, num_slots=8)
+    engine = JaxEngine(crowd(20), make_coco(), control_dt=CONTROL_DT)
+    engine.num_slots = 8  # as where nothing was counted, off the traversable ground
     qpos = np.zeros(engine.physics.model.nq, np.float32)
     qpos[:4] = 20.0, 6.5, 0.4, 1.0
     state = jax.jit(engine.init)(0, qpos, np.zeros(engine.physics.model.nv, np.float32))

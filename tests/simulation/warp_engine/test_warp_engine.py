@@ -285,8 +285,10 @@ def pile(number: int) -> SceneBank:
 def test_slots_are_those_of_the_mjx_engine(small_bank: SceneBank, number: int) -> None:
     """2,000 places: the same hulls in the same order, and as many without a slot."""
     robot = make_coco()
-    ours = WarpEngine(small_bank, robot, control_dt=CONTROL_DT, num_slots=number)
-    theirs = JaxEngine(small_bank, robot, control_dt=CONTROL_DT, num_slots=number)
+    ours = WarpEngine(small_bank, robot, control_dt=CONTROL_DT)
+    ours.num_slots = number  # as where nothing was counted, off the traversable ground
+    theirs = JaxEngine(small_bank, robot, control_dt=CONTROL_DT)
+    theirs.num_slots = number  # as where nothing was counted, off the traversable ground
     rng = np.random.default_rng(0)
     scene = rng.integers(small_bank.num_scenes, size=2000).astype(np.int32)
     place = rng.uniform([-2, -9, 0.2], [62, 9, 0.6], (2000, 3)).astype(np.float32)
@@ -307,7 +309,8 @@ def test_slots_are_those_of_the_mjx_engine(small_bank: SceneBank, number: int) -
 def test_hulls_without_a_slot_are_counted(slots: int) -> None:
     """A robot hovers over the pile, too high to touch it within the step, and once out of its reach."""
     bank = pile(20)
-    engine = WarpEngine(bank, make_coco(), control_dt=CONTROL_DT, num_slots=slots)
+    engine = WarpEngine(bank, make_coco(), control_dt=CONTROL_DT)
+    engine.num_slots = slots  # as where nothing was counted, off the traversable ground
     top = 0.15 + float(bank.hull_vertices[0, :, 2].max())
     qpos = np.zeros((engine.physics.model.nq,), np.float32)
     qpos[:2], qpos[3] = (20.0, 6.5), 1.0

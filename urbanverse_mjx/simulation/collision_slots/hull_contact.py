@@ -161,14 +161,19 @@ def _to_local(centre: Any, slots: Slots, slot: Any) -> Any:
     return jnp.einsum("nij,ni->nj", slots.rotation[slot], centre - slots.position[slot])
 
 
-def find_contacts(centres: Any, radii: Any, slots: Slots, table: HullTable, num_contacts: int) -> SphereContacts:
+def find_contacts(
+    centres: Any, radii: Any, slots: Slots, table: HullTable, num_contacts: int, spare: int = 0
+) -> SphereContacts:
     """The `num_contacts` pairs of a sphere and a hull that lie nearest to each other.
 
-    At most two thirds of them may touch at an edge. Distances that are positive may be too small, never too large.
+    Without spare ones at most two thirds of them may touch at an edge. Distances that are positive may be too small,
+    never too large.
 
     Args:
       centres: (S, 3) m, world frame. radii: (S,) m.
-      slots: C hulls; S * C must be at least `num_contacts`.
+      slots: C hulls; S * C must be at least `num_contacts` and the spare ones.
+      spare: pairs of the third pass beyond the contacts, for grounds of small pieces: beside a corner of one, a sphere
+        is nearer to its planes than to itself.
     """
     bound = distance_bound(centres, radii, slots, table).ravel()
     candidates = min(2 * num_contacts, bound.size)
@@ -176,18 +181,30 @@ def find_contacts(centres: Any, radii: Any, slots: Slots, table: HullTable, num_
     sphere, slot = pair // slots.hull.shape[0], pair % slots.hull.shape[0]
     planes = table.planes[slots.hull[slot]]
     plane, direction, on_face = jax.vmap(face_distance)(_to_local(centres[sphere], slots, slot), planes)
+    if spare:
+        plane = jnp.where(on_face, plane, jnp.maximum(plane, radii[sphere] - negative))
     distance = jnp.where(jnp.isfinite(negative), plane - radii[sphere], jnp.inf)
-    missed = jnp.maximum(jnp.sum(bound < 0) - candidates, 0) + jnp.maximum(jnp.sum(distance < 0) - num_contacts, 0)
+    exact = num_contacts + spare
+    missed = jnp.maximum(jnp.sum(bound < 0) - candidates, 0) + jnp.maximum(jnp.sum(distance < 0) - exact, 0)
 
-    negative, pick = jax.lax.top_k(-distance, num_contacts)
+    negative, pick = jax.lax.top_k(-distance, exact)
     sphere, slot, gap, direction, on_face = (x[pick] for x in (sphere, slot, plane, direction, on_face))
     centre, radius, distance = centres[sphere], radii[sphere], -negative
     open_ = jnp.where((distance < 0) & ~on_face, distance, jnp.inf)
     local, hull = _to_local(centre, slots, slot), slots.hull[slot]
-    number = -(-2 * num_contacts // 3)
+    number = exact if spare else -(-2 * num_contacts // 3)
     gap, direction, skipped = _with_edges(local, hull, gap, direction, open_, table.edges, number)
     distance = jnp.where(jnp.isfinite(distance), gap - radius, jnp.inf)
     normal = jnp.einsum("nij,nj->ni", slots.rotation[slot], direction)
     touch = jnp.where(jnp.isfinite(distance), radius + 0.5 * distance, radius)
     position = centre - normal * touch[:, None]
-    return SphereContacts(sphere, slot, distance, normal, position, (missed + skipped).astype(jnp.int32))
+    found = SphereContacts(sphere, slot, distance, normal, position, (missed + skipped).astype(jnp.int32))
+    return _deepest(found, num_contacts) if spare else found
+
+
+def _deepest(contacts: SphereContacts, number: int) -> SphereContacts:
+    """The `number` contacts with the least distance; those that touch and are left out count as missed."""
+    _, pick = jax.lax.top_k(-contacts.distance, number)
+    left_out = jnp.maximum(jnp.sum(contacts.distance < 0) - number, 0)
+    kept = {name: getattr(contacts, name)[pick] for name in contacts._fields if name != "missed"}
+    return SphereContacts(**kept, missed=contacts.missed + left_out.astype(jnp.int32))

@@ -68,8 +68,9 @@ class JaxEngine(EngineBase):
       bank: the scenes.
       robot: the robot; all its collision geoms are spheres.
       control_dt: s, a multiple of the robot's physics time step.
-      num_slots: hulls of objects looked at per control step; 0 leaves the ground alone.
-      num_prism_slots: ground prisms looked at per control step.
+      num_slots: hulls of objects looked at per control step, more where the bank's streets need more; 0 leaves the
+        ground alone.
+      num_prism_slots: ground prisms looked at per control step, more where the streets need more.
       num_contacts: pairs of a sphere and a hull that may touch at once.
       iterations, line_steps: of the constraint solver.
       agents: shapes of moving agents, which `step` is then told of; None = none.
@@ -188,6 +189,11 @@ class JaxEngine(EngineBase):
         prisms, absent = static_slots.nearest(tables.prisms, cell, scene, centre, self.reach, self.num_prism_slots)
         return static_slots.join(hulls, prisms), missing + absent
 
+    def find_contacts(self, centres: Any, radii: Any, slots: static_slots.Slots) -> hull_contact.SphereContacts:
+        """The contacts of spheres (S, 3) m, (S,) m with hulls; see `hull_contact.find_contacts`."""
+        sizes = self.num_contacts, self.num_contacts // 2 if self.crowded else 0
+        return hull_contact.find_contacts(centres, radii, slots, self.tables.hulls, *sizes)
+
     def _wake(self, state: SimState, centre: Any) -> tuple[Any, body_slots.Awake, Any]:
         assert self.movable is not None
         assert state.bodies is not None
@@ -239,7 +245,7 @@ class JaxEngine(EngineBase):
             own = body_dynamics.matter(self.body_constants, awake)
             hulls = body_dynamics.hull_slots(awake, own)
             nearby = static_slots.join(nearby, hulls)
-        found = hull_contact.find_contacts(places, radii, nearby, self.tables.hulls, self.num_contacts)
+        found = self.find_contacts(places, radii, nearby)
         if agents is not None and self.agents is not None:
             room = self.num_agent_contacts
             found, nearby = agent_slots.with_agents(found, places, radii, agents, self.agents, nearby, room)

@@ -83,8 +83,9 @@ class WarpEngine(EngineBase):
       bank: the scenes.
       robot: the robot; all its collision geoms are spheres.
       control_dt: s, a multiple of the robot's physics time step.
-      num_slots: hulls of objects looked at per control step; 0 leaves the ground alone.
-      num_prism_slots: ground prisms looked at per control step.
+      num_slots: hulls of objects looked at per control step, more where the bank's streets need more; 0 leaves the
+        ground alone.
+      num_prism_slots: ground prisms looked at per control step, more where the streets need more.
       num_contacts: pairs of a sphere and a hull that may touch at once.
       iterations, line_steps: of the constraint solver.
       graphs: whether physics steps are captured once and replayed; off for looking into them.
