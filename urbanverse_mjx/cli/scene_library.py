@@ -16,8 +16,7 @@ from ..scene import library
 class LibraryArgs(LibraryOptions):
     """Build sets of scenes into the cache: cousins, compiled scenes, one bank each; prints one JSON line per set.
 
-    Continues an interrupted build. Exit status 1 where a layout failed, a scene's hash is not the committed one, or
-    more hulls come within a robot's reach than the physics model has slots for.
+    Continues an interrupted build. Exit status 1 where a layout failed or a scene's hash is not the committed one.
     """
 
     sets: Annotated[tuple[str, ...], tyro.conf.Positional] = ()
@@ -39,7 +38,5 @@ def _build(name: str, args: LibraryArgs) -> int:
         sys.stderr.write(f"{layout}: {reason}\n")
     for scene in built.other_hash:
         sys.stderr.write(f"{scene}: other content than committed in scenes/{name}/{library.HASHES}\n")
-    for scene, n in built.summary.get("slot_overflow", {}).items():
-        sys.stderr.write(f"{scene}: {n} hulls within a robot's reach, more than the {library.SLOTS} slots\n")
     print(json.dumps({**built.summary, "failed": list(built.failed), "other_hash": list(built.other_hash)}))
     return 0 if built.ok else 1

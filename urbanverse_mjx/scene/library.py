@@ -8,15 +8,12 @@ import dataclasses
 import pathlib
 from collections.abc import Iterable
 
-import numpy as np
-
 from .. import settings
-from ..datatypes import SPLITS, SceneBank, traversable
+from ..datatypes import SPLITS, SceneBank
 from ..datatypes import validation as v
+from ..datatypes.reach_count import most_objects_in_reach, most_prisms_in_reach
 
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
-#: Hull slots of the physics model (design, section 3); m of COCO's root above the ground.
-SLOTS, ROOT = 16, 0.3
 #: Modules that make the graphs of a set without files: `citygen.craftbench` and `citygen.validation_streets` by hand,
 #: `citygen.procedural_streets` and `citygen.procedural_places` from templates.
 GENERATORS = ("craft", "validation", "procedural", "places")
@@ -121,16 +118,11 @@ def shipped_hashes(name: str) -> dict[str, dict[str, str]]:
     return v.read_json(path, "table of scene hashes") if path.is_file() else {}
 
 
-def most_in_reach(bank: SceneBank, scene: int, poses: int, seed: int = 0) -> int:
-    """The most hulls within reach of a robot at random places that it may be at; from the boxes, not from the grid."""
-    rng = np.random.default_rng([seed, scene])
-    cells = np.argwhere(traversable(bank.map_kind[scene]))
-    chosen = cells[rng.integers(0, len(cells), poses)]
-    flat = bank.map_origin[scene] + (chosen + rng.random(chosen.shape)) * float(bank.map_resolution)
-    points = np.column_stack([flat, np.full(len(flat), ROOT + 0.15)])
-    count = np.zeros(len(points), int)
-    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
-        centre, half = bank.hull_box[bank.inst_hull[scene, q]]
-        local = (points - bank.inst_position[scene, q]) @ bank.inst_rotation[scene, q] - centre
-        count += np.linalg.norm(np.maximum(np.abs(local) - half, 0.0), axis=1) <= bank.meta["grid_reach"]
-    return int(count.max())
+def most_in_reach(bank: SceneBank, scene: int) -> dict[str, int]:
+    """The most "hulls" of objects and "prisms" of ground within reach of any robot anywhere that it may be in a scene:
+    of the robot with the longest reach that the bank's grids allow."""
+    reach = float(bank.meta["grid_reach"])
+    return {
+        "hulls": most_objects_in_reach(bank, scene, reach),
+        "prisms": most_prisms_in_reach(bank, scene, reach),
+    }

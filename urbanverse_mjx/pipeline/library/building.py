@@ -23,8 +23,6 @@ RECORD_FIELDS = (
     "key", "id", "hashes", "objects", "hulls", "prisms", "regions", "episodes", "goals", "left_out", "overlapping",
     "kept_fixed", "let_go", "hanging", "moved_when_let_go", "processor_s", "wall_s",
 )  # fmt: skip
-#: Random places per scene at which hulls in reach are counted.
-POSES = 2_000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -219,13 +217,13 @@ def _built(name: str, layout: str) -> list[dict[str, Any]] | Failure:
         return Failure(layout, str(error))
 
 
-def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, int]:
-    """Packs the scenes of a set into its bank; returns the most hulls in reach of a robot, by scene."""
+def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, dict[str, int]]:
+    """Packs the scenes of a set into its bank; returns by scene what `library.most_in_reach` says."""
     from ...scene import pack_bank
 
     scenes = library.scene_set(name)
     bank = pack_bank([_paths(name, scene)[0] for scene in records], [scenes.split_of(s) for s in records])
-    most = {scene: library.most_in_reach(bank, z, POSES) for z, scene in enumerate(bank.scene_ids)}
+    most = {scene: library.most_in_reach(bank, z) for z, scene in enumerate(bank.scene_ids)}
     bank.save(library.folder(name) / library.BANK)
     return most
 

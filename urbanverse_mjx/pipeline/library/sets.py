@@ -29,8 +29,8 @@ class LibraryBuild:
     """The result of building a set.
 
     Attributes:
-      summary: counts over the scenes; where a bank was packed also its file, the most hulls in reach of a robot, and
-        `slot_overflow`: the scenes where these are more than the physics model has slots for.
+      summary: counts over the scenes; where a bank was packed also its file, and the most hulls and ground prisms in
+        reach of a robot, for which engines have a slot each.
       failed: layout -> why it could not be built.
       other_hash: scenes with other content than committed.
     """
@@ -41,8 +41,8 @@ class LibraryBuild:
 
     @property
     def ok(self) -> bool:
-        """Whether every layout was built, has its committed hash and fits the slots."""
-        return not (self.failed or self.other_hash or self.summary.get("slot_overflow"))
+        """Whether every layout was built and has its committed hash."""
+        return not (self.failed or self.other_hash)
 
 
 def build_library(name: str, options: LibraryOptions | None = None, quiet: bool = True) -> LibraryBuild:
@@ -80,8 +80,9 @@ def build_library(name: str, options: LibraryOptions | None = None, quiet: bool 
     summary = _summary(name, records)
     if options.bank and records and not options.only:
         most = pack_set(name, records)
-        summary |= {"bank": str(library.bank_path(name)), "most_hulls_in_reach": max(most.values())}
-        summary["slot_overflow"] = {scene: n for scene, n in most.items() if n > library.SLOTS}
+        summary["bank"] = str(library.bank_path(name))
+        summary |= {f"most_{kind}_in_reach": max(n[kind] for n in most.values()) for kind in ("hulls", "prisms")}
+        records = {scene: {**record, "in_reach": most[scene]} for scene, record in records.items()}
     failed = [dataclasses.asdict(f) for f in failures]
     v.write_json(library.folder(name) / "report.json", {**summary, "scenes": records, "failed": failed})
     return LibraryBuild(summary, {f.layout: f.reason for f in failures}, tuple(other))
