@@ -51,10 +51,10 @@ test-slow: setup-dev ## run the tests that take minutes
 test-gpu: setup-dev ## run the tests that need a CUDA device
 	@$(BIN)/python -m pytest -q -m gpu $(ARGS)
 
-mutants: setup-dev ## plant 120 small faults and list those that no test notices: hours; goes on where it stopped (ARGS="--seed 1")
+mutants: setup-dev ## make 120 small faults and list those that no test detects: hours; continues an interrupted run (ARGS="--seed 1")
 	@$(BIN)/python -m tests.support.mutants $(ARGS)
 
-check: setup-dev ## formatting, lint, types and who may import whom
+check: setup-dev ## formatting, lint, types and import layers
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
 	@$(BIN)/pyright
@@ -67,7 +67,7 @@ format: setup-dev ## format the code and fix what ruff can fix
 streets: setup ## compile the six shipped streets into a scene bank in the cache, where they changed
 	@$(BIN)/urbanverse scene bank
 
-scenes: streets ## build the scene library into the cache: 446 scenes, hours; goes on where it stopped (ARGS="autobench")
+scenes: streets ## build the scene library into the cache: 446 scenes, hours; continues an interrupted build (ARGS="autobench")
 	@$(BIN)/urbanverse scene library $(ARGS)
 
 bench: setup ## measure throughput; prints one JSON line
@@ -80,7 +80,7 @@ base: setup-dev ## make the base shapes, their measures and missing hulls anew f
 	@$(BIN)/urbanverse assets index
 	@$(BIN)/urbanverse assets hulls $(ARGS)
 
-thumbnails: setup ## draw the thumbnails of all base shapes into the cache; goes on where it stopped
+thumbnails: setup ## draw the thumbnails of all base shapes into the cache; continues an interrupted run
 	@MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/urbanverse assets thumbnails $(ARGS)
 
 gallery: setup ## draw a contact sheet per middle category into the cache (ARGS="--out FOLDER")
