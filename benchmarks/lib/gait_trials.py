@@ -20,7 +20,7 @@ from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import region_scene, strips_regions
 from urbanverse_mjx.simulation.reference.c_mujoco import reference_model
 
-#: Ranges of random commands (m/s, m/s, rad/s), and of the time that each is held (s).
+#: Largest random commands (m/s, m/s, rad/s), and the time that each is held (s).
 RANGE, HOLD = np.array([1.0, 0.5, 1.0]), 5.0
 #: s after a new command in which the error does not count; s over which velocities are averaged: two strides or so.
 RISE_TIME, WINDOW = 1.0, 0.5
