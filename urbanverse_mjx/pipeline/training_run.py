@@ -115,8 +115,8 @@ def _train(
             f"preset {config.preset!r}: found --start-from or --coordinator, needed neither: it imitates a scripted "
             "controller from random weights, in one process; take another preset."
         )
-    bank = bank_of(name, quiet, config.get("preset")) if options.bank is None else chosen_bank(options.bank)
     _say(f"run folder: {folder}", quiet)
+    bank = bank_of(name, quiet, config.get("preset")) if options.bank is None else chosen_bank(options.bank)
     env = registry.load(name, config=config, bank=bank)
     built = time.monotonic()
     if imitates:
