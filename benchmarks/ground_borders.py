@@ -2,7 +2,7 @@
 
     python -m benchmarks.ground_borders [--set autobench] [--only Kyoto] [--graphs DIR] [--pictures DIR]
 
-The ground of every committed graph is drawn on cells again and goes through `distillation.ground.regions`, as a new
+The ground of every committed graph is drawn on cells again and goes through `distillation.ground_regions`, as a new
 recording's does; what stands at most `HIDES` m away counts as hidden, because a graph does not say what was seen. With
 --graphs, graphs of `benchmarks.library_captures` (DIR/<set>/<layout>/graph.json.gz) are measured instead, beside the
 committed ones. The reference is the filmed block. Ground under houses counts for neither.
@@ -29,7 +29,7 @@ from urbanverse_mjx.assets.selection.label_priors import LabelPriors
 from urbanverse_mjx.citygen import city_blocks
 from urbanverse_mjx.datatypes import KIND_INDEX, GraphObject, GroundRegion, SceneGraph
 from urbanverse_mjx.datatypes.ground import PAINT_KINDS
-from urbanverse_mjx.distillation import ground
+from urbanverse_mjx.distillation import ground, ground_regions
 from urbanverse_mjx.distillation.ground_completion import completed
 from urbanverse_mjx.geometry.polygons import rectangle
 from urbanverse_mjx.scene.ground import check_regions, ground_prisms
@@ -92,7 +92,7 @@ def cleaned(graph: SceneGraph, priors: LabelPriors) -> SceneGraph:
     """The graph with its ground made anew."""
     hidden = shapely.union_all([_box(o).buffer(HIDES) for o in graph.objects if not priors(o.label).faces_road])
     seen = _cells(graph.ground, hidden)
-    regions = ground.regions(completed(seen, _houses(graph, priors)))
+    regions = ground_regions.regions(completed(seen, _houses(graph, priors)))
     check_regions(regions)
     return dataclasses.replace(graph, ground=regions)
 

@@ -6,8 +6,10 @@ import scipy.ndimage
 import shapely
 
 from urbanverse_mjx.datatypes import KIND_INDEX
-from urbanverse_mjx.distillation.ground import CELL, GroundMap, regions
+from urbanverse_mjx.datatypes.ground import height_at
+from urbanverse_mjx.distillation.ground import CELL, GroundMap
 from urbanverse_mjx.distillation.ground_completion import completed
+from urbanverse_mjx.distillation.ground_regions import regions
 from urbanverse_mjx.geometry.polygons import MAX_OVERLAP
 from urbanverse_mjx.scene.ground import check_regions, ground_prisms
 
@@ -100,3 +102,42 @@ def test_a_road_that_all_but_reaches_a_wall_reaches_it() -> None:
     assert kind_at(done, 20.0, -0.3) == ROAD
     done = completed(street((PAVEMENT, 0.12, (0.0, 0.0, 8.0, 2.0))), [shapely.box(10.0, -9.0, 14.0, -1.6)])
     assert kind_at(done, 12.0, -1.0) == PAVEMENT
+
+
+@pytest.mark.parametrize(("dropped", "slope"), [(True, 0.0), (True, 0.0263), (False, 0.0263)])
+def test_a_kerb_is_dropped_where_its_heights_are(dropped: bool, slope: float) -> None:
+    """A crossing of 4 m at x = 18 to 22; the pavement behind it rises over 1.5 m from the road, or stands over it."""
+    seen = street()
+    x, y = (np.indices(seen.kind.shape) + 0.5) * CELL + seen.origin[:, None, None]
+    along, left = x + slope * y - 20.0, y - slope * x
+    seen.kind[:] = np.select([(left < 0.0) | (left > 8.0) | (x < 0.0) | (x > 40.0), left > 6.0], [0, PAVEMENT], ROAD)
+    seen.kind[(seen.kind == ROAD) & (abs(along) < 2.0)] = KIND_INDEX["crosswalk"]
+    seen.height[:] = np.where(seen.kind == PAVEMENT, 0.12, 0.0)
+    ramp = (abs(along) < 1.5) & (left > 6.0) & (left < 7.5)
+    if dropped:
+        seen.height[ramp] = 0.08 * (left[ramp] - 6.0)
+    made = regions(seen)
+    check_regions(made)
+    assert sum(shapely.Polygon(r.polygon).area for r in made) == pytest.approx(40.0 * 8.0, rel=0.005)
+    walked = [(r, shapely.Polygon(r.polygon)) for r in made if r.kind == "sidewalk"]
+    up = slope * 20.0
+    ((under, _),) = [w for w in walked if w[1].contains(shapely.Point(19.8, 6.1 + up))]
+    ((beside, _),) = [w for w in walked if w[1].contains(shapely.Point(16.0, 6.1 + up))]
+    assert height_at(under.plane, 19.8, 6.0 + up) == pytest.approx(0.0 if dropped else 0.12, abs=0.015)
+    assert height_at(under.plane, 19.8, 7.4 + up) == pytest.approx(0.112 if dropped else 0.12, abs=0.015)
+    assert height_at(beside.plane, 16.0, 6.1 + up) == pytest.approx(0.12, abs=0.01)
+    if dropped:
+        assert shapely.Polygon(under.polygon).area == pytest.approx(3.0 * 1.45, rel=0.15)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_regions_lose_nothing_of_what_is_known(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    fields = [scipy.ndimage.gaussian_filter(rng.normal(size=(120, 120)), 8.0) for _ in range(3)]
+    kind = np.array([ROAD, PAVEMENT, KIND_INDEX["crosswalk"]], np.uint8)[np.argmax(fields, 0)]
+    height = scipy.ndimage.gaussian_filter(rng.normal(size=kind.shape), 10.0) * 5.0 + 0.15 * (kind == PAVEMENT)
+    made = regions(GroundMap(np.zeros(2), kind, height, np.ones(kind.shape, np.int64)))
+    check_regions(made)
+    assert sum(shapely.Polygon(r.polygon).area for r in made) == pytest.approx(30.0**2, rel=0.01)
+    # Humps are cut, and neighbours of cut pieces have the corners of the cuts.
+    assert shapely.coverage_is_valid([shapely.Polygon(r.polygon) for r in made])

@@ -11,7 +11,7 @@ import shapely
 
 from ..datatypes import GraphObject, LabelPrior, Recording, SceneGraph, ValidationError
 from ..geometry.polygons import rectangle
-from . import bearings, crops, fusion, ground, placement
+from . import bearings, crops, fusion, ground, ground_regions, placement
 from .boxes import Box
 from .depth_scale import DepthScale, depth_scale
 from .drift import close_loops
@@ -143,7 +143,7 @@ def distil(
     )
     objects = without_fragments(objects_of(fused, prior_of), fused)
     kept = [t for t in objects if t.score >= options.min_score]
-    regions = ground.regions(completed(ground_grid, [_footprint(t.box) for t in kept if t.prior.faces_road]))
+    regions = ground_regions.regions(completed(ground_grid, [_footprint(t.box) for t in kept if t.prior.faces_road]))
     if not regions:
         raise _no_ground(recording)
     pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions)

@@ -1,4 +1,4 @@
-"""Ground regions: points of each kind on a grid from above, cut into simple polygons with planar tops."""
+"""The ground on a grid from above: points of each kind, planes through their heights, steps between kinds."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -9,14 +9,10 @@ import scipy.ndimage
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, ValidationError
-from ..datatypes.ground import check_polygon
+from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion
 from ..geometry.grids import cell_of
-from . import coverage
 from .lifting import GroundPoints
 from .straight_pieces import FitOptions
-
-type Ring = tuple[tuple[float, float], ...]  # m
 
 CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
 
@@ -44,9 +40,9 @@ class GroundOptions:
     fit: FitOptions = dataclasses.field(default_factory=FitOptions)
 
 
-_OPTIONS = GroundOptions()
+OPTIONS = GroundOptions()
 #: Kinds beside the carriageway, and those of it.
-WALKED, _DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
+WALKED, DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -117,7 +113,7 @@ def _filled(seen: GroundMap) -> GroundMap:
     known = (kind > 0) & (kind == seen.kind) & _large(kind)
     distance, nearest = scipy.ndimage.distance_transform_edt(~known, return_indices=True)
     # A closing: what lies between seen ground is filled, the outer rim stays where it is.
-    reach, rim = _OPTIONS.fill_distance / CELL, int(_OPTIONS.fill_distance / CELL) + 2
+    reach, rim = OPTIONS.fill_distance / CELL, int(OPTIONS.fill_distance / CELL) + 2
     grown = np.pad(distance <= reach, rim)
     closed = (scipy.ndimage.distance_transform_edt(grown) > reach)[rim:-rim, rim:-rim]
     use = known | closed
@@ -142,79 +138,8 @@ def _large(kind: np.ndarray) -> np.ndarray:
         _, numbers, boxes, _ = cv2.connectedComponentsWithStats((kind == k).astype(np.uint8), connectivity=4)
         sizes = boxes[:, cv2.CC_STAT_AREA] * CELL**2
         sizes[0] = 0.0
-        large |= (sizes >= _OPTIONS.min_area)[numbers]
+        large |= (sizes >= OPTIONS.min_area)[numbers]
     return large
-
-
-def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
-    """Simple polygons that tile what is known, with planes fitted to the heights inside; neighbours share corners."""
-    if not seen.kind.any():
-        return ()
-    areas = coverage.areas(seen.kind, seen.count > 0, _sorts(), seen.origin, CELL, _OPTIONS.min_area, _OPTIONS.fit)
-    pieces, kinds = [], []
-    for area in areas:
-        for piece in _simple_pieces(area.polygon, seen, area.label):
-            pieces.append(piece)
-            kinds.append(area.label)
-    made: list[GroundRegion] = []
-    for ring, number in _shared(pieces):
-        name = f"{GROUND_KINDS[kinds[number]]}_{len(made):02d}"
-        plane, _ = fit_plane(seen, shapely.Polygon(ring), kinds[number])
-        made.append(GroundRegion(name, GROUND_KINDS[kinds[number]], ring, plane))
-    return tuple(made)
-
-
-def _sorts() -> np.ndarray:
-    """Sorts of borders by the kinds beside them: 0 with the outside, 2 along the carriageway, 1 any other."""
-    on, off = (np.isin(GROUND_KINDS, kinds) for kinds in (_DRIVEN, WALKED))
-    sorts = 1 + (on[:, None] & off) + (off[:, None] & on)
-    sorts[0, :] = sorts[:, 0] = 0
-    return sorts
-
-
-def _shared(pieces: Sequence[shapely.Polygon]) -> list[tuple[Ring, int]]:
-    """Outlines in whole millimetres, each with the number of its piece; where two touch, both have all corners of their
-    border, because a corner that one lacks would move its long edge over the other."""
-    faces = coverage.tiled([shapely.LineString(p.exterior.coords) for p in pieces])
-    tree, found = shapely.STRtree(pieces), []
-    for face in faces:
-        inside = tree.query(face.representative_point(), predicate="intersects")
-        if not len(inside) or face.area < 0.25:
-            continue
-        try:
-            ring = check_polygon([list(c) for c in face.exterior.coords[:-1]], "ground")
-        except ValidationError:
-            continue
-        found.append((ring, int(inside[0])))
-    return sorted(found, key=lambda f: (f[1], f[0]))
-
-
-def _simple_pieces(outline: shapely.Polygon, seen: GroundMap, kind: int) -> list[shapely.Polygon]:
-    """The outline cut until every piece has no hole, few corners and a top that one plane fits."""
-    todo, done = [outline], []
-    while todo:
-        area = todo.pop()
-        if area.is_empty or area.area < 0.25:
-            continue
-        x0, y0, x1, y1 = area.bounds
-        if area.interiors:
-            hole = shapely.Polygon(area.interiors[0]).centroid
-            at = (hole.x, hole.y)
-        elif len(area.exterior.coords) > _OPTIONS.max_corners or (
-            min(x1 - x0, y1 - y0) > 1.0
-            and max(x1 - x0, y1 - y0) > 6.0
-            and fit_plane(seen, area, kind)[1] > _OPTIONS.max_plane_error
-        ):
-            at = ((x0 + x1) / 2, (y0 + y1) / 2)
-        else:
-            done.append(shapely.remove_repeated_points(area, 0.01))
-            continue
-        halves = ((x0 - 1, y0 - 1, at[0], y1 + 1), (at[0], y0 - 1, x1 + 1, y1 + 1))
-        if y1 - y0 > x1 - x0:
-            halves = ((x0 - 1, y0 - 1, x1 + 1, at[1]), (x0 - 1, at[1], x1 + 1, y1 + 1))
-        for half in halves:
-            todo += [p for p in shapely.get_parts(area & shapely.box(*half)) if isinstance(p, shapely.Polygon)]
-    return [p for p in done if p.is_valid and p.area >= 0.25]
 
 
 def fit_plane(seen: GroundMap, area: shapely.Polygon, kind: int) -> tuple[tuple[float, float, float], float]:
@@ -271,7 +196,7 @@ def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:
     for (low, high), steps in sorted(pairs.items()):
         all_steps = np.concatenate(steps)
         height = float(np.median(all_steps))
-        if height >= _OPTIONS.min_kerb and len(all_steps) * CELL / 2 >= 2.0:
+        if height >= OPTIONS.min_kerb and len(all_steps) * CELL / 2 >= 2.0:
             length = round(len(all_steps) * CELL / 2, 1)
             found.append(Kerb(GROUND_KINDS[low], GROUND_KINDS[high], round(height, 3), length))
     return tuple(found)

@@ -62,6 +62,7 @@ def completed(seen: GroundMap, houses: Sequence[shapely.Polygon]) -> GroundMap:
     strip, wide = _before_fronts(known, houses, origin)
     strip = scipy.ndimage.binary_closing(known | strip, _disk(_OPTIONS.gap / 2)) if strip.any() else known
     strip &= known | ~scipy.ndimage.binary_erosion(inside, _disk(_OPTIONS.under_fronts))
+    wide = scipy.ndimage.binary_closing(wide, _disk(_OPTIONS.gap / 2))
     use = known | strip
     # What is seen through a slit is a stub.
     use = scipy.ndimage.binary_opening(use | _holes(use, inside), _disk(_OPTIONS.stub / 2))
