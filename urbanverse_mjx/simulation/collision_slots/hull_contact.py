@@ -176,7 +176,8 @@ def find_contacts(
         is nearer to its planes than to itself.
     """
     bound = distance_bound(centres, radii, slots, table).ravel()
-    candidates = min(2 * num_contacts, bound.size)
+    exact = num_contacts + spare
+    candidates = min(2 * exact, bound.size)
     negative, pair = jax.lax.top_k(-bound, candidates)
     sphere, slot = pair // slots.hull.shape[0], pair % slots.hull.shape[0]
     planes = table.planes[slots.hull[slot]]
@@ -184,7 +185,6 @@ def find_contacts(
     if spare:
         plane = jnp.where(on_face, plane, jnp.maximum(plane, radii[sphere] - negative))
     distance = jnp.where(jnp.isfinite(negative), plane - radii[sphere], jnp.inf)
-    exact = num_contacts + spare
     missed = jnp.maximum(jnp.sum(bound < 0) - candidates, 0) + jnp.maximum(jnp.sum(distance < 0) - exact, 0)
 
     negative, pick = jax.lax.top_k(-distance, exact)
