@@ -191,7 +191,7 @@ class JaxEngine(EngineBase):
 
     def find_contacts(self, centres: Any, radii: Any, slots: static_slots.Slots) -> hull_contact.SphereContacts:
         """The contacts of spheres (S, 3) m, (S,) m with hulls; see `hull_contact.find_contacts`."""
-        sizes = self.num_contacts, self.num_contacts // 2 if self.crowded else 0
+        sizes = self.num_contacts, self.num_contacts if self.crowded else 0
         return hull_contact.find_contacts(centres, radii, slots, self.tables.hulls, *sizes)
 
     def _wake(self, state: SimState, centre: Any) -> tuple[Any, body_slots.Awake, Any]:
