@@ -25,6 +25,7 @@ from benchmarks.lib.held_out import Suite
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
+from urbanverse_mjx.evaluation import blank_image
 
 SAVED_AS = {"student": "student", "finetune": "finetuned"}
 """Folder of `--out` that the parameters of a stage are written to whenever they are the best so far."""
@@ -252,6 +253,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--validation-episodes", type=int, default=256, help="of each set of validation streets")
     cli.add_argument("--start", type=pathlib.Path, help="a student to go on from: msgpack or policy folder")
     cli.add_argument("--memory", type=int, default=0)
+    cli.add_argument("--covered", action="store_true", help="score the last student with its camera covered too")
     cli.add_argument("--num-envs", type=int, default=4096)
     cli.add_argument("--seed", type=int, default=0)
     cli.add_argument("--impl", default="warp")
@@ -316,6 +318,8 @@ def main() -> int:
         training = StudentTraining(args, env, suite, log)
         agents = {k: StudentPolicy(training.imitation.student, p) for k, p in training.run().items()}
         result["steps"] = training.steps
+        if args.covered:
+            agents = {"covered": blank_image(list(agents.values())[-1]), **agents}
     for name, agent in reversed(agents.items()):
         result[name] = suite.score(env, name, agent)
         log(**{name: {k: brief(x) for k, x in result[name].items()}})
