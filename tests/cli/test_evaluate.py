@@ -11,11 +11,11 @@ from brax.training.acme import running_statistics, specs
 
 from tests.support.agent_appearances import with_box_agents
 from tests.support.unicycle import GoalImage, UnicycleEngine, unicycle_env, unicycle_robot
-from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli.evaluate import main as evaluate
 from urbanverse_mjx.cli.train import main as train
 from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimState, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
+from urbanverse_mjx.pipeline import banks
 from urbanverse_mjx.pipeline.evaluation import SHOWN, evaluate_policy
 from urbanverse_mjx.pipeline.rollout_video import random_draw
 from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
@@ -161,7 +161,7 @@ def test_a_scripted_policy_is_evaluated_by_its_name(
     short = registry.with_overrides(registry.get_default_config("CocoNav"), {"episode_length": 3})
     monkeypatch.setattr(registry, "get_default_config", lambda *_: short)
     monkeypatch.setattr(registry, "load", lambda _, config, bank: unicycle_env(bank, {"episode_length": 3}))
-    monkeypatch.setattr(pipeline, "ensure_default_bank", lambda **_: small_bank)
+    monkeypatch.setattr(banks, "ensure_default_bank", lambda *_, **__: small_bank)
     assert evaluate([name, "--num-episodes", "3", "--no-video", "--quiet", "--out", str(tmp_path)]) == 0
     said = json.loads(capsys.readouterr().out)
     assert said[name]["n"] == 3
