@@ -1,6 +1,7 @@
 """Fixtures shared by all packages."""
 
 import fcntl
+import gc
 import os
 import pathlib
 import sys
@@ -27,7 +28,10 @@ def pytest_configure(config: pytest.Config) -> None:
     later runs use again (JAX's keys hold the program, its options and its own version), and their programs are compiled
     with few of LLVM's optimizations. Slow tests and those on a GPU compute longer than they compile: they run what
     users run.
+
+    Nothing that is imported dies, so Python's collector waits until the tests begin.
     """
+    gc.disable()
     if hasattr(config, "workerinput") or "not slow" not in config.option.markexpr:
         return
     options = {
@@ -62,6 +66,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for folder in folders.values():
         min(parts, key=len).extend(folder)
     items[:] = [item for part in parts for item in part]
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    """Keeps the modules and the collected tests out of Python's garbage collections.
+
+    Tracing makes millions of objects that hold no cycles. With Python's own thresholds, made for small programs, the
+    collector takes a sixth of the time of the tests that trace; with these it takes a hundredth, in as much memory.
+    """
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 20)
+    gc.enable()
 
 
 @pytest.fixture(scope="session")
