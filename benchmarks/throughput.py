@@ -264,9 +264,9 @@ def measure_all(arguments: argparse.Namespace, cases: Sequence[Case]) -> list[di
                 with arguments.append.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(row) + "\n")
             _show(row, arguments.json)
-        # The next one shall find an empty device.
-        gc.collect()
-        jax.clear_caches()
+        if number + 1 < len(cases):  # the next one shall find an empty device
+            gc.collect()
+            jax.clear_caches()
     return rows
 
 
