@@ -21,11 +21,11 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
-from benchmarks.lib.held_out import Suite
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
+from urbanverse_mjx.evaluation.held_out import Suite
 
 SAVED_AS = {"student": "student", "finetune": "finetuned"}
 """Folder of `--out` that the parameters of a stage are written to whenever they are the best so far."""

@@ -13,7 +13,7 @@ from tests.training.test_student import LAYERS, seeing_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import State
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
-from urbanverse_mjx.training import imitation
+from urbanverse_mjx.training import imitation, iterative
 from urbanverse_mjx.training.imitation import distil
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy
 from urbanverse_mjx.training.record import RunRecord
@@ -59,7 +59,7 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
         distil("CocoNav", env, config, tmp_path / "cut", teach, quiet=True)
     monkeypatch.undo()
     newest = PolicySpec.load(latest_policy(tmp_path / "cut")).steps
-    state, first = tmp_path / "cut" / imitation.STATE, saved[0]
+    state, first = tmp_path / "cut" / iterative.STATE, saved[0]
     done = PolicySpec.load(first).steps
     assert 0 < done < newest < 96
     state.write_bytes(state.read_bytes()[:-1000])
@@ -69,7 +69,7 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     (said,) = [line for line in capsys.readouterr().err.splitlines() if "state.npz" in line]
     assert said.endswith("going on from the state of the checkpoint before it")
     assert PolicySpec.load(latest_policy(first)).steps == done
-    states = [(tmp_path / name / imitation.STATE).read_bytes() for name in ("whole", "cut")]
+    states = [(tmp_path / name / iterative.STATE).read_bytes() for name in ("whole", "cut")]
     assert states[0] == states[1]
 
     record = RunRecord.load(tmp_path / "cut")

@@ -9,7 +9,7 @@ import pytest
 from flax import linen as nn
 
 from urbanverse_mjx.datatypes import ValidationError
-from urbanverse_mjx.training.networks import conv_by_matmul, goal_features, make_networks
+from urbanverse_mjx.training.networks import Encoder, conv_by_matmul, goal_features, make_networks
 
 SIZES = {"pixels/front": (27, 48, 3), "goal": (2,), "privileged": (13,)}
 LAYERS = ((16, 4, 4), (32, 2, 2), (64, 2, 1))
@@ -103,3 +103,15 @@ def test_both_convolutions_give_the_same_network() -> None:
     np.testing.assert_allclose(*outputs, atol=1e-5)
     with pytest.raises(ValidationError, match="convolution"):
         make_networks(SIZES, 2, convolution="winograd").policy_network.init(jax.random.key(0))
+
+
+def test_an_image_too_small_for_its_layers_is_refused() -> None:
+    """Otherwise the policy would be trained without its camera, and could not be saved."""
+    make = lambda height, width: jax.eval_shape(  # noqa: E731
+        Encoder(((8, 4, 2), (8, 4, 2), (8, 4, 2))).init, jax.random.key(0), jnp.zeros((1, height, width, 3), jnp.uint8)
+    )
+    make(22, 22)
+    with pytest.raises(
+        ValidationError, match=r"found an image of 18 x 32 pixels, of which layer 3 of 3 leaves nothing"
+    ):
+        make(18, 32)

@@ -13,7 +13,8 @@ from ._options import EnvOverrides, json_object
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class TrainArgs(TrainOptions):
-    """Train a policy by imitation (preset `quick`) or Brax PPO; one that navigates is evaluated on unseen streets.
+    """Train a policy by imitation (presets `quick`, `best`) or Brax PPO; one that navigates is evaluated on unseen
+    streets.
 
     The last line on stdout is one JSON object: SR, CT, RC (%), DTG (m) with 95 % intervals for each agent.
     """
@@ -21,8 +22,9 @@ class TrainArgs(TrainOptions):
     env_name: str | None = None
     """Registered environment; default CocoNav."""
     preset: str | None = None
-    """To navigate: quick (imitation on a laptop, the default), cpu (PPO on a laptop), fast (a GPU), paper and
-    urbansim_v0_1; to walk: cpu (the default) and fast."""
+    """To navigate: quick (imitation on a laptop, the default), best (a teacher, its imitation and PPO, on a GPU and
+    hundreds of streets: --bank), cpu (PPO on a laptop), fast (PPO on a GPU), paper and urbansim_v0_1; to walk: cpu (the
+    default) and fast."""
     num_timesteps: int | None = None
     """Env-steps in all; default of the preset."""
     num_envs: int | None = None

@@ -30,7 +30,8 @@ class TrainOptions:
     that say otherwise are refused, but for --num-timesteps. A training by imitation goes on to the digits of one that
     never stopped; with Brax PPO the optimizer's state is not restored and running episodes begin again."""
     start_from: pathlib.Path | None = None
-    """A policy or run folder whose networks a new run begins with, e.g. one trained with another robot."""
+    """A policy or run folder whose networks a new run begins with, e.g. one trained with another robot. For the preset
+    `best` those of the student."""
     num_episodes: int = 100
     """Fixed episodes of the final evaluation; 0 = none."""
     video: bool = True
@@ -46,7 +47,8 @@ class TrainOptions:
 def train(
     request: "RunRequest | None" = None, options: TrainOptions | None = None, quiet: bool = True
 ) -> dict[str, Any]:
-    """Trains a policy by imitation (preset `quick`) or Brax PPO; one that navigates is evaluated on unseen streets.
+    """Trains a policy by imitation (presets `quick`, `best`) or Brax PPO; one that navigates is evaluated on unseen
+    streets.
 
     Args:
       request: environment, preset and overrides (`urbanverse_mjx.training.record.RunRequest`); None for the defaults.
@@ -77,7 +79,7 @@ def train(
 def _how_to_continue(folder: pathlib.Path) -> str:
     from ..training.policy import FILE
 
-    if any(folder.glob(f"checkpoints/**/{FILE}")):
+    if any(folder.glob(f"**/checkpoints/**/{FILE}")):
         return f"to continue from the newest checkpoint: urbanverse train --resume {shlex.quote(str(folder))}"
     return f"no checkpoint was written yet: nothing in {folder} can be continued"
 
@@ -109,17 +111,25 @@ def _train(
     from .evaluation import evaluate_policy
 
     begin = time.monotonic()
-    imitates = ppo.get("algorithm") == "dagger"
-    if imitates and (options.start_from is not None or options.coordinator is not None):
+    imitates, in_stages = ppo.get("algorithm") == "dagger", "teacher" in ppo
+    if imitates and not in_stages and options.start_from is not None:
         raise ValidationError(
-            f"preset {config.preset!r}: found --start-from or --coordinator, needed neither: it imitates a scripted "
-            "controller from random weights, in one process; take another preset."
+            f"preset {config.preset!r}: found --start-from, needed none: it imitates a scripted controller from random "
+            "weights; take another preset."
         )
+    if imitates and options.coordinator is not None:
+        raise ValidationError(
+            f"preset {config.preset!r}: found --coordinator, needed none: it trains in one process; take another."
+        )
+    if options.start_from is not None and options.resume is not None:
+        raise ValidationError("--start-from: found it together with --resume, needed one of them.")
     _say(f"run folder: {folder}", quiet)
     bank = bank_of(name, quiet, config.get("preset")) if options.bank is None else chosen_bank(options.bank)
     env = registry.load(name, config=config, bank=bank)
     built = time.monotonic()
-    if imitates:
+    if in_stages:
+        result = _teach_and_imitate(name, env, ppo, folder, options, quiet)
+    elif imitates:
         result = _imitate(name, env, ppo, folder, options.resume is not None, quiet)
     else:
         from ..training.run import train as run
@@ -162,9 +172,29 @@ def _imitate(name: str, env: Any, config: Any, folder: pathlib.Path, resume: boo
     )  # fmt: skip
 
 
+def _teach_and_imitate(
+    name: str, env: Any, config: Any, folder: pathlib.Path, options: TrainOptions, quiet: bool
+) -> "TrainingResult":
+    """A teacher, its imitation by a student, and PPO; the bank's split `validation` decides between checkpoints."""
+    from ..envs import registry
+    from ..evaluation.held_out import Suite
+    from ..training.teacher_student import TeacherStudent
+
+    def teacher_env() -> Any:
+        return registry.load(name, config=env.config, config_overrides={"vision": False}, bank=env.bank)
+
+    ids = [env.bank.scene_ids[row] for row in env.bank.scenes_of("validation")]
+    suite = Suite.of(env.bank, {"validation": ids}, int(config.validation_episodes), []) if ids else None
+    if suite is None:
+        _say("the bank has no split 'validation': the newest checkpoint is kept, not the best", quiet)
+    validator = None if suite is None else lambda student: suite.quick(env, student, ["validation"])
+    training = TeacherStudent(name, env, teacher_env, config, folder.absolute(), validator, options.start_from, quiet)
+    return training.train(options.resume is not None, lambda text: _say(text, quiet))
+
+
 def bank_of(environment: str, quiet: bool = False, preset: str | None = None) -> "SceneBank":
     """The bank that an environment is registered with; the package's own are built into the cache where they are
-    missing or wrong. The preset `quick` has more streets than the shipped ones.
+    missing or wrong. The presets `quick` and `best` have more streets than the shipped ones.
 
     Raises:
       ValidationError: no environment has this name, or its own loader refuses.
@@ -175,7 +205,7 @@ def bank_of(environment: str, quiet: bool = False, preset: str | None = None) ->
 
     load = registry.bank_loader(environment)
     if load is registry.load_default_bank:
-        return ensure_quick_bank(quiet) if preset == "quick" else ensure_default_bank(quiet=quiet)
+        return ensure_quick_bank(quiet) if preset in ("quick", "best") else ensure_default_bank(quiet=quiet)
     return ensure_terrain_bank() if load is registry.load_terrain_bank else load()
 
 

@@ -77,7 +77,11 @@ class Encoder(nn.Module):
 
     @nn.compact
     def __call__(self, pixels: jax.Array) -> jax.Array:
-        """(..., H, W, C) uint8 -> (..., n) float32."""
+        """(..., H, W, C) uint8 -> (..., n) float32.
+
+        Raises:
+          ValidationError: an image that is too small for the layers.
+        """
         lead = pixels.shape[:-3]
         x = pixels.reshape((-1, *pixels.shape[-3:])).astype(self.dtype) / 255.0 - 0.5
         convolve = convolution_of(self.convolution)
@@ -86,6 +90,12 @@ class Encoder(nn.Module):
             kernel = self.param(f"kernel_{i}", init, (k, k, x.shape[-1], depth))
             bias = self.param(f"bias_{i}", nn.initializers.zeros_init(), (depth,))
             x = nn.relu(convolve(x, kernel.astype(self.dtype), bias.astype(self.dtype), stride))
+            if 0 in x.shape[1:3]:
+                height, width, _ = pixels.shape[-3:]
+                raise ValidationError(
+                    f"network.layers: found an image of {height} x {width} pixels, of which layer {i + 1} of "
+                    f"{len(self.layers)} leaves nothing, needed a larger one, or fewer layers or smaller strides."
+                )
         return x.reshape((*lead, -1)).astype(jnp.float32)
 
 

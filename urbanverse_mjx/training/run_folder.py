@@ -12,7 +12,7 @@ from ..datatypes import ValidationError
 #: Locked by the running process; contains its id.
 LOCK = ".lock"
 #: Orbax's name of an incomplete checkpoint.
-_HALF_A_CHECKPOINT = "checkpoints/[0-9]*.orbax-checkpoint-tmp*"
+_HALF_A_CHECKPOINT = "**/checkpoints/[0-9]*.orbax-checkpoint-tmp*"
 
 
 @contextlib.contextmanager

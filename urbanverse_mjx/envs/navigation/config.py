@@ -11,7 +11,7 @@ from ml_collections import ConfigDict
 from ...datatypes import ValidationError
 from .draws import OFF
 
-PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu", "quick")
+PRESETS = ("paper", "urbansim_v0_1", "fast", "best", "cpu", "quick")
 
 
 def _paper() -> ConfigDict:
@@ -159,6 +159,16 @@ def _fast() -> ConfigDict:
     return config
 
 
+def _best() -> ConfigDict:
+    """As `fast` with a smaller image and proprioception; the map of distances is for the teacher, the critic and an
+    auxiliary loss (`training.teacher_student`)."""
+    config = _fast()
+    config.preset = "best"
+    config.vision_config.height, config.vision_config.width = 54, 96
+    config.observations.proprio = config.observations.privileged_map = True
+    return config
+
+
 def _cpu() -> ConfigDict:
     """The paper's task on a laptop: only a smaller image and other reward weights."""
     config = _paper()
@@ -201,7 +211,14 @@ def default_config(preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: unknown preset.
     """
-    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu, "quick": _quick}
+    makers = {
+        "paper": _paper,
+        "urbansim_v0_1": _urbansim_v0_1,
+        "fast": _fast,
+        "best": _best,
+        "cpu": _cpu,
+        "quick": _quick,
+    }
     if preset not in makers:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
     return makers[preset]().lock()

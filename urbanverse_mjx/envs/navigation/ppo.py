@@ -114,13 +114,91 @@ def _quick() -> ConfigDict:
     )
 
 
+def _best() -> ConfigDict:
+    """A privileged teacher, its imitation by a student with a camera, and PPO from there, on a GPU; fields as in
+    `training.teacher_student.TeacherStudent`."""
+    teacher = _fast()
+    for name in ("num_timesteps", "num_envs", "num_checkpoints", "minibatch", "seed"):
+        del teacher[name]
+    # Minibatches of a rollout; without a map of its surroundings the teacher generalised better (docs/results.md).
+    teacher.minibatches = 8
+    teacher.network = {"map_layers": (), "hidden": (256, 256, 128)}
+    return ConfigDict(
+        {
+            "algorithm": "dagger",
+            "num_timesteps": 68_000_000,
+            "shares": {"teacher": 12.0, "imitation": 26.0, "finetune": 30.0},
+            "num_checkpoints": 10,
+            "validation_episodes": 256,
+            "num_envs": 4096,
+            "unroll_length": 16,
+            "epochs": 2,
+            "minibatches": 8,
+            "learning_rate": 5e-4,
+            "final_learning_rate": 3e-5,
+            "max_grad_norm": 1.0,
+            "teacher_share": 0.2,
+            "warm_up": 2_000_000,
+            "noise": 0.1,
+            "auxiliary": 0.5,
+            "mirror": True,
+            "light": 0.2,
+            "pixel_noise": 0.01,
+            "seed": 0,
+            "network": {
+                "layers": ((32, 4, 2), (64, 4, 2), (64, 4, 2)),
+                "hidden": 256,
+                "memory": 256,
+                "bfloat16": True,
+                "convolution": "auto",
+            },
+            "teacher": teacher.to_dict(),
+            "finetune": _finetune(),
+        }
+    )
+
+
+def _finetune() -> dict[str, object]:
+    """PPO after the imitation; fields as in `training.finetune.default_finetune_config`."""
+    return {
+        "unroll_length": 32,
+        "epochs": 2,
+        "minibatches": 16,
+        "learning_rate": 1e-4,
+        "final_learning_rate": 1e-5,
+        "critic_learning_rate": 5e-4,
+        "critic_only": 3_000_000,
+        "max_grad_norm": 1.0,
+        "clip": 0.2,
+        "discounting": 0.99,
+        "gae_lambda": 0.95,
+        "reward_scaling": 0.2,
+        "noise": 0.15,
+        "imitation": 0.0,
+        "final_imitation": 0.0,
+        "auxiliary": 0.5,
+        "mirror": True,
+        "light": 0.2,
+        "pixel_noise": 0.01,
+        "map_layers": ((32, 4, 2), (64, 4, 2)),
+        "critic_hidden": (256, 256, 128),
+    }
+
+
 def ppo_config(preset: str = "paper") -> ConfigDict:
-    """A new configuration; its `algorithm` may be another one, as for `quick`.
+    """A new configuration; its `algorithm` may be another one, as for `quick` and `best`.
 
     Raises:
       ValidationError: unknown preset.
     """
-    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu, "quick": _quick}
+    makers = {
+        "paper": _paper,
+        "urbansim_v0_1": _urbansim_v0_1,
+        "fast": _fast,
+        "best": _best,
+        "cpu": _cpu,
+        "quick": _quick,
+    }
     if preset not in makers:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
     return makers[preset]().lock()

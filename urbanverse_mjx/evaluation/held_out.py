@@ -10,14 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs.navigation.draws import OFF, Randomization
-from urbanverse_mjx.envs.types import Result
-from urbanverse_mjx.evaluation import benchmark
-from urbanverse_mjx.evaluation.frozen import Protocol
-from urbanverse_mjx.evaluation.rollouts import EpisodeSet, result_counts
-from urbanverse_mjx.evaluation.scores import over_scenes
+from .. import settings
+from ..datatypes import SceneBank
+from ..envs.navigation.draws import OFF, Randomization
+from ..envs.types import Result
+from . import benchmark
+from .frozen import Protocol
+from .rollouts import EpisodeSet, result_counts
+from .scores import over_scenes
 
 
 def for_scoring(env: Any, bank: SceneBank) -> Any:

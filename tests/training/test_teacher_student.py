@@ -1,0 +1,108 @@
+"""The three stages of the preset `best` as a run folder: exact when cut off, and the best of its policies is kept."""
+
+import pathlib
+from typing import Any
+
+import numpy as np
+import pytest
+from ml_collections import ConfigDict
+
+from tests.support.unicycle import unicycle_env
+from tests.training.test_student import LAYERS, OVERRIDES, seeing_env
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.envs.navigation.ppo import ppo_config
+from urbanverse_mjx.training import snapshot
+from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy
+from urbanverse_mjx.training.record import RunRecord
+from urbanverse_mjx.training.student import Student
+from urbanverse_mjx.training.teacher_student import TeacherStudent
+
+
+def small_config() -> ConfigDict:
+    config = ConfigDict(ppo_config("best").to_dict())
+    config.update({"num_envs": 4, "unroll_length": 4, "epochs": 1, "minibatches": 2, "num_checkpoints": 3})
+    config.update({"num_timesteps": 3 * 48, "shares": {"teacher": 1.0, "imitation": 1.0, "finetune": 1.0}})
+    config.network.update({"layers": LAYERS, "hidden": 16, "memory": 8})
+    config.teacher.update({"unroll_length": 4, "minibatches": 2, "num_updates_per_batch": 1})
+    config.teacher.network.hidden = (8, 8, 8)
+    config.finetune.update({"unroll_length": 4, "epochs": 1, "minibatches": 2, "critic_only": 0})
+    config.finetune.update({"map_layers": ((4, 4, 4),), "critic_hidden": (8, 8, 8)})
+    return config
+
+
+def by_last_bias(student: Student) -> Any:
+    """A stand-in for success rates: some function of the parameters that training changes."""
+    del student
+    return lambda params: {"validation": float(np.square(np.asarray(params["params"]["action"]["bias"])).sum())}
+
+
+def training(bank: SceneBank, folder: pathlib.Path, **options: Any) -> TeacherStudent:
+    env = seeing_env(bank)
+    return TeacherStudent(
+        "CocoNav",
+        env,
+        lambda: unicycle_env(bank, {**OVERRIDES, "vision": False}),
+        small_config(),
+        folder,
+        quiet=True,
+        **options,
+    )
+
+
+def interrupted(run: TeacherStudent, resume: bool, at: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A training that is killed after it wrote the state of its `at`-th checkpoint, before the policy of it."""
+    save, saved = snapshot.save_state, []
+
+    def killed(*given: Any) -> pathlib.Path:
+        saved.append(save(*given))
+        if len(saved) == at:
+            raise KeyboardInterrupt
+        return saved[-1]
+
+    monkeypatch.setattr(snapshot, "save_state", killed)
+    with pytest.raises(KeyboardInterrupt):
+        run.train(resume)
+    monkeypatch.undo()
+
+
+def test_three_stages_make_one_policy_with_a_camera(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    folder, said = tmp_path / "run", list[str]()
+    result = training(small_bank, folder).train(False, said.append)
+    assert [line.split(":")[0] for line in said] == [f"stage {k} of 3" for k in (1, 2, 3)]
+    steps = {
+        path.parent.relative_to(folder): PolicySpec.load(path.parent).steps for path in folder.glob("**/policy.json")
+    }
+    assert len(set(steps.values())) == len(steps) == 9, "no number belongs to two policies"
+    assert result.policy == latest_policy(folder) == folder / "checkpoints" / f"{3 * 48:012d}"
+    assert result.steps == 3 * 48
+    policy, spec = load_policy(folder)
+    assert (spec.env_config["vision"], policy.first_memory().shape) == (True, (8,))
+    assert PolicySpec.load(latest_policy(folder / "teacher")).env_config["vision"] is False
+
+    with pytest.raises(ValidationError, match="found a complete run"):
+        training(small_bank, folder).train(True)
+    with pytest.raises(ValidationError, match="needed a new folder"):
+        training(small_bank, folder).train(False)
+    # The teacher is no student: other layers.
+    with pytest.raises(ValidationError, match="--start-from: found layers of other shapes"):
+        training(small_bank, tmp_path / "other", start_from=folder / "teacher").train(False)
+    assert not (tmp_path / "other" / "teacher").exists()
+
+
+@pytest.mark.slow
+def test_a_run_that_was_cut_in_two_stages_ends_with_the_bytes_of_one_that_was_not(
+    small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, cut = (training(small_bank, tmp_path / name, validator=by_last_bias) for name in ("whole", "cut"))
+    whole.train(False)
+    interrupted(cut, False, 2, monkeypatch)
+    assert not (tmp_path / "cut" / "state.npz").exists(), "in the second stage"
+    teacher = latest_policy(tmp_path / "cut" / "teacher")
+    written = (teacher / "policy.json").stat().st_mtime_ns
+    interrupted(cut, True, 3, monkeypatch)
+    assert (tmp_path / "cut" / "state.npz").exists(), "in the third"
+    cut.train(True)
+    assert (teacher / "policy.json").stat().st_mtime_ns == written, "a complete teacher is kept"
+    for name in ("state.npz", "imitation/state.npz", "validation.json", "imitation/validation.json", "complete.json"):
+        assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
+    assert len(RunRecord.load(tmp_path / "cut").segments) == 3

@@ -1,0 +1,243 @@
+"""A policy with a camera in three stages: a privileged teacher by PPO, its imitation, PPO from there.
+
+The teacher drives by the route and the exact distances around it and needs no images, so it learns within minutes. The
+student imitates it by DAgger (`dagger`) and continues by PPO with a privileged critic (`finetune`), without labels.
+
+Folder of a run: teacher/ (a run folder of Brax PPO), imitation/ and the run's own checkpoints/ (run folders of
+`iterative`); each stage's complete.json names its policy. The number of a checkpoint counts the env-steps of all
+stages, so the newest policy under the folder is the run's result.
+"""
+
+import contextlib
+import dataclasses
+import pathlib
+import shutil
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from ml_collections import ConfigDict
+
+from ..datatypes import ValidationError
+from ..datatypes import validation as v
+from ..envs import wrap_for_training
+from . import iterative, run
+from .dagger import Dagger, make_student
+from .finetune import Finetune
+from .iterative import Iterations, Validate
+from .policy import PolicySpec, latest_policy, load_params, network_factory, save_student
+from .record import RunRecord, begin_segment, check_scenes
+from .run import TrainingResult
+from .student import Student, initial_student
+
+TEACHER, IMITATION, COMPLETE = "teacher", "imitation", "complete.json"
+STAGES = ("teacher", "imitation", "finetune")
+
+
+@dataclasses.dataclass(frozen=True)
+class TeacherStudent:
+    """A training in three stages.
+
+    Attributes:
+      environment: the name the envs are registered under.
+      env: not wrapped; its observations hold `student.SEEN`, `privileged` and `privileged_map`. make_teacher_env: the
+        same environment without a camera, which is made for the first stage and dropped after it.
+      config: of the student (`dagger.default_dagger_config`), with `num_timesteps` of all stages together, `shares` of
+        the stages in them, `num_checkpoints` of each, `teacher` (PPO as in `config.default_ppo_config`) and
+        `finetune` (`finetune.default_finetune_config`), both without `num_envs` and `seed`, which are the student's.
+      validator: the student's network -> how to judge its parameters; None where there are no validation scenes.
+      start_from: a student's policy with which the imitation begins, such as one of another robot.
+    """
+
+    environment: str
+    env: Any
+    make_teacher_env: Callable[[], Any]
+    config: ConfigDict
+    folder: pathlib.Path
+    validator: Callable[[Student], Validate] | None = None
+    start_from: pathlib.Path | None = None
+    quiet: bool = False
+
+    def train(self, resume: bool, say: Callable[[str], None] = lambda _: None) -> TrainingResult:
+        """Trains what is not complete yet; the policy is the best student on the validation scenes, or the last one.
+
+        Args:
+          resume: go on with the run in `folder`. The student's stages continue bit-equal from their newest checkpoint;
+            a teacher that is not complete begins again.
+
+        Raises:
+          ValidationError: a folder in use, a run that is complete, other scenes than the run's, a policy to start from
+            with other layers.
+        """
+        if resume and _complete(self.folder) is not None:
+            raise ValidationError(f"--resume: found a complete run in {self.folder}, needed one that was cut off.")
+        if not resume:
+            iterative.check_new(self.folder)
+        start_from = self._start_from(resume)
+        start = self._start(start_from)
+        record = begin_segment(
+            self.folder, self.environment, self.env.config, self.config, _steps_done(self.folder), start_from
+        )
+        record.save(self.folder)
+        if not (self.folder / TEACHER / COMPLETE).is_file():
+            self._train_teacher(say)
+        teacher = self.folder / TEACHER / str(_complete(self.folder / TEACHER))
+        check_scenes(PolicySpec.load(teacher), self.env)
+        if not (self.folder / IMITATION / COMPLETE).is_file():
+            say("stage 2 of 3: the student imitates the teacher")
+            self._imitate(teacher, start)
+        say("stage 3 of 3: the student continues by PPO")
+        return self._finetune(teacher, self.folder / IMITATION / str(_complete(self.folder / IMITATION)))
+
+    def steps(self, stage: str) -> int:
+        """Env-steps of a stage as planned."""
+        shares = self.config.shares
+        return int(self.config.num_timesteps * shares[stage] / sum(shares[name] for name in STAGES))
+
+    def _iterations(self, stage: str, each: int) -> int:
+        """Of a stage; each: env-steps of one."""
+        return max(self.steps(stage) // each, 1)
+
+    def _start_from(self, resume: bool) -> pathlib.Path | None:
+        """A resumed run's is that of its record."""
+        if not resume:
+            return self.start_from
+        said = RunRecord.load(self.folder).segments[-1].get("start_from")
+        return None if said is None else pathlib.Path(said)
+
+    def _start(self, start_from: pathlib.Path | None) -> Any:
+        """The parameters that the imitation begins with, or None for random ones."""
+        if start_from is None:
+            return None
+        path = latest_policy(start_from)
+        found = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(path)[1])
+        sizes = {name: tuple(shape) for name, shape in self.env.observation_size.items()}
+        network = make_student(self.config, self.env.action_size)
+        needed = jax.eval_shape(lambda: initial_student(network, sizes, 0))
+        if jax.tree.map(jnp.shape, found) != jax.tree.map(jnp.shape, needed):
+            raise ValidationError(
+                f"--start-from: found layers of other shapes in {path}, needed those of this preset's student; take a "
+                "policy that was trained with the same preset, image size and networks."
+            )
+        return found
+
+    def _train_teacher(self, say: Callable[[str], None]) -> None:
+        """PPO from random weights; what an earlier attempt left in the folder goes."""
+        say("stage 1 of 3: the teacher, which sees no images")
+        folder = self.folder / TEACHER
+        if folder.exists():
+            shutil.rmtree(folder)
+        result = run.train(
+            self.environment, self.make_teacher_env(), self.teacher_config(), folder, False, self.quiet
+        )  # fmt: skip
+        assert result.policy is not None
+        _write_complete(folder, result.policy)
+
+    def teacher_config(self) -> ConfigDict:
+        """The whole PPO config of the teacher."""
+        config = ConfigDict(self.config.teacher.to_dict())
+        config.num_envs, config.seed = int(self.config.num_envs), int(self.config.seed)
+        config.num_timesteps, config.num_checkpoints = self.steps("teacher"), int(self.config.num_checkpoints)
+        config.minibatch = config.num_envs * config.unroll_length // int(config.minibatches)
+        del config.minibatches
+        return config.lock()
+
+    def _teach(self) -> Callable[[Any, Any, jax.Array], jax.Array]:
+        """(parameters of the teacher's actor, state of the envs, key) -> its actions."""
+        from brax.training.agents.ppo import networks as ppo_networks
+
+        sizes = {name: tuple(shape) for name, shape in self.env.observation_size.items()}
+        networks = network_factory(self.teacher_config())(sizes, self.env.action_size)
+        make = ppo_networks.make_inference_fn(networks)
+        return lambda params, state, key: make((None, params, None), deterministic=True)(state.obs, key)[0]
+
+    def _imitate(self, teacher: pathlib.Path, start: Any) -> None:
+        config, folder = self.config, self.folder / IMITATION
+        folder.mkdir(exist_ok=True)
+        wrapped = wrap_for_training(self.env, self.env.config.episode_length)
+        learner = Dagger(wrapped, self._teach(), config, _actor_of_policy(teacher))
+        before = PolicySpec.load(teacher).steps
+        stage = self._stage(
+            learner, lambda: learner.begin(start), lambda state: state.params, folder, "imitation", before
+        )  # fmt: skip
+        result = _continue(stage)
+        _write_complete(folder, result.policy or latest_policy(folder))
+
+    def _finetune(self, teacher: pathlib.Path, student: pathlib.Path) -> TrainingResult:
+        config = ConfigDict(self.config.finetune.to_dict())
+        config.num_envs, config.seed = int(self.config.num_envs), int(self.config.seed) + 1
+        wrapped = wrap_for_training(self.env, self.env.config.episode_length)
+        learner = Finetune(wrapped, self._teach(), self.config, config, _actor_of_policy(teacher))
+        # From the end of the imitation, not from its best checkpoint, so that no number belongs to two policies.
+        each = int(self.config.num_envs) * int(self.config.unroll_length)
+        before = PolicySpec.load(teacher).steps + each * self._iterations("imitation", each)
+        actor = _actor_of_policy(student)
+        stage = self._stage(
+            learner, lambda: learner.begin(actor), lambda state: state.params["actor"], self.folder, "finetune", before
+        )  # fmt: skip
+        result = _continue(stage)
+        policy = result.policy or student
+        _write_complete(self.folder, policy)
+        return dataclasses.replace(result, policy=policy)
+
+    def _stage(
+        self,
+        learner: Any,
+        begin: Callable[[], Any],
+        actor_of: Callable[[Any], Any],
+        folder: pathlib.Path,
+        name: str,
+        before: int,
+    ) -> Iterations:
+        def save(actor: Any, steps: int) -> pathlib.Path:
+            spec = PolicySpec.of(self.environment, self.env, self.config, before + steps)
+            return save_student(folder / "checkpoints", actor, spec)
+
+        validate = None if self.validator is None else self.validator(learner.student)
+        iterations = self._iterations(name, learner.steps_per_iteration)
+        return Iterations(
+            learner=learner,
+            begin=begin,
+            actor_of=actor_of,
+            save=save,
+            folder=folder,
+            iterations=iterations,
+            num_checkpoints=int(self.config.num_checkpoints),
+            validate=validate,
+            steps_before=before,
+            quiet=self.quiet,
+        )
+
+
+def _steps_done(folder: pathlib.Path) -> int:
+    """Env-steps of the newest policy of any stage."""
+    with contextlib.suppress(ValidationError):
+        return PolicySpec.load(latest_policy(folder)).steps
+    return 0
+
+
+def _continue(stage: Iterations) -> TrainingResult:
+    """A stage to its end, from its newest state if it has one."""
+    begun = any((stage.folder / name).is_file() for name in (iterative.STATE, iterative.STATE_BEFORE))
+    state = stage.first_state(begun)
+    if begun:
+        stage.replace_missing_policy(state)
+    return stage.run(state)
+
+
+def _actor_of_policy(folder: pathlib.Path) -> Any:
+    """The actor's parameters of a policy folder in single precision."""
+    return jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(folder)[1])
+
+
+def _write_complete(folder: pathlib.Path, policy: pathlib.Path) -> None:
+    v.write_json(folder / COMPLETE, {"policy": str(policy.relative_to(folder))})
+
+
+def _complete(folder: pathlib.Path) -> str | None:
+    """The policy of a stage that is complete, relative to its folder."""
+    if not (folder / COMPLETE).is_file():
+        return None
+    body = v.mapping(v.read_json(folder / COMPLETE, COMPLETE), COMPLETE, ["policy"])
+    return v.text(body["policy"], f"{COMPLETE}: policy")
