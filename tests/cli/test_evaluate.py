@@ -81,10 +81,11 @@ class BodyImage(GoalImage):
         appearance_seed: Any = 0,
         agents: Any = None,
         bodies: Bodies | None = None,
+        mount: Any = None,
     ) -> dict[str, Any]:
         assert bodies is not None
         assert bodies.position.shape[-1] == 3
-        return super().__call__(scene, xpos, xquat, appearance_seed, agents, bodies)
+        return super().__call__(scene, xpos, xquat, appearance_seed, agents, bodies, mount)
 
 
 def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:

@@ -33,6 +33,15 @@ def test_quaternions_turn_as_scipys(in_jax: bool) -> None:
         np.testing.assert_allclose(one, other, atol=1e-5 if in_jax else 1e-12)
 
 
+def test_rotation_vectors_are_scipys_also_near_zero() -> None:
+    vectors = np.random.default_rng(3).normal(size=(COUNT, 3)) * np.logspace(-12, 0, COUNT)[:, None]
+    vectors[0] = 0.0
+    wanted = Rotation.from_rotvec(vectors).as_quat(scalar_first=True)
+    np.testing.assert_allclose(rotations.from_rotation_vector(vectors), wanted, atol=1e-15)
+    single = jax.jit(rotations.from_rotation_vector)(jnp.asarray(vectors, jnp.float32))
+    np.testing.assert_allclose(single, wanted, atol=1e-6)
+
+
 def test_stored_quaternions_need_not_be_of_unit_length() -> None:
     quaternion, wanted = drawn(3)
     found = rotations.matrix_f64((3.0 * quaternion).astype(np.float32))

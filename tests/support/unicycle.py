@@ -75,9 +75,16 @@ class GoalImage:
     """A renderer whose image shows where the robot stands: enough to see frames change."""
 
     def __call__(
-        self, scene: Any, xpos: Any, xquat: Any, appearance_seed: Any = 0, agents: Any = None, bodies: Any = None
+        self,
+        scene: Any,
+        xpos: Any,
+        xquat: Any,
+        appearance_seed: Any = 0,
+        agents: Any = None,
+        bodies: Any = None,
+        mount: Any = None,
     ) -> dict[str, Any]:
-        del appearance_seed, agents, bodies
+        del appearance_seed, agents, bodies, mount
         rows = jnp.arange(12)[:, None, None] + scene * 7 + xpos[1, 0] * 10.0
         frame = (rows + jnp.arange(16)[None, :, None] * 3 + xquat[1, 3] * 50.0 + jnp.zeros((12, 16, 3))) % 256
         return {"rgb": frame.astype(jnp.uint8)}

@@ -11,7 +11,7 @@ from .robot import RobotSpec
 from .scene_bank import SPLITS, SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
-from .simulation import AgentMotion, AgentShapes, Bodies, Contacts, Renderer, SimState, Simulator
+from .simulation import AgentMotion, AgentShapes, Bodies, CameraMount, Contacts, Renderer, SimState, Simulator
 from .validation import ValidationError
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "BenchmarkReport",
     "Bodies",
     "Camera",
+    "CameraMount",
     "Contacts",
     "Detection",
     "EpisodeResult",

@@ -80,6 +80,19 @@ class Bodies(NamedTuple):
     warm: Float[Array, "M 6"]
 
 
+class CameraMount(NamedTuple):
+    """How a robot's camera differs from its description.
+
+    Attributes:
+      offset: (3,) m, added to its position in the body's frame. rotation: (4,) wxyz, T_described_mounted.
+      fovy_scale: () factor on its vertical field of view.
+    """
+
+    offset: Float[Array, " 3"]
+    rotation: Float[Array, " 4"]
+    fovy_scale: Float[Array, ""]
+
+
 class SimState(NamedTuple):
     """State of one env between two control steps.
 
@@ -158,6 +171,7 @@ class Renderer(Protocol):
         appearance_seed: Int[Array, ""] | int = 0,
         agents: AgentMotion | None = None,
         bodies: Bodies | None = None,
+        mount: CameraMount | None = None,
     ) -> dict[str, Array]:
         """One frame: "rgb" (H, W, 3) u8, and "depth" (H, W) f32 m, 0 where no ray hit, of those that the renderer was
         made for.
@@ -165,6 +179,7 @@ class Renderer(Protocol):
         Args:
           scene: row of the bank. xpos: m, xquat: wxyz, T_world_body of the robot's bodies (`SimState`).
           appearance_seed: 0 = that of the bank; other numbers select other appearances. agents: their poses; None
-            leaves them out. bodies: objects that moved from their places in the bank.
+            leaves them out. bodies: objects that moved from their places in the bank. mount: how the camera differs
+            from the robot's description.
         """
         ...

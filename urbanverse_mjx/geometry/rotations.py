@@ -75,6 +75,14 @@ def from_yaw(yaw: Any) -> Any:
     return xp.stack([xp.cos(half), zero, zero, xp.sin(half)], -1)
 
 
+def from_rotation_vector(vector: Any) -> Any:
+    """(..., 4) quaternions that turn about the directions of vectors (..., 3) by their lengths (rad)."""
+    xp = vector.__array_namespace__()
+    half = 0.5 * xp.linalg.norm(vector, axis=-1, keepdims=True)
+    # numpy's sinc has pi in it; sin(h) / (2 h) tends to 1/2.
+    return xp.concatenate([xp.cos(half), 0.5 * xp.sinc(half / np.pi) * vector], -1)
+
+
 def about_z(yaw: float) -> np.ndarray:
     """(3, 3) f64 that turns by an angle (rad) about z, counter-clockwise seen from above."""
     c, s = np.cos(yaw), np.sin(yaw)

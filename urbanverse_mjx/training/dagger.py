@@ -36,7 +36,8 @@ def default_dagger_config() -> ConfigDict:
       noise: standard deviation of the noise on the student's actions.
       auxiliary: weight of the predicted map in the loss.
       mirror: half of the envs have mirrored observations. light, pixel_noise: share by which brightness, contrast and
-        colour of a sequence differ, and standard deviation of each pixel, both of the full range.
+        colour of a sequence differ, and standard deviation of each pixel, both of the full range. blur: the strongest
+        blur of a sequence (`sequences.blurred`).
     """
     return ConfigDict(
         {
@@ -55,6 +56,7 @@ def default_dagger_config() -> ConfigDict:
             "mirror": True,
             "light": 0.2,
             "pixel_noise": 0.01,
+            "blur": 0.0,
             "seed": 0,
             "network": {
                 "layers": ((32, 4, 2), (64, 4, 2), (64, 4, 2)),
@@ -193,7 +195,7 @@ class Dagger:
         return state._replace(env=env, memory=memory, begins=begins), batch, counts
 
     def _loss(self, params: Any, batch: Batch, memory: jax.Array, key: jax.Array) -> tuple[jax.Array, Any]:
-        pixels = relit(batch.obs[PIXELS], key, self.config.light, self.config.pixel_noise)
+        pixels = relit(batch.obs[PIXELS], key, self.config.light, self.config.pixel_noise, self.config.get("blur", 0.0))
         own, _, predicted = self.student.apply(params, {**batch.obs, PIXELS: pixels}, memory, batch.begins)  # type: ignore[misc]
         imitation = optax.huber_loss(own, batch.label, delta=0.5).sum(-1).mean()
         auxiliary = jnp.square(predicted - batch.target).mean()

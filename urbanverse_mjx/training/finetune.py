@@ -33,7 +33,7 @@ def default_finetune_config() -> ConfigDict:
       noise: standard deviation of the actions around the student's; it does not learn.
       imitation, final_imitation: weight of the teacher's labels in the loss, at the begin and at the end.
         reward_scaling: factor of the rewards for the critic.
-      auxiliary, mirror, light, pixel_noise: as in `dagger.default_dagger_config`.
+      auxiliary, mirror, light, pixel_noise, blur: as in `dagger.default_dagger_config`.
       map_layers, critic_hidden: of the critic.
     """
     return ConfigDict(
@@ -58,6 +58,7 @@ def default_finetune_config() -> ConfigDict:
             "mirror": True,
             "light": 0.2,
             "pixel_noise": 0.01,
+            "blur": 0.0,
             "seed": 0,
             "map_layers": ((32, 4, 2), (64, 4, 2)),
             "critic_hidden": (256, 256, 128),
@@ -198,7 +199,9 @@ class Finetune:
             label = mirror_lateral(self.teacher(teacher, env, key_teacher), state.mirrored, LATERAL_ACTION)
             seen = mirrored_view(env.obs, state.mirrored)
             # Here and not in the loss: the actions' probabilities belong to the original observations.
-            seen[PIXELS] = relit(seen[PIXELS][None], key_light, config.light, config.pixel_noise)[0]
+            seen[PIXELS] = relit(
+                seen[PIXELS][None], key_light, config.light, config.pixel_noise, config.get("blur", 0.0)
+            )[0]
             one = {name: x[None] for name, x in seen.items()}
             mean, memory, _ = self.student.apply(state.params["actor"], one, memory, begins[None])  # type: ignore[misc]
             action = mean[0] + config.noise * jax.random.normal(key_noise, mean[0].shape)

@@ -38,15 +38,36 @@ def mirrored_view(obs: Mapping[str, jax.Array], mirrored: jax.Array) -> dict[str
     }
 
 
-def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float) -> jax.Array:
-    """Images (T, n, H, W, 3) u8 with another exposure, contrast and colour for each of the n sequences."""
-    if light == 0.0 and noise == 0.0:
+def blurred(x: jax.Array, strength: jax.Array) -> jax.Array:
+    """Images (T, n, H, W, 3) of a float type, mixed with their binomial blur over 3 x 3 pixels; strength: (n,) in
+    [0, 1], 1 = the blurred image alone."""
+    soft = x
+    for axis in (2, 3):
+        first, last = jnp.take(soft, jnp.array([0]), axis), jnp.take(soft, jnp.array([-1]), axis)
+        wide = jnp.concatenate([first, soft, last], axis)
+        size = soft.shape[axis]
+        parts = [jax.lax.slice_in_dim(wide, k, k + size, axis=axis) for k in range(3)]
+        soft = 0.25 * parts[0] + 0.5 * parts[1] + 0.25 * parts[2]
+    share = strength.astype(x.dtype)[:, None, None, None]
+    return x + share * (soft - x)
+
+
+def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float, blur: float = 0.0) -> jax.Array:
+    """Images (T, n, H, W, 3) u8 with another exposure, contrast, colour and sharpness for each of the n sequences.
+
+    Args:
+      light: share by which brightness and colour differ at most. noise: standard deviation of each pixel, of the full
+        range. blur: the strongest `blurred`.
+    """
+    if light == 0.0 and noise == 0.0 and blur == 0.0:
         return pixels
     n = pixels.shape[1]
     keys = jax.random.split(key, 3)
     gain = 1.0 + light * jax.random.uniform(keys[0], (n, 1, 1, 3), minval=-1.0, maxval=1.0)
     gain = gain * (1.0 + light * jax.random.uniform(keys[1], (n, 1, 1, 1), minval=-1.0, maxval=1.0))
     x = pixels.astype(jnp.bfloat16) * gain.astype(jnp.bfloat16)
+    if blur:
+        x = blurred(x, blur * jax.random.uniform(jax.random.fold_in(key, 3), (n,)))
     x = x + (255.0 * noise) * jax.random.normal(keys[2], pixels.shape, jnp.bfloat16)
     return jnp.clip(x, 0.0, 255.0).astype(jnp.uint8)
 

@@ -3,13 +3,15 @@
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from ml_collections import ConfigDict
 
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.envs.navigation.draws import OFF
+from urbanverse_mjx.envs.navigation.draws import OFF, Randomization
 
 RANGES = {
     "randomization.friction_scale": (0.5, 0.9),
@@ -50,8 +52,36 @@ def test_the_paper_has_it_and_the_laptop_has_not() -> None:
         assert registry.get_default_config("CocoNav", preset).randomization.to_dict() == OFF
 
 
+def test_each_episode_has_its_camera_mount_and_keeps_it(small_bank: SceneBank) -> None:
+    limits = {"camera_position": 0.05, "camera_angle": 4.0, "camera_fovy": 0.1}
+    env, drawn = begun(small_bank, {f"randomization.{name}": x for name, x in limits.items()})
+    _, plain = begun(small_bank, {"randomization": OFF})
+    mounts = jax.jit(jax.vmap(env._randomization.camera_mount))(drawn.appearance_seed)
+    angles = np.degrees(2.0 * np.asarray(mounts.rotation)[:, 1:])  # small angles about the three axes
+    for values, limit in ((mounts.offset, 0.05), (angles, 4.0), (mounts.fovy_scale[:, None] - 1.0, 0.1)):
+        assert (np.abs(values).max(0) <= limit * 1.001).all()
+        assert (values.max(0) > 0.97 * limit).all()
+        assert (values.min(0) < -0.97 * limit).all()
+    together = np.concatenate([mounts.offset, angles, mounts.fovy_scale[:, None]], axis=1)
+    assert np.abs(np.corrcoef(together.T) - np.eye(7)).max() < 0.2, "drawn independently"
+    np.testing.assert_array_equal(drawn.sim.qpos, plain.sim.qpos)
+    step = jax.jit(jax.vmap(lambda nav: env.advance(nav, np.zeros(2, np.float32))[0]))
+    np.testing.assert_array_equal(step(drawn).appearance_seed, drawn.appearance_seed)
+    assert Randomization(ConfigDict(OFF)).camera_mount(jnp.int32(3)) is None
+    older = ConfigDict({name: x for name, x in OFF.items() if not name.startswith("camera")})
+    assert not Randomization(older).varies_camera, "policies from before this load"
+
+
 @pytest.mark.parametrize(
-    ("name", "value"), [("friction_scale", (0.0, 1.0)), ("mass_scale", (1.2, 1.1)), ("appearance", 1.0)]
+    ("name", "value"),
+    [
+        ("friction_scale", (0.0, 1.0)),
+        ("mass_scale", (1.2, 1.1)),
+        ("appearance", 1.0),
+        ("camera_position", -0.1),
+        ("camera_angle", 90.0),
+        ("camera_fovy", 1.0),
+    ],
 )
 def test_bad_values_are_refused(small_bank: SceneBank, name: str, value: Any) -> None:
     with pytest.raises(ValidationError, match=name):

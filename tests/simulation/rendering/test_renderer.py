@@ -5,6 +5,7 @@ import pathlib
 
 import imageio.v3 as iio
 import jax
+import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ import pytest
 from tests.support import render_reference
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.assets.appearances.skies import build_sky
-from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
+from urbanverse_mjx.datatypes import CameraMount, RobotSpec, SceneBank, ValidationError
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import load, make_coco
 from urbanverse_mjx.simulation.rendering.renderer import OUTPUTS, ROBOT_LABEL, SKY_LABEL, Renderer
 from urbanverse_mjx.simulation.rendering.settings import PBR_EXPOSURE
@@ -104,6 +106,27 @@ def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> No
     np.testing.assert_allclose(np.asarray(image["depth"])[same], depth[same], rtol=1e-4, atol=off)
     without = renderer.view(0, camera_position, cases.DOWN, fovy)
     assert not (np.asarray(without["object"]) == ROBOT_LABEL).any()
+
+
+def test_a_camera_mounted_otherwise_sees_what_mujocos_does(bank: SceneBank, robot: RobotSpec) -> None:
+    """On a robot that is turned, so that the frames of offset and rotation matter."""
+    street = render_reference.build_street(bank, 0, robot)
+    camera = street.model.cam(robot.camera).id
+    offset, turn = np.array([0.03, -0.05, 0.1]), np.array([0.1, -0.2, 0.3])
+    rotation = np.asarray(rotations.from_rotation_vector(turn), np.float64)
+    street.model.cam_pos[camera] += offset
+    street.model.cam_quat[camera] = rotations.product(street.model.cam_quat[camera], rotation)
+    street.model.cam_fovy[camera] *= 1.2
+    render_reference.place(street, robot, np.array([10.0, 6.5, 0.15, 0.7]))
+    depth, slot = render_reference.cast(street, robot.camera, cases.HEIGHT, cases.WIDTH)
+    renderer = cases.make_renderer(bank, robot, outputs=("depth", "object"))
+    mount = CameraMount(*(jnp.asarray(x, jnp.float32) for x in (offset, rotation, 1.2)))
+    inputs = 0, street.data.xpos, street.data.xquat
+    image = {name: np.asarray(x) for name, x in renderer(*inputs, mount=mount).items()}
+    same = image["object"] == slot
+    assert same.mean() > 0.995
+    np.testing.assert_allclose(image["depth"][same], depth[same], rtol=1e-3, atol=2e-3)
+    assert (np.asarray(renderer(*inputs)["object"]) == slot).mean() < 0.9, "it matters here"
 
 
 def test_empty_slots_are_not_seen(bank: SceneBank, robot: RobotSpec, places: cases.Places) -> None:

@@ -40,6 +40,9 @@ def _paper() -> ConfigDict:
                 "friction_scale": (0.7, 1.3),
                 "mass_scale": (0.8, 1.25),
                 "appearance": 0.2,
+                "camera_position": 0.0,
+                "camera_angle": 0.0,
+                "camera_fovy": 0.0,
             },
             # clean, static or dynamic, UrbanSim's scenario types (see scenarios.py); `crowd` is for dynamic alone.
             "scenario": "static",

@@ -373,7 +373,8 @@ class NavEnv(StagedBase[NavState]):
     def _pixels(self, nav: NavState) -> jax.Array:
         assert self.renderer is not None
         sim, seed = nav.sim, nav.appearance_seed if self._randomization.varies_appearance else 0
-        frame = self.renderer(sim.scene, sim.xpos, sim.xquat, seed, self.agents_of(nav), sim.bodies)
+        mount = self._randomization.camera_mount(nav.appearance_seed)
+        frame = self.renderer(sim.scene, sim.xpos, sim.xquat, seed, self.agents_of(nav), sim.bodies, mount)
         if not self._config.vision_config.depth:
             return frame["rgb"]
         # The renderer writes 0 where no ray hit: the largest depth.

@@ -102,6 +102,7 @@ def _quick() -> ConfigDict:
             "mirror": True,
             "light": 0.2,
             "pixel_noise": 0.01,
+            "blur": 0.0,
             "seed": 0,
             "network": {
                 "layers": ((16, 4, 4), (32, 2, 2), (64, 2, 1)),
@@ -144,6 +145,7 @@ def _best() -> ConfigDict:
             "mirror": True,
             "light": 0.2,
             "pixel_noise": 0.01,
+            "blur": 0.0,
             "seed": 0,
             "network": {
                 "layers": ((32, 4, 2), (64, 4, 2), (64, 4, 2)),
@@ -180,6 +182,7 @@ def _finetune() -> dict[str, object]:
         "mirror": True,
         "light": 0.2,
         "pixel_noise": 0.01,
+        "blur": 0.0,
         "map_layers": ((32, 4, 2), (64, 4, 2)),
         "critic_hidden": (256, 256, 128),
     }

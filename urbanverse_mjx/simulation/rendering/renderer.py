@@ -15,7 +15,7 @@ import numpy as np
 import warp as wp
 
 from ... import settings as process
-from ...datatypes import AgentMotion, Bodies, RobotSpec, SceneBank, ValidationError
+from ...datatypes import AgentMotion, Bodies, CameraMount, RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
 from ...precision import full_precision
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
@@ -137,6 +137,7 @@ class Renderer:
         appearance_seed: Any = 0,
         agents: AgentMotion | None = None,
         bodies: Bodies | None = None,
+        mount: CameraMount | None = None,
     ) -> dict[str, jax.Array]:
         """One frame through the robot's camera; pure, works alone, under jit and any nesting of vmap.
 
@@ -145,6 +146,7 @@ class Renderer:
           appearance_seed: () i32, 0 = that of the bank; other numbers select other appearances, see `appearance`.
             agents: their poses (position, heading, present); None leaves them out. bodies: moved objects; None = all in
             their places of the bank.
+          mount: how the camera differs from the robot's description; None = not at all.
 
         Returns:
           the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
@@ -154,9 +156,13 @@ class Renderer:
             raise ValidationError("renderer: found no robot; needed one with a camera; call `view` instead")
         xpos, xquat = jnp.asarray(xpos, jnp.float32), jnp.asarray(xquat, jnp.float32)
         body = self.camera.body
-        camera_position = xpos[body] + rotations.rotate(xquat[body], jnp.asarray(self.camera.position))
-        turn = rotations.product(xquat[body], jnp.asarray(self.camera.quaternion))
-        return self.view(scene, camera_position, turn, self.camera.fovy, xpos, xquat, appearance_seed, agents, bodies)
+        place, turn, fovy = (jnp.asarray(x) for x in (self.camera.position, self.camera.quaternion, self.camera.fovy))
+        if mount is not None:
+            place, turn = place + mount.offset, rotations.product(turn, mount.rotation)
+            fovy = fovy * mount.fovy_scale
+        camera_position = xpos[body] + rotations.rotate(xquat[body], place)
+        turn = rotations.product(xquat[body], turn)
+        return self.view(scene, camera_position, turn, fovy, xpos, xquat, appearance_seed, agents, bodies)
 
     def view(
         self,
