@@ -121,7 +121,7 @@ def test_poses_focal_length_and_metric_scale_are_found(frames: Frames, structure
     assert recording.poses()[:, 2, 3] == pytest.approx([HEIGHT] * 9, abs=0.08)
 
 
-@pytest.mark.parametrize("threads", [1, 3, 8])
+@pytest.mark.parametrize("threads", [1, pytest.param(3, marks=pytest.mark.slow), 8])
 def test_the_structure_does_not_depend_on_threads(
     frames: Frames, structure: Structure, threads: int, monkeypatch: pytest.MonkeyPatch
 ):
@@ -131,7 +131,7 @@ def test_the_structure_does_not_depend_on_threads(
         assert np.array_equal(getattr(structure, field.name), getattr(other, field.name)), field.name
 
 
-@pytest.mark.parametrize("seed", [1, 5])
+@pytest.mark.parametrize("seed", [1, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_short_clip_gets_a_lens_that_a_camera_has(tmp_path: pathlib.Path, seed: int):
     """Soft frames with noise, of which a long lens with k1 above 0.5 explains most matches best."""
     rng = np.random.default_rng(seed)

@@ -63,6 +63,8 @@ def test_look_ups_keep_the_axes_of_the_places(small_bank: SceneBank) -> None:
 
 #: Every annotation of `envs` is checked while a reset and a step of each task are traced.
 TRACE = """
+import gc
+gc.disable()  # a fifth of the time, and the process ends soon
 from jaxtyping import install_import_hook
 with install_import_hook("urbanverse_mjx.envs", "beartype.beartype"):
     import urbanverse_mjx.envs.registry

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
+from tests.support.pool_tasks import square
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.pipeline.generation.run_folder import RunFolder
 from urbanverse_mjx.process_pool import results_as_completed
@@ -26,7 +27,7 @@ ROOT = pathlib.Path(__file__).parents[2]
 POOL = """
 import pathlib, sys
 from urbanverse_mjx.process_pool import results_as_completed
-from tests.pipeline.test_process_pool import sleep
+from tests.support.pool_tasks import sleep
 if __name__ == "__main__":
     for _ in results_as_completed(sleep, [(sys.argv[1], k) for k in range(2)], 2):
         pass
@@ -35,7 +36,7 @@ if __name__ == "__main__":
 CONTAINED = """
 import sys
 from urbanverse_mjx.assets.importing.containment import contained
-from tests.pipeline.test_process_pool import sleep
+from tests.support.pool_tasks import sleep
 if __name__ == "__main__":
     contained(sleep, sys.argv[1], 0)
 """
@@ -44,18 +45,10 @@ COMMAND = """
 import os, subprocess, sys
 code = (
     "import sys; from urbanverse_mjx.process_pool import end_with_parent; end_with_parent(int(sys.argv[2]));"
-    "from tests.pipeline.test_process_pool import sleep; sleep(sys.argv[1], 0)"
+    "from tests.support.pool_tasks import sleep; sleep(sys.argv[1], 0)"
 )
 subprocess.run([sys.executable, "-c", code, sys.argv[1], str(os.getpid())])
 """
-
-
-def sleep(folder: str, number: int) -> None:
-    """The task of the workers."""
-    path = pathlib.Path(folder) / f".{number}"
-    path.write_text(str(os.getpid()))
-    path.rename(pathlib.Path(folder) / str(number))
-    time.sleep(120)
 
 
 @pytest.fixture
@@ -94,15 +87,9 @@ def test_workers_end_with_a_killed_parent(
     assert psutil.wait_procs(killed, timeout=10)[1] == []
 
 
-def _square(number: int) -> tuple[int, int]:
-    if number < 0:
-        raise ValueError(f"found {number}")
-    return number * number, os.getpid()
-
-
 @pytest.mark.parametrize("workers", [1, 2])
 def test_every_result_comes_once_with_its_number(workers: int) -> None:
-    found = dict(results_as_completed(_square, [(k,) for k in range(5)], workers))
+    found = dict(results_as_completed(square, [(k,) for k in range(5)], workers))
     assert {number: square for number, (square, _) in found.items()} == {k: k * k for k in range(5)}
     assert (os.getpid() in {process for _, process in found.values()}) == (workers == 1)
 
@@ -110,7 +97,7 @@ def test_every_result_comes_once_with_its_number(workers: int) -> None:
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_error_in_a_worker_is_raised_here(workers: int) -> None:
     with pytest.raises(ValueError, match="found -1"):
-        list(results_as_completed(_square, [(1,), (-1,), (2,)], workers))
+        list(results_as_completed(square, [(1,), (-1,), (2,)], workers))
 
 
 def test_the_next_run_removes_the_folder_of_a_killed_one_and_nothing_else(tmp_path: pathlib.Path) -> None:
