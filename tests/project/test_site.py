@@ -3,6 +3,7 @@
 import pathlib
 import re
 import shlex
+import subprocess
 from typing import Any
 
 import pytest
@@ -124,3 +125,13 @@ def test_the_navigation_holds_every_page_and_no_other() -> None:
             assert found, name
             reached |= found
     assert set(DOCS.rglob("*.md")) - reached == set(), "pages without a place in mkdocs.yml"
+
+
+@pytest.mark.slow
+def test_the_site_builds(tmp_path: pathlib.Path) -> None:
+    """A name that the API's pages give and no module defines is found here alone; fetches what builds the site."""
+    command = ["make", "docs", f"ARGS=--site-dir {tmp_path / 'site'}"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+    for page in ("index.html", "api/envs.html", "CHANGELOG.html"):
+        assert (tmp_path / "site" / page).stat().st_size > 2000, page
