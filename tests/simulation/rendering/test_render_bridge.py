@@ -179,11 +179,12 @@ def test_a_deleted_renderer_is_freed_and_its_compiled_calls_say_so(
     bank: SceneBank, robot: RobotSpec, inputs: Inputs
 ) -> None:
     renderer = cases.make_renderer(bank, robot)
-    compiled = jax.jit(jax.vmap(renderer)).lower(*inputs).compile()
+    draw = jax.jit(jax.vmap(renderer))
+    compiled = draw.lower(*inputs).compile()
     compiled(*(jnp.asarray(x) for x in inputs))
     gone = weakref.ref(renderer)
-    del renderer
-    jax.clear_caches()
+    draw.clear_cache()
+    del renderer, draw
     gc.collect()
     assert gone() is None
     with pytest.raises(Exception, match="engine that was deleted"):
