@@ -11,6 +11,7 @@ folders to `--out`.
 """
 
 import argparse
+import concurrent.futures
 import json
 import pathlib
 import sys
@@ -266,8 +267,10 @@ def arguments() -> argparse.Namespace:
 
 def load(args: argparse.Namespace, log: Log) -> tuple[SceneBank, list[str], Suite]:
     """All scenes, ids of those to train on, and the unseen ones."""
-    train = [SceneBank.load(path) for path in args.train]
-    test = {path.parent.name: SceneBank.load(path) for path in args.test}
+    with concurrent.futures.ThreadPoolExecutor() as pool:  # unpacking runs in several threads
+        banks = list(pool.map(SceneBank.load, [*args.train, *args.test]))
+    train, tests = banks[: len(args.train)], banks[len(args.train) :]
+    test = dict(zip((path.parent.name for path in args.test), tests, strict=True))
     bank = bank_join.join([*train, *test.values()]) if len(train) + len(test) > 1 else train[0]
     ids = [name for part in train for name in part.scene_ids]
     held = {

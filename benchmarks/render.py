@@ -36,6 +36,7 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.rendering import street_draw
+from urbanverse_mjx.simulation.rendering.model import build_render_model
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 SHADINGS = ("matte", "pbr", "megakernel", "stock")
@@ -165,7 +166,9 @@ class Megakernel(Bare):
     def __init__(self, renderer: Renderer, place: tuple[np.ndarray, ...], stock: bool) -> None:
         super().__init__(renderer, place)
         with wp.ScopedDevice(self.device):
-            assets = SharedAssets(renderer.bank, renderer._model, renderer.settings)
+            assets = SharedAssets(
+                renderer.bank, build_render_model(renderer.bank, make_coco(), whole=True), renderer.settings
+            )
             self.batch = WorldBatch(assets, self.number)
             self.place()
             self.stock = self._stock(assets, self.batch) if stock else None

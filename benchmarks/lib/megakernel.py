@@ -16,7 +16,7 @@ from benchmarks.lib import megakernel_kernels as kernels
 from benchmarks.lib.megakernel_kernels import RobotTables, SceneTables
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.geometry import rotations
-from urbanverse_mjx.simulation.rendering.model import RenderModel
+from urbanverse_mjx.simulation.rendering.model import RenderModel, images
 from urbanverse_mjx.simulation.rendering.pbr_private import BAKE_GROUPS, texel_angle
 from urbanverse_mjx.simulation.rendering.scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from urbanverse_mjx.simulation.rendering.settings import PBR_EXPOSURE, PLAIN_SKY, Settings
@@ -45,7 +45,7 @@ def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
     tables.lower = wp.array(lower, dtype=wp.vec3)
     tables.upper = wp.array(upper, dtype=wp.vec3)
     tables.mesh = wp.array(mesh, dtype=int)
-    tables.material = wp.array(np.where(empty, model.absent_material, material), dtype=int)
+    tables.material = wp.array(np.where(empty, model.model.material("absent").id, material), dtype=int)
     tables.roughness = wp.array(bank.material_roughness[material], dtype=float)
     tables.metallic = wp.array(bank.material_metallic[material], dtype=float)
     tables.sun_direction = wp.array(sun, dtype=wp.vec3)
@@ -77,8 +77,8 @@ class SharedAssets:
         self.device = wp.get_device()
         mjm = model.model
         self.model = mjw.put_model(mjm)
-        self.model.mesh_vert = wp.array(model.vertices, dtype=wp.vec3)
-        self.model.mesh_normal = wp.array(model.normals, dtype=wp.vec3)
+        self.model.mesh_vert = wp.array(model.meshes.vertices, dtype=wp.vec3)
+        self.model.mesh_normal = wp.array(model.meshes.normals, dtype=wp.vec3)
         self.tables = build_scene_tables(bank, model, settings.sky)
         self.robot = build_robot_tables(model)
         self.context = pbr.create_render_context(
@@ -107,7 +107,7 @@ class SharedAssets:
         context.base.mesh_registry = {mesh.id: mesh for mesh in meshes}
         context.base.mesh_bvh_id = wp.array([mesh.id for mesh in meshes], dtype=wp.uint64)
         # The context uploads the textures of the geoms' materials at compile time; scenes choose theirs later.
-        textures, sizes = upload_textures(self.render_model)
+        textures, sizes = upload_textures(tuple(images(mjm)))
         context.textures_registry = textures
         context.textures = wp.array(textures, dtype=wp.Texture2D)
         context.tex_size = wp.array(sizes, dtype=wp.vec2)
@@ -132,7 +132,7 @@ class SharedAssets:
         corners = slice(mjm.mesh_vertadr[number], mjm.mesh_vertadr[number] + mjm.mesh_vertnum[number])
         faces = slice(mjm.mesh_faceadr[number], mjm.mesh_faceadr[number] + mjm.mesh_facenum[number])
         return wp.Mesh(
-            points=wp.array(self.render_model.vertices[corners], dtype=wp.vec3),
+            points=wp.array(self.render_model.meshes.vertices[corners], dtype=wp.vec3),
             indices=wp.array(mjm.mesh_face[faces].ravel(), dtype=wp.int32),
             bvh_constructor="sah",
             bvh_leaf_size=2,

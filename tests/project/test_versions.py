@@ -21,10 +21,11 @@ from urbanverse_mjx.pipeline.generation.run_folder import key_of
 
 ROOT = pathlib.Path(__file__).parents[2]
 PACKAGE = ROOT / "urbanverse_mjx"
-#: Modules that no version number needs to stand for: they find files, start processes, show progress, keep the record
-#: of a run or word errors, and what the generators of graphs make enters keys as the graph's content.
+#: Modules that no version number needs to stand for: they find files, start processes, show progress, free memory, keep
+#: the record of a run or word errors, and what the generators of graphs make enters keys as the graph's content.
 APART = {
-    *("settings", "versions", "precision", "process_pool", "work_folder", "progress", "simulation.private_modules"),
+    *("settings", "versions", "precision", "process_pool", "work_folder", "progress"),
+    *("simulation.private_modules", "simulation.host_memory"),
     *("pipeline.generation.run_folder", "pipeline.generation.sources"),
     *("citygen.craftbench", "citygen.procedural_places", "citygen.procedural_streets", "citygen.validation_streets"),
     "scene.library",

@@ -100,12 +100,18 @@ def _stacked(arrays: Sequence[np.ndarray], name: str) -> np.ndarray:
     shapes = [a.shape[1:] for a in arrays]
     if len(set(shapes)) == 1:
         return np.concatenate(arrays)
-    shape = tuple(max(sizes) for sizes in zip(*shapes, strict=True))
-    out = np.full((sum(len(a) for a in arrays), *shape), _EMPTY.get(name, 0), arrays[0].dtype)
+    shape, fill = tuple(max(sizes) for sizes in zip(*shapes, strict=True)), _EMPTY.get(name, 0)
+    # Where nothing is written into zeros the system gives no memory for them: half of the maps of 200 streets.
+    whole, dtype = (sum(len(a) for a in arrays), *shape), arrays[0].dtype
+    out = np.full(whole, fill, dtype) if fill else np.zeros(whole, dtype)
     first = 0
     for array in arrays:
         block = out[first : first + len(array)]
-        block[tuple(slice(0, n) for n in array.shape)] = array
+        if name == "map_kind":
+            for scene, cells in zip(block, array, strict=True):
+                _copy_filled(scene, cells)
+        else:
+            block[tuple(slice(0, n) for n in array.shape)] = array
         if name == "inst_rotation":
             block[:, array.shape[1] :] = np.eye(3)
         if name == "slot_quaternion":
@@ -116,6 +122,14 @@ def _stacked(arrays: Sequence[np.ndarray], name: str) -> np.ndarray:
     if name == "episode_waypoints":
         return _repeat_last(out, arrays)
     return out
+
+
+def _copy_filled(out: np.ndarray, cells: np.ndarray) -> None:
+    """Copies (X, Y) cells into zeros, without those beyond the last that is not 0 along either axis."""
+    used = [np.flatnonzero(cells.any(axis)) for axis in (1, 0)]
+    if len(used[0]):
+        part = tuple(slice(0, int(rows[-1]) + 1) for rows in used)
+        out[part] = cells[part]
 
 
 def _repeat_last(out: np.ndarray, arrays: Sequence[np.ndarray]) -> np.ndarray:

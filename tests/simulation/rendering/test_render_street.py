@@ -125,7 +125,9 @@ def _draw_both(bank: SceneBank, robot: RobotSpec, places: cases.Places, settings
         outputs["depth"] = wp.zeros((number, 0, 0), dtype=float)
         for job in StreetBatch(Streets(bank, model, settings), number, 1).jobs(inputs, outputs):
             job()
-        WorldBatch(SharedAssets(bank, model, settings), number).render(*inputs[:-1], rgb=theirs)
+        WorldBatch(SharedAssets(bank, build_render_model(bank, robot, whole=True), settings), number).render(
+            *inputs[:-1], rgb=theirs
+        )
         return [ours.numpy().astype(int), theirs.numpy().astype(int)]
 
 

@@ -100,7 +100,7 @@ class NavEnv(StagedBase[NavState]):
             name: jnp.asarray(getattr(bank, name))
             for name in ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
         }
-        self._walkable = open_ground.pack(traversable(bank.map_kind), bank.map_origin)
+        self._walkable = open_ground.pack(map(traversable, bank.map_kind), bank.map_origin)
         self._map_resolution = float(bank.map_resolution)
         self._surroundings = Surroundings(bank, robot.planner_height)
         #: The crowd of the scenario dynamic; None in the others.

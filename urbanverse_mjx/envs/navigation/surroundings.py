@@ -119,9 +119,13 @@ class Surroundings:
     """
 
     def __init__(self, bank: SceneBank, height: float) -> None:
-        self.fields = kept_fields(bank, height)
-        self._fields = jnp.asarray(self.fields)
+        self._fields = jnp.asarray(kept_fields(bank, height))
         self._origin = jnp.asarray(bank.map_origin, jnp.float32)
+
+    @property
+    def fields(self) -> UInt8[np.ndarray, "Z X Y 2"]:
+        """See `build_fields`; read back from the device, the only place that holds them."""
+        return np.asarray(self._fields)
 
     def distances(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
         """(..., 2) m to the next hull and to the edge of the walkable ground, at most `FAR`.

@@ -50,13 +50,16 @@ class Slots(NamedTuple):
 
 
 def instance_tables(bank: SceneBank) -> tuple[InstanceTable, InstanceTable]:
-    """The objects' hulls and the ground prisms of a bank as float32 arrays."""
+    """The objects' hulls and the ground prisms of a bank as numpy arrays, i32 and f32; the bank's own where they fit.
+
+    The grids are most of a large bank: an engine turns them into its device's arrays and keeps none of these.
+    """
 
     def table(hull: Any, owner: Any, position: Any, rotation: Any, friction: Any, grid: Any) -> InstanceTable:
         box = bank.hull_box[np.maximum(hull, 0)]
         centre = position + np.einsum("zqij,zqj->zqi", rotation, box[:, :, 0])
         arrays = (hull, owner, position, rotation, friction, centre, box[:, :, 1], grid)
-        return InstanceTable(*(jnp.asarray(a, jnp.int32 if a.dtype.kind == "i" else jnp.float32) for a in arrays))
+        return InstanceTable(*(np.asarray(a, np.int32 if a.dtype.kind == "i" else np.float32) for a in arrays))
 
     eye = np.broadcast_to(np.eye(3, dtype=np.float32), (*bank.prism_hull.shape, 3, 3))
     ground = np.full_like(bank.prism_hull, -1)

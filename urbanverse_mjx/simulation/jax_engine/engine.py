@@ -98,7 +98,7 @@ class JaxEngine(EngineBase):
         self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, self.num_pairs)
         self.iterations = v.integer(iterations, "engine.iterations", 1)
         self.line_steps = v.integer(line_steps, "engine.line_steps", 1)
-        objects, prisms = static_slots.instance_tables(bank)
+        objects, prisms = jax.tree.map(jnp.asarray, static_slots.instance_tables(bank))
         self.tables = EngineTables(
             hull_contact.hull_table(bank), objects, prisms, jnp.asarray(bank.grid_origin), jnp.asarray(bank.grid_cell)
         )

@@ -1,17 +1,21 @@
-"""The render model: one MjModel with every mesh, texture and material of a bank, N slots and the robot's surfaces.
+"""The render model: the meshes of a bank with MuJoCo's normals, and an MjModel of the surfaces that move.
 
 All geoms belong to the world body, so the model has no joint and no dynamics: the renderer writes the geoms' poses.
 Hulls are not in it, because the renderer builds a search tree for every mesh it is given.
+
+MuJoCo compiles the bank's meshes, a few at a time: its compiler needs some 800 bytes a triangle, ten gigabytes for 200
+streets at once.
 """
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
 
 from ...datatypes import RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
+from .meshes import RenderMeshes
 from .settings import AGENT_LABEL, ROBOT_LABEL
 from .shapes import primitive_mesh
 
@@ -23,6 +27,8 @@ NEAR = 0.01
 SLOT_GROUP = 0
 #: MuJoCo's default colour: a geom of this colour shows its material's colour instead.
 _INHERIT = (0.5, 0.5, 0.5, 1.0)
+#: Triangles of the meshes that are compiled together, at least.
+_TOGETHER = 1 << 17
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,11 +52,10 @@ class RenderModel:
     """The render model.
 
     Attributes:
-      model: compiled; geoms [0, N) are the slots, [N, N + R) the moving ones: the robot's visual geoms, then one geom
-        for each agent; all are meshes. vertices (ΣV, 3), normals (ΣVn, 3) f32: `model.mesh_vert` and `mesh_normal`
-        turned back into the frames in which the meshes were authored (the compiler moves every mesh to its inertial
-        frame).
-      num_slots: N. absent_material: an invisible material, for empty slots. robot_body (R,) i32, robot_position (R, 3)
+      model: compiled; its R geoms are those that move: the robot's visual geoms, then one geom for each agent; all are
+        meshes. Where the model is whole, they stand behind `num_slots` geoms, one for each slot of the bank.
+      meshes: the bank's, then those of `model`; of a whole model, which holds them all in that order, these alone.
+      num_slots: see above, else 0. robot_body (R,) i32, robot_position (R, 3)
         f32, robot_rotation (R, 3, 3) f32: T_body_geom. robot_half (R, 2, 3) f32: centre and half size of the box around
         each robot geom in the geom's frame. labels (R, 2) i32: "object" and "category" of the moving geoms.
       num_bodies: bodies of the robot's model, the world included (1 without a robot), and behind them the agents.
@@ -59,10 +64,8 @@ class RenderModel:
     """
 
     model: mujoco.MjModel
-    vertices: np.ndarray
-    normals: np.ndarray
+    meshes: RenderMeshes
     num_slots: int
-    absent_material: int
     robot_body: np.ndarray
     robot_position: np.ndarray
     robot_rotation: np.ndarray
@@ -73,41 +76,66 @@ class RenderModel:
     cameras: dict[str, RobotCamera]
 
 
+def _add_material(spec: mujoco.MjSpec, bank: SceneBank, number: int) -> str:
+    """Adds a material of the bank with its texture, where it is not there yet; returns its name."""
+    name, texture = f"bank/{number}", int(bank.material_texture[number])
+    if spec.material(name) is not None:
+        return name
+    material = spec.add_material(
+        name=name,
+        rgba=bank.material_rgba[number],
+        roughness=float(bank.material_roughness[number]),
+        metallic=float(bank.material_metallic[number]),
+    )
+    if texture >= 0:
+        label = f"bank/{texture}"
+        if spec.texture(label) is None:
+            _add_texture(spec, bank, texture, label)
+        material.textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = label
+    return name
+
+
+def _add_texture(spec: mujoco.MjSpec, bank: SceneBank, number: int, name: str) -> None:
+    height, width, channels = (int(n) for n in bank.texture_shape[number])
+    texture = spec.add_texture(
+        name=name,
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        width=width,
+        height=height,
+        nchannel=channels,
+        colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
+    )
+    texture.data = bank.texture(number).tobytes()
+
+
+def _add_mesh(spec: mujoco.MjSpec, bank: SceneBank, number: int) -> str:
+    """Adds a mesh of the bank, where it is not there yet; returns its name."""
+    name = f"bank/{number}"
+    if spec.mesh(name) is not None:
+        return name
+    corners = slice(bank.mesh_vertex_start[number], bank.mesh_vertex_start[number + 1])
+    faces = bank.mesh_faces[bank.mesh_face_start[number] : bank.mesh_face_start[number + 1]]
+    # The bank's UV start at the lower left corner of a texture, MuJoCo's at the upper left.
+    uv = bank.mesh_uv[corners] * [1.0, -1.0] + [0.0, 1.0]
+    # Inertia of the surface: flat ground has no volume.
+    spec.add_mesh(
+        name=name,
+        uservert=bank.mesh_vertices[corners].ravel(),
+        userface=faces.ravel(),
+        usertexcoord=uv.ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+    return name
+
+
 def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
     """Adds the bank's textures, materials, meshes and one geom per slot; numbers stay those of the bank."""
-    for i, (height, width, channels) in enumerate(bank.texture_shape):
-        texture = spec.add_texture(
-            name=f"bank/{i}",
-            type=mujoco.mjtTexture.mjTEXTURE_2D,
-            width=int(width),
-            height=int(height),
-            nchannel=int(channels),
-            colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
-        )
-        texture.data = bank.texture(i).tobytes()
-    for i, rgba in enumerate(bank.material_rgba):
-        material = spec.add_material(
-            name=f"bank/{i}",
-            rgba=rgba,
-            roughness=float(bank.material_roughness[i]),
-            metallic=float(bank.material_metallic[i]),
-        )
-        if bank.material_texture[i] >= 0:
-            material.textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = f"bank/{bank.material_texture[i]}"
-    spec.add_material(name="absent", rgba=(0.0, 0.0, 0.0, 0.0))
+    for i in range(len(bank.texture_shape)):
+        _add_texture(spec, bank, i, f"bank/{i}")
+    for i in range(len(bank.material_rgba)):
+        _add_material(spec, bank, i)
     for i in range(bank.num_meshes):
-        corners = slice(bank.mesh_vertex_start[i], bank.mesh_vertex_start[i + 1])
-        faces = bank.mesh_faces[bank.mesh_face_start[i] : bank.mesh_face_start[i + 1]]
-        # The bank's UV start at the lower left corner of a texture, MuJoCo's at the upper left.
-        uv = bank.mesh_uv[corners] * [1.0, -1.0] + [0.0, 1.0]
-        # Inertia of the surface: flat ground has no volume.
-        spec.add_mesh(
-            name=f"bank/{i}",
-            uservert=bank.mesh_vertices[corners].ravel(),
-            userface=faces.ravel(),
-            usertexcoord=uv.ravel(),
-            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-        )
+        _add_mesh(spec, bank, i)
     for _ in range(bank.slot_mesh.shape[1]):
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
@@ -118,6 +146,31 @@ def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
             group=SLOT_GROUP,
             rgba=_INHERIT,
         )
+
+
+def _bank_meshes(bank: SceneBank) -> Iterator[RenderMeshes]:
+    """The bank's meshes as MuJoCo compiles them, some at a time."""
+    first = 0
+    while first < bank.num_meshes:
+        spec, triangles, last = mujoco.MjSpec(), 0, first
+        while last < bank.num_meshes and triangles < _TOGETHER:
+            _add_mesh(spec, bank, last)
+            triangles += int(bank.mesh_face_start[last + 1] - bank.mesh_face_start[last])
+            last += 1
+        yield RenderMeshes.of(spec.compile())
+        first = last
+
+
+def images(model: mujoco.MjModel) -> Iterator[np.ndarray]:
+    """(H, W, channels) u8: every texture of a model."""
+    for height, width, channels, start in zip(
+        model.tex_height.tolist(),
+        model.tex_width.tolist(),
+        model.tex_nchannel.tolist(),
+        model.tex_adr.tolist(),
+        strict=True,
+    ):
+        yield model.tex_data[start : start + height * width * channels].reshape(height, width, channels)
 
 
 def _geom_box(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray]:
@@ -207,18 +260,6 @@ def _add_robot_mesh(spec: mujoco.MjSpec, robot: mujoco.MjModel, mesh: int, name:
     )
 
 
-def _authored(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and normals of all meshes in the frames they were authored in."""
-    vertices, normals = model.mesh_vert.astype(np.float64), model.mesh_normal.astype(np.float64)
-    turns = rotations.matrix_f64(model.mesh_quat) if model.nmesh else np.zeros((0, 3, 3))
-    for i, rotation in enumerate(turns):
-        corners = slice(model.mesh_vertadr[i], model.mesh_vertadr[i] + model.mesh_vertnum[i])
-        arrows = slice(model.mesh_normaladr[i], model.mesh_normaladr[i] + model.mesh_normalnum[i])
-        vertices[corners] = vertices[corners] @ rotation.T + model.mesh_pos[i]
-        normals[arrows] = normals[arrows] @ rotation.T
-    return vertices.astype(np.float32), normals.astype(np.float32)
-
-
 def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
     return {
         robot.camera(i).name: RobotCamera(
@@ -242,8 +283,8 @@ def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, appearances: Sequence[int]
         mesh = bank.agents["mesh"][appearance]
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=f"bank/{mesh}",
-            material=f"bank/{bank.mesh_material[mesh]}",
+            meshname=_add_mesh(spec, bank, mesh),
+            material=_add_material(spec, bank, int(bank.mesh_material[mesh])),
             contype=0,
             conaffinity=0,
             group=SLOT_GROUP,
@@ -255,11 +296,15 @@ def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, appearances: Sequence[int]
     return np.array(boxes, np.float64).reshape(-1, 2, 3)
 
 
-def build_render_model(bank: SceneBank, robot: RobotSpec | None, appearances: Sequence[int] = ()) -> RenderModel:
+def build_render_model(
+    bank: SceneBank, robot: RobotSpec | None, appearances: Sequence[int] = (), whole: bool = False
+) -> RenderModel:
     """Builds the render model of a bank and, if given, a robot and agents.
 
     Args:
       appearances: row of the bank's agents for each agent.
+      whole: whether the model itself holds the bank's meshes, materials, textures and slots, as MuJoCo's own renderers
+        need them.
 
     Raises:
       ValidationError: the bank has no visual mesh, the robot has a visual geom without a surface, or the bank has no
@@ -272,14 +317,16 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, appearances: Se
     # `visual.map` holds the far and near planes, in extents of the model (here 1 m).
     spec.visual.map.znear, spec.visual.map.zfar = NEAR, FAR
     spec.visual.headlight.active = 0
-    _add_bank(spec, bank)
+    if whole:
+        _add_bank(spec, bank)
+    spec.add_material(name="absent", rgba=(0.0, 0.0, 0.0, 0.0))
     robot_model = None if robot is None else mujoco.MjModel.from_xml_string(robot.mjcf)
     geoms = [] if robot_model is None else _add_robot(spec, robot_model)
     agent_boxes = _add_agents(spec, bank, appearances)
     spec.worldbody.add_camera(name="eye")
     spec.worldbody.add_light(name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=True, dir=(0, 0, -1))
     model = spec.compile()
-    vertices, normals = _authored(model)
+    own = [RenderMeshes.of(model)]
     body, position, quaternion, boxes = np.zeros(0, np.int32), np.zeros((0, 3)), np.zeros((0, 4)), []
     if robot_model is not None:
         body = robot_model.geom_bodyid[geoms].astype(np.int32)
@@ -292,10 +339,8 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, appearances: Se
     rotation = np.concatenate([rotations.matrix_f64(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
     return RenderModel(
         model=model,
-        vertices=vertices,
-        normals=normals,
-        num_slots=bank.slot_mesh.shape[1],
-        absent_material=len(bank.material_rgba),
+        meshes=RenderMeshes.joined(own if whole else [*_bank_meshes(bank), *own]),
+        num_slots=bank.slot_mesh.shape[1] if whole else 0,
         robot_body=np.concatenate([body, bodies + np.arange(number)]).astype(np.int32),
         robot_position=np.concatenate([position.reshape(-1, 3), np.zeros((number, 3))]).astype(np.float32),
         robot_rotation=rotation.astype(np.float32),

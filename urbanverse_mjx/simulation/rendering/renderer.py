@@ -18,10 +18,12 @@ from ... import settings as process
 from ...datatypes import AgentMotion, Bodies, CameraMount, RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
 from ...precision import full_precision
+from .. import host_memory
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
-from .model import build_render_model
+from .model import RenderModel, RobotCamera, build_render_model
 from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Settings
 from .street_batch import StreetBatch, Streets
+from .threads import run_all
 
 #: m and 1 - cos of half the angle from which an object counts as moved from its place in the bank.
 _MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6
@@ -113,20 +115,17 @@ class Renderer:
         self.bank = bank
         self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies)
         self.threads = threads or process.num_threads()
-        self._model = build_render_model(bank, robot, agents)
+        self._build_model = functools.partial(build_render_model, bank, robot, tuple(agents))
+        self._model: RenderModel | None = self._build_model()
+        host_memory.give_back()
+        self._num_agents = self._model.num_agents
         self.num_bodies = self._model.num_bodies - len(agents)
         self._homes = jnp.asarray(bank.slot_position), jnp.asarray(bank.slot_quaternion)
-        self.camera = None if robot is None else self._find_camera(camera or robot.camera)
+        self.camera = None if robot is None else _find_camera(self._model, camera or robot.camera)
         self._devices: DeviceStore[Streets, StreetBatch] = DeviceStore()
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
         self._number = register(self)
         self._view = batched_call(_batch_function(self._number, self.settings))
-
-    def _find_camera(self, name: str) -> Any:
-        if name not in self._model.cameras:
-            known = ", ".join(self._model.cameras) or "none"
-            raise ValidationError(f"camera: found {name!r}; needed a camera of the robot ({known}); fix its spelling")
-        return self._model.cameras[name]
 
     @full_precision
     def __call__(
@@ -194,7 +193,7 @@ class Renderer:
                 raise ValidationError(
                     f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more"
                 )
-        if self._model.num_agents:
+        if self._num_agents:
             arrays[:2] = [jnp.concatenate(x) for x in zip(arrays[:2], self._agent_bodies(agents), strict=True)]
         # Warp does not check indices; JAX's own gathers clamp them.
         scene = jnp.clip(jnp.asarray(scene, jnp.int32), 0, self.bank.num_scenes - 1)
@@ -218,7 +217,7 @@ class Renderer:
 
     def _agent_bodies(self, agents: AgentMotion | None) -> tuple[jax.Array, jax.Array]:
         """Positions (A, 3) and quaternions (A, 4); absent agents are far below the ground."""
-        number = self._model.num_agents
+        number = self._num_agents
         hidden = jnp.tile(jnp.array([0.0, 0.0, NOWHERE]), (number, 1))
         if agents is None:
             return hidden, jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))
@@ -254,21 +253,29 @@ class Renderer:
         if jobs:
             if self._pool is None:
                 self._pool = concurrent.futures.ThreadPoolExecutor(self.threads, "render")
-            pending = []
-            for job in jobs:
-                try:
-                    pending.append(self._pool.submit(job))
-                except (
-                    RuntimeError
-                ):  # no more threads: the process ends, as after Ctrl-C, while JAX still asks for images
-                    job()
-            for drawn in pending:
-                drawn.result()
+            run_all(self._pool, jobs)
 
     def _batch(self, device: Any, total: int) -> tuple[Streets, StreetBatch]:
-        assets, batches = self._devices.get_or_make(device, lambda: Streets(self.bank, self._model, self.settings))
+        assets, batches = self._devices.get_or_make(device, self._build_streets)
         threads = self.threads if device.is_cpu else 1
         return assets, batches.get_or_make(total, lambda: StreetBatch(assets, total, threads))
+
+    def _take_model(self) -> RenderModel:
+        """The render model, for the caller alone: it is as large as the tables made of it, so none is kept."""
+        model, self._model = self._model or self._build_model(), None
+        return model
+
+    def _build_streets(self) -> Streets:
+        streets = Streets(self.bank, self._take_model(), self.settings)
+        host_memory.give_back()
+        return streets
+
+
+def _find_camera(model: RenderModel, name: str) -> RobotCamera:
+    if name not in model.cameras:
+        known = ", ".join(model.cameras) or "none"
+        raise ValidationError(f"camera: found {name!r}; needed a camera of the robot ({known}); fix its spelling")
+    return model.cameras[name]
 
 
 def _batch_function(number: int, settings: Settings) -> Any:

@@ -1,13 +1,14 @@
 """The renderer's data of a bank's scenes: textures, skies, boxes and suns."""
 
 import dataclasses
+import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 import warp as wp
 
 from ...datatypes import SceneBank
 from ...geometry import rotations
-from .model import RenderModel
 from .pbr_private import prefilter_sky, sky_harmonics, srgb_to_linear
 
 #: Warp reads textures in software on the CPU, one channel and one mip level after the other: numbers of 32 bits, the
@@ -34,24 +35,29 @@ class Skies:
     owners: tuple[object, ...]
 
 
-def upload_textures(model: RenderModel) -> tuple[list[wp.Texture2D], np.ndarray]:
-    """Every texture of the model in linear light, with mip levels, and their (number, 2) widths and heights."""
-    mjm, on_host = model.model, wp.get_device().is_cpu
-    textures, sizes = [], np.ones((mjm.ntex, 2), np.float32)
+def upload_textures(images: Sequence[np.ndarray]) -> tuple[list[wp.Texture2D], np.ndarray]:
+    """Images (H, W, channels) u8 in linear light, with mip levels, and their (number, 2) widths and heights.
+
+    Equal ones are one object: joined banks hold the textures of the same assets again, two fifths of all in five sets.
+    """
+    on_host = wp.get_device().is_cpu
+    textures, sizes = [], np.ones((len(images), 2), np.float32)
+    known: dict[tuple[tuple[int, ...], bytes], wp.Texture2D] = {}
     to_linear = srgb_to_linear(np.arange(256) / 255.0).astype(np.float32 if on_host else np.float16)
-    for i in range(mjm.ntex):
-        shape = int(mjm.tex_height[i]), int(mjm.tex_width[i]), int(mjm.tex_nchannel[i])
-        start = int(mjm.tex_adr[i])
-        texels = to_linear[mjm.tex_data[start : start + int(np.prod(shape))].reshape(shape)[..., :3]]
-        texture = wp.Texture2D(
-            np.concatenate([texels, np.ones((*shape[:2], 1), texels.dtype)], -1),
-            filter_mode=_LINEAR,
-            address_mode=wp.TextureAddressMode.WRAP,
-            num_mip_levels=0,
-            mip_filter_mode=_NEAREST if on_host else _LINEAR,
-        )
-        textures.append(texture)
-        sizes[i] = shape[1], shape[0]
+    for i, image in enumerate(images):
+        key = image.shape, hashlib.sha256(np.ascontiguousarray(image)).digest()
+        if key not in known:
+            texels = np.ones((*image.shape[:2], 4), to_linear.dtype)
+            texels[..., :3] = to_linear[image[..., :3]]
+            known[key] = wp.Texture2D(
+                texels,
+                filter_mode=_LINEAR,
+                address_mode=wp.TextureAddressMode.WRAP,
+                num_mip_levels=0,
+                mip_filter_mode=_NEAREST if on_host else _LINEAR,
+            )
+        textures.append(known[key])
+        sizes[i] = image.shape[1], image.shape[0]
     return textures, sizes
 
 
@@ -75,11 +81,17 @@ def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:
 
 
 def build_skies(radiance: np.ndarray, glossy: bool) -> Skies:
-    """Uploads (S, H, W, 3) panoramas in the bank's layout (which is also that of mujoco-warp-pbr)."""
+    """Uploads (S, H, W, 3) panoramas in the bank's layout (which is also that of mujoco-warp-pbr), equal ones once."""
     maps, stacks, harmonics = [], [], []
+    known: dict[bytes, int] = {}
     height, width = radiance.shape[1:3]
     on_host = wp.get_device().is_cpu
-    for image in radiance:
+    for number, image in enumerate(radiance):
+        same = known.setdefault(hashlib.sha256(np.ascontiguousarray(image)).digest(), number)
+        if same < number:
+            for rows in (maps, stacks if glossy else [], harmonics):
+                rows.extend(rows[same : same + 1])
+            continue
         rgba = np.concatenate([image, np.ones((height, width, 1), np.float32)], -1)
         texture = wp.Texture2D(
             rgba.astype(np.float32 if on_host else np.float16),

@@ -1,5 +1,6 @@
 """Still streets on the Warp device, and the views of a batch of worlds."""
 
+import concurrent.futures
 import functools
 from collections.abc import Callable, Sequence
 
@@ -7,19 +8,24 @@ import mujoco
 import numpy as np
 import warp as wp
 
+from ... import settings as process
 from ...datatypes import SceneBank
 from ...geometry import rotations
 from . import street_draw
-from .model import FAR, RenderModel
+from .meshes import RenderMeshes
+from .model import FAR, RenderModel, images
 from .pbr_private import build_dfg_lut, effective_geom_rgba, resolve_geom_materials
 from .scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from .settings import NOWHERE, Settings
 from .street_kernels import Street, Views, place
 from .street_shade import Skies
 from .street_tree import Trees, as_floats, build_trees, joined
+from .threads import run_all
 
 #: Triangles in a leaf at most.
 _LEAF_SIZE = 4
+#: Triangles whose rows are computed at once by a thread: 60 MB of temporary arrays.
+_PART = 1 << 16
 
 
 def _rows(*columns: np.ndarray) -> np.ndarray:
@@ -31,26 +37,54 @@ def _table(rows: np.ndarray) -> wp.array:
     return wp.array(np.ascontiguousarray(rows, np.float32).reshape(-1, 4), dtype=wp.vec4)
 
 
+def _in_parts(work: Callable[[slice], None], count: int) -> None:
+    """Calls `work` with slices that make up [0, count), in threads, in which numpy computes at the same time; temporary
+    arrays stay small."""
+    parts = [slice(first, min(first + _PART, count)) for first in range(0, count, _PART)]
+    with concurrent.futures.ThreadPoolExecutor(process.num_threads()) as pool:
+        run_all(pool, [functools.partial(work, part) for part in parts])
+
+
+def _rows_in_parts(find: Callable[[np.ndarray], np.ndarray], faces: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """(n, *shape) f32: the rows that `find` gives for triangles (n,), see `_in_parts`."""
+    rows = np.empty((len(faces), *shape), np.float32)
+
+    def work(part: slice) -> None:
+        rows[part] = find(faces[part])
+
+    _in_parts(work, len(faces))
+    return rows
+
+
 def inverse_rows(rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
     """(n, 3, 4) rows of T_frame_world from (n, 3, 3) and (n, 3) T_world_frame."""
     turned = np.swapaxes(np.asarray(rotation, np.float64), 1, 2)
     return np.concatenate([turned, -turned @ np.asarray(position, np.float64)[..., None]], -1)
 
 
-def _face_rows(model: RenderModel, corners: np.ndarray, mesh: np.ndarray) -> np.ndarray:
-    """(faces, 4, 4) normals and UV of every triangle, in the order of `model.mesh_face`; see `street_kernels.FACE`."""
-    mjm = model.model
+def _triangle_rows(meshes: RenderMeshes, faces: np.ndarray) -> np.ndarray:
+    """(n, 3, 4) f32: a corner of each of some triangles, and its two edges there."""
+    corners = meshes.vertices[meshes.face[faces]]
+    rows = np.zeros((len(faces), 3, 4), np.float32)
+    rows[:, 0, :3] = corners[:, 0]
+    rows[:, 1, :3] = corners[:, 1] - corners[:, 0]
+    rows[:, 2, :3] = corners[:, 2] - corners[:, 0]
+    return rows
+
+
+def _face_rows(meshes: RenderMeshes, faces: np.ndarray) -> np.ndarray:
+    """(n, 4, 4) f32: normals and UV of some triangles, by their numbers (n,); see `street_kernels.FACE`."""
+    corners = meshes.vertices[meshes.face[faces]].astype(np.float64)
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(flat, axis=1)
     flat /= np.maximum(area, 1e-20)[:, None]
-    normals = model.normals[mjm.mesh_facenormal + mjm.mesh_normaladr[mesh, None]].astype(np.float64)
+    normals = meshes.normals[meshes.face_normal[faces]].astype(np.float64)
     # As in MuJoCo's renderer a corner's normal far off its face is not used.
     usable = (normals * flat[:, None]).sum(-1) >= 0.8
     normals = np.where(usable[..., None], normals, flat[:, None])
-    uv = np.zeros((len(mesh), 3, 2))
-    textured = mjm.mesh_texcoordadr[mesh] >= 0
-    start = mjm.mesh_texcoordadr[mesh[textured], None]
-    uv[textured] = mjm.mesh_texcoord[mjm.mesh_facetexcoord[textured] + start]
+    uv, rows = np.zeros((len(faces), 3, 2)), meshes.face_uv[faces]
+    textured = rows[:, 0] >= 0
+    uv[textured] = meshes.uv[rows[textured]]
     d1, d2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     # Texture lengths per metre.
     density = np.sqrt(np.abs(d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]) / np.maximum(area, 1e-20))
@@ -74,11 +108,11 @@ class Streets:
     def __init__(self, bank: SceneBank, model: RenderModel, settings: Settings) -> None:
         self.settings = settings
         mjm = model.model
-        geoms = model.num_slots + np.arange(mjm.ngeom - model.num_slots)
+        geoms = np.arange(mjm.ngeom)
         self.num_parts = len(geoms) + settings.bodies
         self.street, self._tables = Street(), []
         self.street.num_parts, self.street.num_bodies = self.num_parts, settings.bodies
-        self._add_objects(bank, model, self._add_meshes(model), geoms)
+        self._add_objects(bank, model, self._add_meshes(model.meshes), geoms)
         self._add_parts(model, geoms)
         self._add_light(bank)
         self.draw = street_draw.build_draw_kernel(settings, FAR, bank.sky_radiance.shape[2])
@@ -89,20 +123,22 @@ class Streets:
         self._tables.append(_table(rows))
         return self._tables[-1].ptr or 0
 
-    def _add_meshes(self, model: RenderModel) -> Trees:
+    def _add_meshes(self, meshes: RenderMeshes) -> Trees:
         """Triangles and faces in the order of the leaves of the meshes' trees."""
-        mjm = model.model
-        mesh = np.repeat(np.arange(mjm.nmesh), mjm.mesh_facenum)
-        corners = model.vertices[mjm.mesh_face + mjm.mesh_vertadr[mesh, None]].astype(np.float64)
-        trees = build_trees(corners.min(1), corners.max(1), mesh, mjm.nmesh, _LEAF_SIZE)
-        rows = np.zeros((len(mesh), 3, 4), np.float32)
-        rows[:, 0, :3] = corners[:, 0]
-        rows[:, 1, :3] = corners[:, 1] - corners[:, 0]
-        rows[:, 2, :3] = corners[:, 2] - corners[:, 0]
-        rows = rows[trees.order]
+        mesh = np.repeat(np.arange(len(meshes.count), dtype=np.int32), meshes.count)
+        lower, upper = (np.empty((len(mesh), 3), np.float32) for _ in range(2))
+
+        def find_boxes(part: slice) -> None:
+            corners = meshes.vertices[meshes.face[part]]
+            lower[part], upper[part] = corners.min(1), corners.max(1)
+
+        _in_parts(find_boxes, len(mesh))
+        trees = build_trees(lower, upper, mesh, len(meshes.count), _LEAF_SIZE)
+        rows = _rows_in_parts(functools.partial(_triangle_rows, meshes), trees.order, (3, 4))
         rows[:, 0, 3] = trees.last
         self.street.triangles = self._keep(rows)
-        self.street.faces = self._keep(_face_rows(model, corners, mesh)[trees.order])
+        del rows
+        self.street.faces = self._keep(_rows_in_parts(functools.partial(_face_rows, meshes), trees.order, (4, 4)))
         return trees
 
     def _add_objects(self, bank: SceneBank, model: RenderModel, meshes: Trees, geoms: np.ndarray) -> None:
@@ -119,24 +155,25 @@ class Streets:
         rotation = rotations.matrix_f64(bank.slot_quaternion[scene, number])
         poses = inverse_rows(rotation, bank.slot_position[scene, number])
         poses = np.concatenate([poses, np.zeros((len(geoms), 3, 4))])
-        textures, sizes = upload_textures(model)
+        bank_images = (bank.texture(i) for i in range(len(bank.texture_shape)))
+        textures, sizes = upload_textures((*bank_images, *images(mjm)))
         self._textures: list[object] = [textures]
-        role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
-        material = np.concatenate([bank.mesh_material[mesh], mjm.geom_matid[geoms]])
-        colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
-        mesh_of_object = np.concatenate([mesh, mjm.geom_dataid[geoms]])
+        role, material = int(mujoco.mjtTextureRole.mjTEXROLE_RGB), bank.mesh_material[mesh]
+        colour = np.concatenate([bank.material_rgba[material, :3], effective_geom_rgba(mjm)[geoms, :3]])
+        own, part = mjm.geom_matid[geoms], mjm.geom_dataid[geoms]
         # Meshes without UV have no texture.
-        textured = (material >= 0) & (mjm.mesh_texcoordadr[mesh_of_object] >= 0)
-        texture = np.where(textured, mjm.mat_texid[material, role], -1)
+        texture = np.where((own >= 0) & (mjm.mesh_texcoordadr[part] >= 0), mjm.mat_texid[own, role], -1)
+        texture = np.where(texture >= 0, texture + len(bank.texture_shape), -1)
+        texture = np.concatenate([bank.material_texture[material], texture])
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
         metallic, roughness, _ = resolve_geom_materials(mjm)
         surfaces = _rows(
             texture,
             texels,
-            np.concatenate([bank.material_roughness[material[: len(mesh)]], roughness[geoms]]),
-            np.concatenate([bank.material_metallic[material[: len(mesh)]], metallic[geoms]]),
+            np.concatenate([bank.material_roughness[material], roughness[geoms]]),
+            np.concatenate([bank.material_metallic[material], metallic[geoms]]),
         )
-        object_roots = as_floats(meshes.roots[mesh_of_object])
+        object_roots = as_floats(meshes.roots[np.concatenate([mesh, bank.num_meshes + part])])
         rows = np.concatenate([poses, _rows(colour, object_roots)[:, None], surfaces[:, None]], axis=1)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
         self.street.object_rows, self.street.num_objects = self._keep(rows), len(mesh)

@@ -77,7 +77,8 @@ def build_trees(lower: np.ndarray, upper: np.ndarray, group: np.ndarray, groups:
     """
     number = len(lower)
     size = 2 * number - 1
-    boxes = [wp.array(x.astype(np.float32), dtype=wp.vec3) for x in (lower - SLACK, upper + SLACK)]
+    grown = (np.add(x, s, dtype=np.float64).astype(np.float32) for x, s in ((lower, -SLACK), (upper, SLACK)))
+    boxes = [wp.array(x, dtype=wp.vec3) for x in grown]
     tree = wp.Bvh(*boxes, groups=wp.array(group, dtype=int), constructor="sah", leaf_size=leaf_size)
     roots = wp.zeros(groups, dtype=int)
     wp.launch(_find_roots, dim=groups, inputs=[tree.id, roots])

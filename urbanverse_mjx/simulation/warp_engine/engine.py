@@ -115,7 +115,6 @@ class WarpEngine(EngineBase):
         self.bank = bank
         self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), self.num_pairs)
         self._robot_model = build_robot_model(
-            bank,
             self.physics,
             v.integer(iterations, "engine.iterations", 1),
             v.integer(line_steps, "engine.line_steps", 1),

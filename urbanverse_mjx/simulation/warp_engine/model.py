@@ -8,7 +8,6 @@ When: at construction, and when a device is first used.
 import dataclasses
 from typing import Any
 
-import jax
 import mujoco
 import mujoco_warp as mjw
 import numpy as np
@@ -37,7 +36,6 @@ class RobotModel:
       ground: number of the world's geom.
       root: address in qpos of the robot's place.
       bodies: the free bodies that movable objects take turns in, behind the robot's own; None where there are none.
-      objects, prisms: the bank's instances, numpy.
     """
 
     model: mujoco.MjModel
@@ -45,8 +43,6 @@ class RobotModel:
     sphere_geom: np.ndarray
     ground: int
     root: int
-    objects: static_slots.InstanceTable
-    prisms: static_slots.InstanceTable
     bodies: "FreeBodies | None" = None
 
 
@@ -72,7 +68,6 @@ def _add_free_bodies(spec: mujoco.MjSpec, number: int) -> None:
 
 
 def build_robot_model(
-    bank: SceneBank,
     physics: PhysicsModel,
     iterations: int,
     line_steps: int,
@@ -114,13 +109,12 @@ def build_robot_model(
             )
     geoms = np.array([model.geom(name).id for name in physics.spheres.name])
     first = int(model.jnt_qposadr[model.body_jntadr[physics.root]])
-    objects, prisms = jax.device_get(static_slots.instance_tables(bank))
     bodies = None
     if awake and table is not None:
         joint = model.joint("movable/0")
         body, geom = int(model.body("movable/0").id), int(model.geom("movable/0").id)
         bodies = FreeBodies(awake, int(joint.qposadr[0]), int(joint.dofadr[0]), body, geom, table)
-    return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, objects, prisms, bodies)
+    return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, bodies)
 
 
 class DeviceModel:
@@ -143,7 +137,7 @@ class DeviceModel:
         self.spheres = _spheres(robot)
         self.hulls = _hulls(bank)
         self.tables = kernels.Tables()
-        self.tables.objects, self.tables.prisms = _instances(robot.objects), _instances(robot.prisms)
+        self.tables.objects, self.tables.prisms = (_instances(t) for t in static_slots.instance_tables(bank))
         self.tables.origin = wp.array(bank.grid_origin, dtype=wp.vec2)
         self.tables.cell, self.tables.reach = float(bank.grid_cell), reach
         self.body_table = None if robot.bodies is None else _body_table(robot.bodies.table)
