@@ -16,8 +16,8 @@ from urbanverse_mjx.pipeline import ensure_default_bank
 TESTS = pathlib.Path(__file__).parent
 #: Folders whose tests take a second each or more, by their total time.
 LONG = (
-    *("simulation", "training", "crowds", "envs", "project", "cli", "benchmarks", "robots", "evaluation", "assets"),
-    *("scene", "distillation", "pipeline"),
+    *("envs", "simulation", "training", "project", "crowds", "cli", "benchmarks", "robots", "gym", "evaluation"),
+    *("assets", "scene", "distillation", "pipeline", "viewer"),
 )
 
 
