@@ -24,7 +24,7 @@ def for_scoring(env: Any, bank: SceneBank) -> Any:
     """The same environment over other episode tables of the same scenes, with everything as the bank describes it."""
     other = copy.copy(env)
     other.bank = bank
-    other._randomization = Randomization(ConfigDict(OFF))
+    other._randomization, other.clutter = Randomization(ConfigDict(OFF)), None
     names = ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
     other._episodes = {name: jnp.asarray(getattr(bank, name)) for name in names}
     return other

@@ -16,6 +16,7 @@ OFF = {
     "camera_position": 0.0,
     "camera_angle": 0.0,
     "camera_fovy": 0.0,
+    "clutter": 0,
 }
 #: Numbers that a key is folded with, so that these draws do not change any others.
 _FRICTION, _MASS, _APPEARANCE = 101, 102, 103
@@ -31,6 +32,7 @@ class Randomization:
     * camera_position: m by which the camera is off its place along each axis, at most; camera_angle: degrees by which
       it is turned about each of its axes; camera_fovy: share by which its field of view is wider or narrower. All
       uniform, the same for a whole episode, as if every episode had a robot of its own.
+    * clutter: number of movable objects beside the route, see `clutter.Clutter`.
 
     Raises:
       ValidationError: a range that is not (least, greatest) above 0, a share outside [0, 1), or a negative distance or

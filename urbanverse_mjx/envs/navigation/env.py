@@ -15,6 +15,7 @@ from .. import finite
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
 from . import terms
+from .clutter import Clutter
 from .draws import Randomization
 from .dynamic import PEOPLE_METRICS, DynamicStreet, slot_appearances
 from .movables import MOVABLE_METRICS, Movables
@@ -109,9 +110,14 @@ class NavEnv(StagedBase[NavState]):
             self.dynamic = DynamicStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
         #: Movable objects; None where the engine has no body slots.
         self.movables: Movables | None = None
+        #: Objects beside the route, at other places in every episode; None where the config asks for none.
+        self.clutter: Clutter | None = None
         if engine.body_rows is not None:
-            self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
             self.num_bodies = engine.num_bodies
+            if self.dynamic is not None:
+                self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
+            else:
+                self.clutter = Clutter(bank, engine.body_rows, engine.num_bodies, robot, self._surroundings)
 
     # Properties in the interface of Playground and Brax.
 
@@ -148,7 +154,11 @@ class NavEnv(StagedBase[NavState]):
         pose = jnp.concatenate([place, rotations.from_yaw(start[3])])
         key = typed_key(key)
         objects = None if self.movables is None else self.movables.near(scene, start[:3], waypoints)
+        if self.clutter is not None:
+            objects = self.clutter.choose(key, scene, start[:3], waypoints)
         sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), objects)
+        if self.clutter is not None and sim.bodies is not None:
+            sim = sim._replace(bodies=self.clutter.place(key, scene, start[:3], goal, waypoints, sim.bodies))
         crowd = None
         if self.dynamic is not None:
             crowd = self.dynamic.begin(key, scene, start, waypoints, self._surroundings.distances)
@@ -366,6 +376,8 @@ class NavEnv(StagedBase[NavState]):
     def distances(self, nav: NavState, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
         """(..., 2) m from places (..., 2) to the next hull or agent and to the edge of the walkable ground."""
         found = self._surroundings.distances(nav.sim.scene, p_xy)
+        if self.clutter is not None and nav.sim.bodies is not None:
+            return self.clutter.nearer(found, nav.sim.scene, nav.sim.bodies, p_xy)
         if self.dynamic is None or nav.crowd is None:
             return found
         return self.dynamic.nearer(found, nav.crowd, p_xy)

@@ -82,7 +82,9 @@ def walking_engine(
     from ...simulation.gait_engine import GaitEngine
 
     if agents is not None or movable is not None:
-        raise ValidationError("config.scenario: found 'dynamic' for a robot with a gait, needed 'clean' or 'static'.")
+        raise ValidationError(
+            "config.scenario: found 'dynamic' or clutter for a robot with a gait, needed 'clean' or 'static' without."
+        )
     gait = load_gait(config.gait or None)
     engine = make_engine(bank, robot, control_dt=gait.control_dt, **_options(config))
     return GaitEngine(engine, robot, gait, config.ctrl_dt)

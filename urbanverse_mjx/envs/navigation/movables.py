@@ -13,18 +13,30 @@ from ml_collections import ConfigDict
 
 from ...datatypes import SceneBank, SimState, ValidationError
 
+#: Objects of `config.randomization.clutter`: each costs time in every control step.
+MOST_CLUTTER = 32
 #: The episode ended by touching something that can be pushed; such a hit counts as one of an object, too.
 MOVABLE_METRICS = ("hit_movable",)
 
 
 def body_sizes(config: ConfigDict) -> dict[str, int] | None:
-    """Sizes of the body slots that an environment's config asks for: its `movable` in the scenario dynamic, else None
-    (also for policies trained before there were any).
+    """Sizes of the body slots that an environment's config asks for: its `movable` in the scenario dynamic, as many as
+    its `randomization.clutter` in the others, else None (also for policies trained before there were any).
 
     Raises:
-      ValidationError: fewer objects than none, or more awake than there are.
+      ValidationError: fewer objects than none, more awake than there are, or clutter in the scenario dynamic.
     """
-    sizes = config.get("movable", None) if config.get("scenario", "static") == "dynamic" else None
+    sizes, dynamic = config.get("movable", None), config.get("scenario", "static") == "dynamic"
+    clutter = config.get("randomization", {}).get("clutter", 0)
+    if not 0 <= clutter <= MOST_CLUTTER or (clutter and dynamic):
+        raise ValidationError(
+            f"config.randomization.clutter: found {clutter}, needed 0 (off) to {MOST_CLUTTER} objects, and 0 in the "
+            "scenario 'dynamic', which has its own."
+        )
+    if not dynamic:
+        if sizes is None or not clutter:
+            return None
+        return {"bodies": int(clutter), "awake": min(int(sizes.awake), int(clutter)), "hulls": int(sizes.hulls)}
     if sizes is None or sizes.bodies == 0:
         return None
     if not 0 < sizes.awake <= sizes.bodies or sizes.hulls < 1:
