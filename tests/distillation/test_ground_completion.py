@@ -56,6 +56,21 @@ def test_pavement_goes_on_before_a_front_where_a_car_hid_it() -> None:
     assert kind_at(done, 20.0, 7.5) == PAVEMENT
 
 
+def test_pavement_goes_on_where_a_bus_hid_it_up_to_the_front() -> None:
+    hidden = (0, 0.0, (17.0, 4.5, 23.0, 12.0))
+    done = completed(street((PAVEMENT, 0.12, (0.0, 8.0, 40.0, 12.0)), hidden), [shapely.box(0.0, 12.3, 40.0, 20.0)])
+    assert [kind_at(done, 20.0, y) for y in (5.0, 8.5, 10.5)] == [ROAD, PAVEMENT, PAVEMENT]
+
+
+def test_the_road_goes_on_across_a_hole_as_wide_as_it_is() -> None:
+    """Of the middle of the hole the pavements are nearer than the road."""
+    seen = street((PAVEMENT, 0.12, (0.0, -2.0, 40.0, 0.0)), (0, 0.0, (14.0, 0.0, 23.0, 6.0)))
+    made = [(r.kind, shapely.Polygon(r.polygon)) for r in regions(completed(seen, []))]
+    (road,) = [p for kind, p in made if kind == "road"]
+    assert road.symmetric_difference(shapely.box(0.0, 0.0, 40.0, 6.0)).area < 2.0
+    assert sum(p.area for _, p in made) == pytest.approx(40.0 * 10.0, rel=0.005)
+
+
 def test_nothing_goes_round_a_house() -> None:
     done = completed(street(), [shapely.box(10.0, 9.0, 30.0, 12.0)])
     assert kind_at(done, 20.0, 12.5) == 0

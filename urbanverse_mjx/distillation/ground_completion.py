@@ -11,7 +11,7 @@ import shapely
 from ..datatypes import KIND_INDEX
 from ..geometry.grids import Grid, cell_of
 from ..geometry.polygons import filled
-from .ground import CELL, WALKED, GroundMap
+from .ground import CELL, DRIVEN, WALKED, GroundMap
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,6 +26,9 @@ class CompletionOptions:
       walkable: m; a strip at least as wide is pavement where there is pavement within twice `front_distance`; a
         narrower one is what is next to it.
       gap: m; gaps between strips that are narrower are closed.
+      notch: m; so are narrower ones in from the outside: a parked bus hides a pavement up to the front.
+      across: how many times farther from the carriageway than from pavement what fills a hole still is carriageway: in
+        the middle of a hole as wide as the road the pavements are nearer than the road's ends.
       stub: m; what sticks out and is narrower is cut off: it was seen through a slit.
       max_hole: m^2; larger holes are courtyards or what nobody looked at.
       house_share: share of a hole that houses may cover.
@@ -36,6 +39,8 @@ class CompletionOptions:
     under_fronts: float = 0.5
     walkable: float = 1.0
     gap: float = 3.0
+    notch: float = 8.0
+    across: float = 2.0
     stub: float = 1.0
     max_hole: float = 100.0
     house_share: float = 0.2
@@ -60,18 +65,22 @@ def completed(seen: GroundMap, houses: Sequence[shapely.Polygon]) -> GroundMap:
     for house in houses:
         inside |= _within(house, origin, kind.shape)
     strip, wide = _before_fronts(known, houses, origin)
-    strip = scipy.ndimage.binary_closing(known | strip, _disk(_OPTIONS.gap / 2)) if strip.any() else known
+    strip = scipy.ndimage.binary_closing(known | strip, _disk(_OPTIONS.notch / 2)) if strip.any() else known
     strip &= known | ~scipy.ndimage.binary_erosion(inside, _disk(_OPTIONS.under_fronts))
     wide = scipy.ndimage.binary_closing(wide, _disk(_OPTIONS.gap / 2))
     use = known | strip
     # What is seen through a slit is a stub.
-    use = scipy.ndimage.binary_opening(use | _holes(use, inside), _disk(_OPTIONS.stub / 2))
-    # Where a wall stands off the carriageway there is pavement, if there is any nearby.
-    walked = np.isin(kind, [KIND_INDEX[k] for k in WALKED])
+    holes = _holes(known, inside) | _holes(use, inside)
+    use = scipy.ndimage.binary_opening(use | holes, _disk(_OPTIONS.stub / 2))
+    walked, driven = (np.isin(kind, [KIND_INDEX[k] for k in kinds]) for kinds in (WALKED, DRIVEN))
     source = np.stack(scipy.ndimage.distance_transform_edt(~known, return_indices=True)[1])
     if walked.any():
         away, nearest = scipy.ndimage.distance_transform_edt(~walked, return_indices=True)
+        # Where a wall stands off the carriageway there is pavement, if there is any nearby.
         source = np.where(wide & ~known & (away * CELL <= 2 * _OPTIONS.front_distance), nearest, source)
+        if driven.any():
+            off, nearest = scipy.ndimage.distance_transform_edt(~driven, return_indices=True)
+            source = np.where(holes & ~wide & (off <= _OPTIONS.across * away), nearest, source)
     kind = np.where(use, kind[tuple(source)], 0).astype(np.uint8)
     height = np.where(use, height[tuple(source)], np.nan)
     return GroundMap(origin, kind, height, np.where(known, np.pad(seen.count, rim), 0))
