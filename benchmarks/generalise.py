@@ -22,6 +22,7 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
+from benchmarks.lib.caching import keep_compiled
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
@@ -291,6 +292,7 @@ def main() -> int:
     # Tables of the scenes become arguments of the compiled program, instead of constants of hundreds of MB.
     if hasattr(jax.config, "jax_use_simplified_jaxpr_constants"):
         jax.config.update("jax_use_simplified_jaxpr_constants", True)
+    keep_compiled()
     jax.pmap = _one_device_pmap  # type: ignore[assignment]
     log = Log(args.out)
     bank, chosen, suite = load(args, log)

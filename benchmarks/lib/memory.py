@@ -49,8 +49,15 @@ def in_use_mib() -> float:
       OSError: no GPU, and a system that does not tell (no /proc).
     """
     jax_now, warp_now = jax_mib()[0], warp_mib()[0]
-    if jax_now is not None:
-        return jax_now + (warp_now or 0.0)
+    return rss_mib() if jax_now is None else jax_now + (warp_now or 0.0)
+
+
+def rss_mib() -> float:
+    """Resident memory of this process now, MiB.
+
+    Raises:
+      OSError: a system that does not tell (no /proc).
+    """
     pages = int(pathlib.Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * resource.getpagesize() / 2**20
 

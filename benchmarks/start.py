@@ -1,0 +1,78 @@
+"""Seconds and memory of each stage until an environment with a camera has made its first step.
+
+    python -m benchmarks.start --banks validation/bank.npz craftbench/bank.npz
+
+Prints a JSON line a stage: seconds, processor seconds, resident memory now and at most so far (MiB). Memory that the
+system shares or may take back at any time, such as files, is in it. Programs that JAX has compiled come from its cache,
+as with all commands (`settings.use_compilation_cache`).
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+import time
+
+import jax
+import jax.numpy as jnp
+
+from benchmarks.lib.caching import keep_compiled
+from benchmarks.lib.memory import peak_rss_mib, rss_mib
+from urbanverse_mjx.datatypes import SceneBank, bank_join
+from urbanverse_mjx.envs import registry
+
+
+class Stages:
+    """Prints what each stage took."""
+
+    def __init__(self) -> None:
+        self._clocks = time.monotonic(), time.process_time()
+
+    def __call__(self, name: str) -> None:
+        jax.effects_barrier()
+        clocks = time.monotonic(), time.process_time()
+        wall, processor = (round(now - before, 1) for now, before in zip(clocks, self._clocks, strict=True))
+        now, most = round(rss_mib()), round(peak_rss_mib())
+        row = {"stage": name, "seconds": wall, "processor": processor, "rss_mib": now, "peak_rss_mib": most}
+        print(json.dumps(row), flush=True)
+        self._clocks = clocks
+
+
+def main(argv: list[str] | None = None) -> int:
+    cli = argparse.ArgumentParser(prog="python -m benchmarks.start", description=__doc__)
+    cli.add_argument("--banks", nargs="+", type=pathlib.Path, required=True, help="joined where there are several")
+    cli.add_argument("--num-envs", type=int, default=64)
+    cli.add_argument("--impl", default="warp")
+    cli.add_argument("--scenario", default="static")
+    args = cli.parse_args(argv)
+    keep_compiled()
+    stage = Stages()
+    jax.block_until_ready(jnp.zeros(1))
+    stage("empty process")
+    parts = [SceneBank.load(path) for path in args.banks]
+    stage("load")
+    bank = bank_join.join(parts) if len(parts) > 1 else parts[0]
+    del parts
+    stage("join")
+    overrides = {
+        "preset": "fast",
+        "impl": args.impl,
+        "scenario": args.scenario,
+        "scenes": "all",
+        "vision": True,
+        "vision_config.height": 54,
+        "vision_config.width": 96,
+        "observations.privileged_map": True,
+        "observations.proprio": True,
+    }
+    env = registry.load("CocoNav", config_overrides=overrides, bank=bank)
+    stage("environment")
+    state = jax.block_until_ready(jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), args.num_envs)))
+    stage("reset")
+    jax.block_until_ready(jax.jit(jax.vmap(env.step))(state, jnp.zeros((args.num_envs, env.action_size))))
+    stage("step")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
