@@ -28,6 +28,7 @@ from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
+from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
 SAVED_AS = {"student": "student", "finetune": "finetuned"}
 """Folder of `--out` that the parameters of a stage are written to whenever they are the best so far."""
@@ -49,11 +50,6 @@ class Log:
         with (self.folder / "log.jsonl").open("a", encoding="utf-8") as file:
             file.write(line + "\n")
         print(line, file=sys.stderr, flush=True)
-
-
-def _one_device_pmap(function: Any, axis_name: Any = None, in_axes: Any = 0, donate_argnums: Any = (), **_: Any) -> Any:
-    """`jax.pmap` on one device by jit and vmap: pmap itself cannot take constants as arguments."""
-    return jax.jit(jax.vmap(function, in_axes=in_axes, axis_name=axis_name), donate_argnums=donate_argnums)
 
 
 def teacher_config(args: argparse.Namespace) -> ConfigDict:
@@ -289,11 +285,8 @@ def load(args: argparse.Namespace, log: Log) -> tuple[SceneBank, list[str], Suit
 
 def main() -> int:
     args = arguments()
-    # Tables of the scenes become arguments of the compiled program, instead of constants of hundreds of MB.
-    if hasattr(jax.config, "jax_use_simplified_jaxpr_constants"):
-        jax.config.update("jax_use_simplified_jaxpr_constants", True)
+    tables_as_arguments()
     keep_compiled()
-    jax.pmap = _one_device_pmap  # type: ignore[assignment]
     log = Log(args.out)
     bank, chosen, suite = load(args, log)
     height, width = (int(n) for n in args.size.split("x"))

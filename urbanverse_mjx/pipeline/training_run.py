@@ -107,6 +107,7 @@ def _train(
 ) -> dict[str, Any]:
     from ..datatypes import ValidationError
     from ..envs import NavEnv, registry
+    from ..training.brax_compat import tables_as_arguments
     from .banks import chosen_bank
     from .evaluation import evaluate_policy
 
@@ -123,6 +124,7 @@ def _train(
         )
     if options.start_from is not None and options.resume is not None:
         raise ValidationError("--start-from: found it together with --resume, needed one of them.")
+    tables_as_arguments()
     _say(f"run folder: {folder}", quiet)
     bank = bank_of(name, quiet, config.get("preset")) if options.bank is None else chosen_bank(options.bank)
     env = registry.load(name, config=config, bank=bank)
