@@ -179,7 +179,7 @@ def test_a_deleted_renderer_is_freed_and_its_compiled_calls_say_so(
     bank: SceneBank, robot: RobotSpec, inputs: Inputs
 ) -> None:
     renderer = cases.make_renderer(bank, robot)
-    draw = jax.jit(jax.vmap(renderer))
+    draw: Any = jax.jit(jax.vmap(renderer))
     compiled = draw.lower(*inputs).compile()
     compiled(*(jnp.asarray(x) for x in inputs))
     gone = weakref.ref(renderer)
