@@ -47,7 +47,7 @@ class HullsInReach:
     def __init__(self, machine: Machine) -> None:
         env = machine.env
         self.bank: SceneBank = env.bank
-        self._table, _ = static_slots.instance_tables(self.bank)
+        self._table = jax.tree.map(jnp.asarray, static_slots.instance_tables(self.bank)[0])
         shape = self.bank.hull_grid.shape[1:3]
         root = env.mj_model.body(env.robot.root_body).id
         reach = env.robot.circumradius + env.robot.max_speed * env.dt
