@@ -100,6 +100,9 @@ def test_a_resumed_run_keeps_the_best_of_before_it(tmp_path: pathlib.Path) -> No
     run = counting(tmp_path, rates, saved)
     run.run(run.first_state(False))
     assert saved == [20, 40]
+    last = counting(tmp_path, rates, saved)
+    last.replace_missing_policy(last.first_state(True))
+    assert saved == [20, 40], "the last state was not the best: it has no policy that could be missing"
     (tmp_path / STATE_BEFORE).replace(tmp_path / STATE)
     again = counting(tmp_path, rates, saved)
     state = again.first_state(True)

@@ -89,6 +89,16 @@ def test_three_stages_make_one_policy_with_a_camera(small_bank: SceneBank, tmp_p
     assert not (tmp_path / "other" / "teacher").exists()
 
 
+def test_each_stage_has_its_share_of_the_steps(tmp_path: pathlib.Path) -> None:
+    config = ConfigDict(ppo_config("best").to_dict())
+    config.num_timesteps, config.seed = 6_800_000, 7
+    run = TeacherStudent("CocoNav", None, lambda: None, config, tmp_path)
+    assert [run.steps(stage) for stage in ("teacher", "imitation", "finetune")] == [1_200_000, 2_600_000, 3_000_000]
+    teacher = run.teacher_config()
+    assert (teacher.num_timesteps, teacher.num_envs, teacher.seed) == (1_200_000, 4096, 7)
+    assert teacher.minibatch == 4096 * 32 // 8
+
+
 @pytest.mark.slow
 def test_a_run_that_was_cut_in_two_stages_ends_with_the_bytes_of_one_that_was_not(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch

@@ -20,6 +20,8 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+_AS_ARGUMENTS = "jax_use_simplified_jaxpr_constants"
+
 
 def device_put_replicated(tree: Any, devices: Sequence[Any]) -> Any:
     """A copy of `tree` on each device, with a new leading axis of len(devices)."""
@@ -39,9 +41,6 @@ def tables_as_arguments() -> bool:
         return False
     jax.config.update(_AS_ARGUMENTS, True)
     return True
-
-
-_AS_ARGUMENTS = "jax_use_simplified_jaxpr_constants"
 
 
 def one_device_pmap(

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import optax
 from ml_collections import ConfigDict
 
+from ..envs.navigation.ppo import imitation_config
 from .map_networks import MAP
 from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
@@ -39,34 +40,7 @@ def default_dagger_config() -> ConfigDict:
         colour of a sequence differ, and standard deviation of each pixel, both of the full range. blur: the strongest
         blur of a sequence (`sequences.blurred`).
     """
-    return ConfigDict(
-        {
-            "algorithm": "dagger",
-            "num_envs": 4096,
-            "unroll_length": 16,
-            "epochs": 2,
-            "minibatches": 8,
-            "learning_rate": 5e-4,
-            "final_learning_rate": 3e-5,
-            "max_grad_norm": 1.0,
-            "teacher_share": 0.2,
-            "warm_up": 2_000_000,
-            "noise": 0.1,
-            "auxiliary": 0.5,
-            "mirror": True,
-            "light": 0.2,
-            "pixel_noise": 0.01,
-            "blur": 0.0,
-            "seed": 0,
-            "network": {
-                "layers": ((32, 4, 2), (64, 4, 2), (64, 4, 2)),
-                "hidden": 256,
-                "memory": 256,
-                "bfloat16": True,
-                "convolution": "auto",
-            },
-        }
-    )
+    return imitation_config()
 
 
 def make_student(config: ConfigDict, action_size: int) -> Student:

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import optax
 from ml_collections import ConfigDict
 
+from ..envs.navigation.ppo import finetune_config
 from .dagger import Teacher, make_student
 from .map_networks import MAP, VECTOR, MapCritic, MapTrunk
 from .networks import PIXELS
@@ -36,34 +37,7 @@ def default_finetune_config() -> ConfigDict:
       auxiliary, mirror, light, pixel_noise, blur: as in `dagger.default_dagger_config`.
       map_layers, critic_hidden: of the critic.
     """
-    return ConfigDict(
-        {
-            "num_envs": 4096,
-            "unroll_length": 32,
-            "epochs": 2,
-            "minibatches": 16,
-            "learning_rate": 1e-4,
-            "final_learning_rate": 1e-5,
-            "critic_learning_rate": 5e-4,
-            "critic_only": 3_000_000,
-            "max_grad_norm": 1.0,
-            "clip": 0.2,
-            "discounting": 0.99,
-            "gae_lambda": 0.95,
-            "reward_scaling": 0.2,
-            "noise": 0.15,
-            "imitation": 0.5,
-            "final_imitation": 0.05,
-            "auxiliary": 0.5,
-            "mirror": True,
-            "light": 0.2,
-            "pixel_noise": 0.01,
-            "blur": 0.0,
-            "seed": 0,
-            "map_layers": ((32, 4, 2), (64, 4, 2)),
-            "critic_hidden": (256, 256, 128),
-        }
-    )
+    return finetune_config()
 
 
 class FinetuneState(NamedTuple):

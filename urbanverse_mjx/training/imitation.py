@@ -8,10 +8,11 @@ from ml_collections import ConfigDict
 from ..datatypes import ValidationError
 from ..envs import wrap_for_training
 from .dagger import Dagger, Teacher
-from .iterative import Iterations, check_new
+from .iterative import Iterations
 from .policy import PolicySpec, latest_policy, save_student
 from .record import begin_segment, check_scenes
 from .run import TrainingResult
+from .run_folder import check_new
 
 
 def distil(
@@ -60,6 +61,7 @@ def distil(
         check_scenes(PolicySpec.load(latest_policy(folder / "checkpoints")), env)
     else:
         check_new(folder)
+        folder.mkdir(parents=True, exist_ok=True)
     state = run.first_state(resume)
     done = int(state.steps)
     if resume:

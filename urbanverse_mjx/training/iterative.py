@@ -140,18 +140,6 @@ def _named(reported: dict[str, float]) -> dict[str, float]:
     return {**named, **{k if "/" in k else f"training/{k}": x for k, x in rest.items()}}
 
 
-def check_new(folder: pathlib.Path) -> None:
-    """Makes a folder for a new run.
-
-    Raises:
-      ValidationError: there are checkpoints in it.
-    """
-    checkpoints = folder / "checkpoints"
-    if checkpoints.exists() and any(checkpoints.iterdir()):
-        raise ValidationError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
-    folder.mkdir(parents=True, exist_ok=True)
-
-
 def _newest_state(folder: pathlib.Path, like: Any) -> Any:
     """The newest state in a run folder that is whole.
 

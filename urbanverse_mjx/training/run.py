@@ -16,6 +16,7 @@ from .config import brax_arguments
 from .policy import PolicySpec, latest_policy, load_compatible, load_params, network_factory, save_policy
 from .progress import TrainingLog
 from .record import begin_segment, check_scenes
+from .run_folder import check_new
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,8 +39,7 @@ def _start_of(folder: pathlib.Path, resume: bool, env: Any) -> tuple[int, Any]:
     """Steps done and parameters of the newest checkpoint of a run folder, trained on the scenes of `env`."""
     checkpoints = folder / "checkpoints"
     if not resume:
-        if checkpoints.exists() and any(checkpoints.iterdir()):
-            raise ValidationError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
+        check_new(folder)
         return 0, None
     path = latest_policy(checkpoints)
     params = load_params(path)

@@ -15,6 +15,17 @@ LOCK = ".lock"
 _HALF_A_CHECKPOINT = "**/checkpoints/[0-9]*.orbax-checkpoint-tmp*"
 
 
+def check_new(folder: pathlib.Path) -> None:
+    """Whether a folder can take a new run.
+
+    Raises:
+      ValidationError: there are checkpoints in it.
+    """
+    checkpoints = folder / "checkpoints"
+    if checkpoints.exists() and any(checkpoints.iterdir()):
+        raise ValidationError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
+
+
 @contextlib.contextmanager
 def new_run(parent: pathlib.Path, name: str) -> Iterator[pathlib.Path]:
     """A folder of its own, NAME or NAME-2 and so on; it goes again where the block fails before anything is in it."""

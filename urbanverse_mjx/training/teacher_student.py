@@ -29,6 +29,7 @@ from .iterative import Iterations, Validate
 from .policy import PolicySpec, latest_policy, load_params, network_factory, save_student
 from .record import RunRecord, begin_segment, check_scenes
 from .run import TrainingResult
+from .run_folder import check_new
 from .student import Student, initial_student
 
 TEACHER, IMITATION, COMPLETE = "teacher", "imitation", "complete.json"
@@ -73,9 +74,11 @@ class TeacherStudent:
         if resume and _complete(self.folder) is not None:
             raise ValidationError(f"--resume: found a complete run in {self.folder}, needed one that was cut off.")
         if not resume:
-            iterative.check_new(self.folder)
+            check_new(self.folder)
+            self.folder.mkdir(parents=True, exist_ok=True)
         start_from = self._start_from(resume)
-        start = self._start(start_from)
+        imitated = (self.folder / IMITATION / COMPLETE).is_file()
+        start = None if imitated else self._start(start_from)
         record = begin_segment(
             self.folder, self.environment, self.env.config, self.config, _steps_done(self.folder), start_from
         )
@@ -84,7 +87,7 @@ class TeacherStudent:
             self._train_teacher(say)
         teacher = self.folder / TEACHER / str(_complete(self.folder / TEACHER))
         check_scenes(PolicySpec.load(teacher), self.env)
-        if not (self.folder / IMITATION / COMPLETE).is_file():
+        if not imitated:
             say("stage 2 of 3: the student imitates the teacher")
             self._imitate(teacher, start)
         say("stage 3 of 3: the student continues by PPO")
@@ -111,7 +114,7 @@ class TeacherStudent:
         if start_from is None:
             return None
         path = latest_policy(start_from)
-        found = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(path)[1])
+        found = _actor_of_policy(path)
         sizes = {name: tuple(shape) for name, shape in self.env.observation_size.items()}
         network = make_student(self.config, self.env.action_size)
         needed = jax.eval_shape(lambda: initial_student(network, sizes, 0))

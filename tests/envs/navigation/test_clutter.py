@@ -11,8 +11,9 @@ import pytest
 from urbanverse_mjx.datatypes import Bodies, SceneBank, ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.heights import GroundHeights
+from urbanverse_mjx.envs.navigation import terms
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
-from urbanverse_mjx.envs.navigation.clutter import FREE_ENDS, GAP, MARGIN, TAKEN_FROM, Clutter, to_route
+from urbanverse_mjx.envs.navigation.clutter import FREE_ENDS, GAP, MARGIN, TAKEN_FROM, Clutter
 from urbanverse_mjx.envs.navigation.movables import body_sizes
 from urbanverse_mjx.envs.navigation.surroundings import Surroundings
 from urbanverse_mjx.robots import make_coco
@@ -114,7 +115,9 @@ def test_distances_hold_them(small_bank: SceneBank, clutter: Clutter) -> None:
 def test_distance_to_the_route_is_that_of_its_pieces() -> None:
     corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [4.0, 3.0]])
     points = np.array([[2.0, 1.0], [5.0, 2.0], [-3.0, 4.0], [4.0, 7.0]])
-    np.testing.assert_allclose(to_route(jnp.asarray(points), jnp.asarray(corners)), [1.0, 1.0, 5.0, 4.0], rtol=1e-6)
+    np.testing.assert_allclose(
+        terms.distance_to_route(jnp.asarray(points), jnp.asarray(corners)), [1.0, 1.0, 5.0, 4.0], rtol=1e-6
+    )
 
 
 def test_the_robot_sees_and_touches_them_where_they_stand(small_bank: SceneBank) -> None:

@@ -63,7 +63,7 @@ def test_each_episode_has_its_camera_mount_and_keeps_it(small_bank: SceneBank) -
         assert (values.max(0) > 0.97 * limit).all()
         assert (values.min(0) < -0.97 * limit).all()
     together = np.concatenate([mounts.offset, angles, mounts.fovy_scale[:, None]], axis=1)
-    assert np.abs(np.corrcoef(together.T) - np.eye(7)).max() < 0.2, "drawn independently"
+    assert np.abs(np.corrcoef(together.T) - np.identity(7)).max() < 0.2, "drawn independently"
     np.testing.assert_array_equal(drawn.sim.qpos, plain.sim.qpos)
     step = jax.jit(jax.vmap(lambda nav: env.advance(nav, np.zeros(2, np.float32))[0]))
     np.testing.assert_array_equal(step(drawn).appearance_seed, drawn.appearance_seed)

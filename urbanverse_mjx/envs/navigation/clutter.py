@@ -16,6 +16,7 @@ from jaxtyping import Array, Bool, Float, Int, Key
 from ...datatypes import Bodies, RobotSpec, SceneBank
 from ...geometry import rotations
 from ..heights import GroundHeights
+from . import terms
 from .surroundings import Surroundings
 
 #: m between the robot's outline on the route and an object, at least.
@@ -54,14 +55,6 @@ def footprint_radii(bank: SceneBank, row: Int[np.ndarray, "Z N"]) -> Float[np.nd
     return radii
 
 
-def to_route(points: Float[Array, "*n 2"], corners: Float[Array, "W 2"]) -> Float[Array, "*n"]:
-    """(...) m from points (..., 2) to the line through corners (W, 2)."""
-    begin, span = corners[:-1], jnp.diff(corners, axis=0)
-    away = points[..., None, :] - begin
-    share = jnp.clip((away * span).sum(-1) / jnp.maximum((span * span).sum(-1), 1e-9), 0.0, 1.0)
-    return jnp.linalg.norm(away - share[..., None] * span, axis=-1).min(-1)
-
-
 class Clutter:
     """Chooses and places objects.
 
@@ -85,7 +78,7 @@ class Clutter:
         """(M,) i32 objects of the scene, drawn from those away from the route; -1 where it has fewer. The key is typed
         and not used up."""
         corners = jnp.concatenate([start[None, :2], waypoints[:, :2]])
-        free = self._movable[scene] & (to_route(self._home[scene, :, :2], corners) > TAKEN_FROM)
+        free = self._movable[scene] & (terms.distance_to_route(self._home[scene, :, :2], corners) > TAKEN_FROM)
         luck = jax.random.uniform(jax.random.fold_in(key, _CHOOSE), free.shape)
         value, chosen = jax.lax.top_k(jnp.where(free, luck, -1.0), min(self._number, len(luck)))
         chosen = jnp.where(value >= 0.0, chosen, -1).astype(jnp.int32)
@@ -152,7 +145,7 @@ class Clutter:
         rim = jnp.asarray(RIM, jnp.float32) * radius
         step = jnp.abs(self._ground(scene, points[:, None] + rim) - self._ground(scene, points)[:, None]).max(-1)
         return (
-            (to_route(points, corners) >= self._width + radius - 1e-4)
+            (terms.distance_to_route(points, corners) >= self._width + radius - 1e-4)
             & (away >= self._width + radius + FREE_ENDS)
             & (found[:, 0] >= radius + GAP)
             & (found[:, 1] >= radius + GAP)

@@ -11,8 +11,6 @@ from ml_collections import ConfigDict
 from ...datatypes import ValidationError
 from .draws import OFF
 
-PRESETS = ("paper", "urbansim_v0_1", "fast", "best", "cpu", "quick")
-
 
 def _paper() -> ConfigDict:
     return ConfigDict(
@@ -194,6 +192,17 @@ def _quick() -> ConfigDict:
     return config
 
 
+_MAKERS = {
+    "paper": _paper,
+    "urbansim_v0_1": _urbansim_v0_1,
+    "fast": _fast,
+    "best": _best,
+    "cpu": _cpu,
+    "quick": _quick,
+}
+PRESETS = tuple(_MAKERS)
+
+
 def go2_nav_config(preset: str = "paper") -> ConfigDict:
     """COCO's task of a preset for the Go2, with the same camera.
 
@@ -215,14 +224,6 @@ def default_config(preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: unknown preset.
     """
-    makers = {
-        "paper": _paper,
-        "urbansim_v0_1": _urbansim_v0_1,
-        "fast": _fast,
-        "best": _best,
-        "cpu": _cpu,
-        "quick": _quick,
-    }
-    if preset not in makers:
+    if preset not in _MAKERS:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
-    return makers[preset]().lock()
+    return _MAKERS[preset]().lock()

@@ -12,6 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ml_collections import ConfigDict
 
 from ...datatypes import SceneBank, SimState, ValidationError
+from . import terms
 
 #: Objects of `config.randomization.clutter`: each costs time in every control step.
 MOST_CLUTTER = 32
@@ -65,11 +66,8 @@ class Movables:
 
     def near(self, scene: Int[Array, ""], start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Int[Array, " M"]:
         """(M,) i32, objects nearest to the route start (3,), waypoints (W, 3) m; -1 where a scene has fewer."""
-        points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
-        begin, span = points[:-1], jnp.diff(points, axis=0)
-        away = self._place[scene][:, None] - begin
-        share = (away * span).sum(-1) / jnp.maximum((span * span).sum(-1), 1e-9)
-        distance = jnp.linalg.norm(away - jnp.clip(share, 0.0, 1.0)[..., None] * span, axis=-1).min(-1)
+        corners = jnp.concatenate([start[None, :2], waypoints[:, :2]])
+        distance = terms.distance_to_route(self._place[scene], corners)
         _, pick = jax.lax.top_k(-jnp.where(self._objects[scene] >= 0, distance, jnp.inf), self._number)
         return self._objects[scene][pick]
 

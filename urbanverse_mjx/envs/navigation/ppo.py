@@ -81,56 +81,11 @@ def _cpu() -> ConfigDict:
     return config
 
 
-def _quick() -> ConfigDict:
-    """Imitation of a scripted controller on a CPU; fields as in `training.dagger.default_dagger_config`."""
+def imitation_config() -> ConfigDict:
+    """DAgger on a GPU; fields as in `training.dagger.default_dagger_config`, of which these are the values."""
     return ConfigDict(
         {
             "algorithm": "dagger",
-            "num_timesteps": 230_400,
-            "num_checkpoints": 4,
-            "num_envs": 64,
-            "unroll_length": 16,
-            "epochs": 4,
-            "minibatches": 4,
-            "learning_rate": 1e-3,
-            "final_learning_rate": 1e-4,
-            "max_grad_norm": 1.0,
-            "teacher_share": 0.2,
-            "warm_up": 20_000,
-            "noise": 0.05,
-            "auxiliary": 0.5,
-            "mirror": True,
-            "light": 0.2,
-            "pixel_noise": 0.01,
-            "blur": 0.0,
-            "seed": 0,
-            "network": {
-                "layers": ((16, 4, 4), (32, 2, 2), (64, 2, 1)),
-                "hidden": 128,
-                "memory": 0,
-                "bfloat16": False,  # slow on a CPU
-                "convolution": "auto",
-            },
-        }
-    )
-
-
-def _best() -> ConfigDict:
-    """A privileged teacher, its imitation by a student with a camera, and PPO from there, on a GPU; fields as in
-    `training.teacher_student.TeacherStudent`."""
-    teacher = _fast()
-    for name in ("num_timesteps", "num_envs", "num_checkpoints", "minibatch", "seed"):
-        del teacher[name]
-    # Minibatches of a rollout; without a map of its surroundings the teacher generalised better (docs/results.md).
-    teacher.minibatches = 8
-    teacher.network = {"map_layers": (), "hidden": (256, 256, 128)}
-    return ConfigDict(
-        {
-            "algorithm": "dagger",
-            "num_timesteps": 68_000_000,
-            "shares": {"teacher": 12.0, "imitation": 26.0, "finetune": 30.0},
-            "num_checkpoints": 10,
-            "validation_episodes": 256,
             "num_envs": 4096,
             "unroll_length": 16,
             "epochs": 2,
@@ -154,38 +109,71 @@ def _best() -> ConfigDict:
                 "bfloat16": True,
                 "convolution": "auto",
             },
-            "teacher": teacher.to_dict(),
-            "finetune": _finetune(),
         }
     )
 
 
-def _finetune() -> dict[str, object]:
-    """PPO after the imitation; fields as in `training.finetune.default_finetune_config`."""
-    return {
-        "unroll_length": 32,
-        "epochs": 2,
-        "minibatches": 16,
-        "learning_rate": 1e-4,
-        "final_learning_rate": 1e-5,
-        "critic_learning_rate": 5e-4,
-        "critic_only": 3_000_000,
-        "max_grad_norm": 1.0,
-        "clip": 0.2,
-        "discounting": 0.99,
-        "gae_lambda": 0.95,
-        "reward_scaling": 0.2,
-        "noise": 0.15,
-        "imitation": 0.0,
-        "final_imitation": 0.0,
-        "auxiliary": 0.5,
-        "mirror": True,
-        "light": 0.2,
-        "pixel_noise": 0.01,
-        "blur": 0.0,
-        "map_layers": ((32, 4, 2), (64, 4, 2)),
-        "critic_hidden": (256, 256, 128),
-    }
+def finetune_config() -> ConfigDict:
+    """PPO after it; fields as in `training.finetune.default_finetune_config`, of which these are the values."""
+    return ConfigDict(
+        {
+            "num_envs": 4096,
+            "unroll_length": 32,
+            "epochs": 2,
+            "minibatches": 16,
+            "learning_rate": 1e-4,
+            "final_learning_rate": 1e-5,
+            "critic_learning_rate": 5e-4,
+            "critic_only": 3_000_000,
+            "max_grad_norm": 1.0,
+            "clip": 0.2,
+            "discounting": 0.99,
+            "gae_lambda": 0.95,
+            "reward_scaling": 0.2,
+            "noise": 0.15,
+            "imitation": 0.5,
+            "final_imitation": 0.05,
+            "auxiliary": 0.5,
+            "mirror": True,
+            "light": 0.2,
+            "pixel_noise": 0.01,
+            "blur": 0.0,
+            "seed": 0,
+            "map_layers": ((32, 4, 2), (64, 4, 2)),
+            "critic_hidden": (256, 256, 128),
+        }
+    )
+
+
+def _quick() -> ConfigDict:
+    """Imitation of a scripted controller on a CPU."""
+    config = imitation_config()
+    config.num_timesteps, config.num_checkpoints = 230_400, 4
+    config.num_envs, config.epochs, config.minibatches = 64, 4, 4
+    config.learning_rate, config.final_learning_rate = 1e-3, 1e-4
+    config.warm_up, config.noise = 20_000, 0.05
+    config.network.layers = ((16, 4, 4), (32, 2, 2), (64, 2, 1))
+    config.network.hidden, config.network.memory = 128, 0
+    config.network.bfloat16 = False  # slow on a CPU
+    return config
+
+
+def _best() -> ConfigDict:
+    """A privileged teacher, its imitation by a student with a camera, and PPO from there, on a GPU; fields as in
+    `training.teacher_student.TeacherStudent`."""
+    config, teacher, finetune = imitation_config(), _fast(), finetune_config()
+    config.num_timesteps, config.num_checkpoints = 68_000_000, 10
+    config.shares = {"teacher": 12.0, "imitation": 26.0, "finetune": 30.0}
+    config.validation_episodes = 256
+    for name in ("num_timesteps", "num_envs", "num_checkpoints", "minibatch", "seed"):
+        del teacher[name]
+    # Minibatches of a rollout; without a map of its surroundings the teacher generalised better (docs/results.md).
+    teacher.minibatches = 8
+    teacher.network = {"map_layers": (), "hidden": (256, 256, 128)}
+    finetune.imitation = finetune.final_imitation = 0.0
+    del finetune.num_envs, finetune.seed
+    config.teacher, config.finetune = teacher, finetune
+    return config
 
 
 def ppo_config(preset: str = "paper") -> ConfigDict:

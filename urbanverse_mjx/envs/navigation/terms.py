@@ -30,6 +30,14 @@ def limit_norm(vector: Float[Array, " n"], limit: float) -> Float[Array, " n"]:
     return vector * jnp.minimum(1.0, limit / jnp.maximum(norm, 1e-6))
 
 
+def distance_to_route(points: Float[Array, "*n 2"], corners: Float[Array, "W 2"]) -> Float[Array, "*n"]:
+    """(...) m from points (..., 2) to the line through corners (W, 2)."""
+    begin, span = corners[:-1], jnp.diff(corners, axis=0)
+    away = points[..., None, :] - begin
+    share = (away * span).sum(-1) / jnp.maximum((span * span).sum(-1), 1e-9)
+    return jnp.linalg.norm(away - jnp.clip(share, 0.0, 1.0)[..., None] * span, axis=-1).min(-1)
+
+
 def route_length(start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Float[Array, ""]:
     """Length (m) of the polyline start (3,), waypoints (W, 3); repeated waypoints add no length."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
