@@ -29,7 +29,7 @@ import numpy as np
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 from urbanverse_mjx.work_folder import work_folder
 
 CONTROL_DT = 0.2

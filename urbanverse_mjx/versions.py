@@ -61,7 +61,7 @@ CODE: Mapping[str, Code] = {
         ("assets.appearances", "assets.selection.descriptors"),
         ("catalogue",),
     ),
-    "thumbnails": Code(1, _below("assets.images", "gallery", "thumbnails"), ("catalogue",)),
+    "thumbnails": Code(1, _below("assets.previews", "gallery", "thumbnails"), ("catalogue",)),
     # Layouts; the number stands in their hashes.
     "cousins": Code(
         3,

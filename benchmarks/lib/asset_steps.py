@@ -10,7 +10,7 @@ from urbanverse_mjx.assets import build_mesh, load_index
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.categories.labels import mapped_labels
 from urbanverse_mjx.assets.categories.semantics import NgramIndex, known_names
-from urbanverse_mjx.assets.images.gallery import render_masked
+from urbanverse_mjx.assets.previews.gallery import render_masked
 from urbanverse_mjx.assets.selection import descriptors
 from urbanverse_mjx.assets.selection.matching import Matcher
 from urbanverse_mjx.assets.selection.search import ObjectLibrary

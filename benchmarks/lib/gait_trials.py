@@ -18,7 +18,7 @@ from urbanverse_mjx.robots import go2_body
 from urbanverse_mjx.robots.gait import Gait
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import region_scene, strips_regions
-from urbanverse_mjx.simulation.reference.c_mujoco import reference_model
+from urbanverse_mjx.simulation.parity.c_mujoco import reference_model
 
 #: Largest random commands (m/s, m/s, rad/s), and the time that each is held (s).
 RANGE, HOLD = np.array([1.0, 0.5, 1.0]), 5.0

@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.assets.images import thumbnails
+from urbanverse_mjx.assets.previews import thumbnails
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.datatypes.validation import write_atomically
 

@@ -15,7 +15,7 @@ from benchmarks.lib.cases import Case
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 
 TINY = ["--impl", "jax", "--num-envs", "4", "--steps", "3", "--repeats", "2", "--json"]
 

@@ -13,8 +13,8 @@ import pytest
 from tests.support import code_digests
 from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings, versions
-from urbanverse_mjx.assets.images import thumbnails
 from urbanverse_mjx.assets.meshes import mesh_cache
+from urbanverse_mjx.assets.previews import thumbnails
 from urbanverse_mjx.assets.records import index, store
 from urbanverse_mjx.envs.navigation import dynamic_tables, surroundings
 from urbanverse_mjx.pipeline.generation.run_folder import key_of

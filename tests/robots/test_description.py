@@ -20,8 +20,8 @@ from urbanverse_mjx.robots import load, make_coco, make_go2
 from urbanverse_mjx.robots.model_limits import check_size
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
+from urbanverse_mjx.simulation.parity import c_mujoco
 from urbanverse_mjx.simulation.physics_model import make_physics_model
-from urbanverse_mjx.simulation.reference import c_mujoco
 
 TUTORIAL = pathlib.Path(__file__).parents[2] / "docs" / "tutorials" / "own_robot.md"
 WHEELCHAIR = "wheelchair"

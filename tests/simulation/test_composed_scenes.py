@@ -15,7 +15,7 @@ from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.compiler import compile_scene
 from urbanverse_mjx.scene.episodes import EpisodeRules
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
-from urbanverse_mjx.simulation.reference.drives import ground_height
+from urbanverse_mjx.simulation.parity.drives import ground_height
 
 BUILDERS = {**craftbench.BUILDERS, **validation_streets.BUILDERS}
 POSES, ROWS = 10_000, 512

@@ -19,7 +19,7 @@ from urbanverse_mjx.scene import CompiledScene, pack_bank
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 
 #: Poses that are driven from in one batch.
 BATCH = 250

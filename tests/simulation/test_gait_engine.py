@@ -13,7 +13,7 @@ from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.gait_engine import GaitEngine, summed_contacts
-from urbanverse_mjx.simulation.reference.c_mujoco import reference_model
+from urbanverse_mjx.simulation.parity.c_mujoco import reference_model
 
 #: m, after 0.2 and 0.4 s: legs in contact are chaotic.
 APART = 5e-3

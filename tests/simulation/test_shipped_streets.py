@@ -9,7 +9,7 @@ from urbanverse_mjx.datatypes import SceneBank, traversable
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
-from urbanverse_mjx.simulation.reference.drives import ground_height
+from urbanverse_mjx.simulation.parity.drives import ground_height
 
 POSES = 10_000
 #: Poses that are driven from in one batch.

@@ -15,7 +15,7 @@ import warp as wp
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank, traversable
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.simulation.collision_slots import static_slots
-from urbanverse_mjx.simulation.reference.drives import ground_height
+from urbanverse_mjx.simulation.parity.drives import ground_height
 from urbanverse_mjx.simulation.warp_engine import contact, kernels
 from urbanverse_mjx.simulation.warp_engine.batch import WorldBatch
 from urbanverse_mjx.simulation.warp_engine.model import DeviceModel

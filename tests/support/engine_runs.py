@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from urbanverse_mjx.datatypes import SceneBank, SimState
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 
 NUM_ENVS = 6
 CONTROL_DT = 0.1

@@ -16,7 +16,7 @@ from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.mjcf import scene_mjcf
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 
 CONTROL_DT = 0.2
 #: Where the robot starts, on a sidewalk, looking along x.

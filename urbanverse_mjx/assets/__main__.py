@@ -9,8 +9,8 @@ from rich.progress import track
 from urbanverse_mjx.progress import Progress
 
 from .exporting.export_command import export
-from .images.appearance_sheets import COMMANDS as APPEARANCES
 from .importing.command import import_assets
+from .previews.appearance_sheets import COMMANDS as APPEARANCES
 
 
 def build(out: pathlib.Path | None = None) -> None:
@@ -79,7 +79,7 @@ def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
     """
     from urbanverse_mjx.settings import cache_dir
 
-    from .images.gallery import middle_sheets
+    from .previews.gallery import middle_sheets
     from .records.index import load_index
 
     folder = out or cache_dir("assets", "gallery")
@@ -95,7 +95,7 @@ def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), co
       out: PNG to write.
       columns: tiles in a row.
     """
-    from .images import gallery
+    from .previews import gallery
     from .records.index import load_index
 
     records = load_index()
@@ -112,7 +112,7 @@ def thumbnails(leaf: str | None = None) -> None:
     Args:
       leaf: only this leaf.
     """
-    from .images.thumbnails import draw_missing, folder
+    from .previews.thumbnails import draw_missing, folder
     from .records.index import load_index
 
     records = load_index().records if leaf is None else load_index().by_leaf(leaf)

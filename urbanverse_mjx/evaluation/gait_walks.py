@@ -17,7 +17,7 @@ from ..robots.gait import Gait, sensor_frame
 
 #: The world's up in the body's frame, below which a robot counts as fallen (72 degrees), as in `envs.joystick`.
 FALLEN = 0.3
-#: How `simulation.reference.c_mujoco.truth_model` names what belongs to the robot.
+#: How `simulation.parity.c_mujoco.truth_model` names what belongs to the robot.
 _ROBOT = "robot/"
 #: (N, 3) positions (m), (N,) headings (rad), () s -> (N, 3) commands.
 Commander = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
@@ -158,7 +158,7 @@ def walk(
     """Walks N robots at once, each alone in its world.
 
     Args:
-      models: of grounds with the robot (`simulation.reference.c_mujoco.truth_model`); ground: (N,) row of each walk.
+      models: of grounds with the robot (`simulation.parity.c_mujoco.truth_model`); ground: (N,) row of each walk.
         qpos: (N, nq) first positions, at rest.
       commander: gives the robots' commands at every control step.
       speed_limit: (J,) rad/s of the motors.

@@ -16,7 +16,7 @@ from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.collision_slots import agent_slots
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 
 CONTROL_DT, NUM_STEPS = 0.2, 10
 #: A person, and a car's half: a disc of 0.4 m drawn along 0.6 m to either side.

@@ -87,7 +87,7 @@ def _sheet(name: str) -> dict[str, np.ndarray]:
     """
     records, _, (height, width) = _SHEETS[name]
     path = asset_root() / name
-    cure = "`python -m urbanverse_mjx.assets.images.appearance_sheets thumbnails` builds it"
+    cure = "`python -m urbanverse_mjx.assets.previews.appearance_sheets thumbnails` builds it"
     if not path.is_file():
         raise v.fail(name, "no file", "the sheet of thumbnails", cure)
     try:

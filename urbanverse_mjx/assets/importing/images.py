@@ -6,7 +6,7 @@ import numpy as np
 from urbanverse_mjx.datatypes import AssetMesh
 
 from ...geometry import rotations
-from ..images.gallery import scene_of
+from ..previews.gallery import scene_of
 
 VIEWS = 4
 ELEVATION = -14.0  # degrees, a little from above

@@ -2,8 +2,8 @@
 
 from ..collision.hulls import HullStore
 from ..collision.hulls import store_path as hulls_path
-from ..images.thumbnails import damaged
 from ..meshes.base_shapes import shape_of
+from ..previews.thumbnails import damaged
 from ..records.catalogue import catalogue_hash, disagreements, leaf_counts
 from ..records.index import load_index
 from ..records.store import build_store, forget, inputs_key, load_store, recorded_content, store_path

@@ -168,7 +168,7 @@ class ObjectLibrary:
         Raises:
           ValidationError: no such uid, or one without a mesh.
         """
-        from ..images.thumbnails import thumbnail
+        from ..previews.thumbnails import thumbnail
 
         return {record.uid: thumbnail(record) for record in self.records(uids)}
 

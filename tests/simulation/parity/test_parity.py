@@ -12,7 +12,7 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 
 NUM_STEPS, CONTROL_DT = 18, 0.2
 # Design section 3: 1 mm before the first contact, onset within one physics step, 1 s later median 5 mm, at most 50 mm.

@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.assets.images.appearance_sheets COMMAND`: sheets of skies and grounds, and single ones.
+"""`python -m urbanverse_mjx.assets.previews.appearance_sheets COMMAND`: sheets of skies and grounds, and single ones.
 
 thumbnails: paints the stored thumbnails anew (after a change of the painting). sheets: draws contact sheets with names.
 ground, sky: writes the maps of one uid.

@@ -13,7 +13,7 @@ from urbanverse_mjx.robots import make_go2
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.simulation.parity import c_mujoco
 
 CONTROL_DT, STEPS = 0.02, 30
 #: m: before any foot has touched; 0.1 s and 0.6 s after the start (the fall from 2 cm ends after 0.07 s).
