@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.envs.heights import build_heights
+from urbanverse_mjx.envs.heights import UNIT, build_heights
 from urbanverse_mjx.scene import terrain
 from urbanverse_mjx.scene.mjcf import scene_spec
 
@@ -68,18 +68,21 @@ def kerbs() -> tuple[terrain.SceneGeometry, SceneBank]:
     return scene, terrain.pack_regions([scene])
 
 
-def test_heights_of_the_bank_are_those_of_c_mujoco(kerbs: tuple[terrain.SceneGeometry, SceneBank]) -> None:
+@pytest.mark.parametrize("cell", [0.05, 0.2])
+def test_heights_of_the_bank_are_those_of_c_mujoco(kerbs: tuple[terrain.SceneGeometry, SceneBank], cell: float) -> None:
     """Rays from above, at the centres of random cells."""
     scene, bank = kerbs
-    heights, origin = build_heights(bank)
+    stored, lowest, origin = build_heights(bank, cell)
+    heights = lowest[:, None, None] + UNIT * stored
+    assert np.ptp(stored) > 50, "kerbs"
     model = scene_spec(scene).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     rng, geom = np.random.default_rng(0), np.zeros(1, np.int32)
     for i, j in rng.integers(2, np.array(heights.shape[1:]) - 2, (200, 2)):
-        point = np.array([*(origin[0] + (np.array([i, j]) + 0.5) * 0.05), 5.0])
+        point = np.array([*(origin[0] + (np.array([i, j]) + 0.5) * cell), 5.0])
         down = mujoco.mj_ray(model, data, point, np.array([0.0, 0.0, -1.0]), None, 1, -1, geom)
-        assert heights[0, i, j] == pytest.approx(5.0 - down, abs=1e-5)
+        assert heights[0, i, j] == pytest.approx(5.0 - down, abs=0.51 * UNIT)
 
 
 def test_every_place_finds_its_ground_among_the_nearest_prisms(

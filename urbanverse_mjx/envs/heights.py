@@ -5,19 +5,20 @@ It is not an observation of a blind policy.
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, UInt16
 
-from ..datatypes import SceneBank
+from ..datatypes import SceneBank, ValidationError
 from ..geometry.grids import Grid, cell_of
 
-#: m, side of a cell; a kerb's edge is known to half of it.
+#: m, side of a cell where nothing else is asked for; a kerb's edge is known to half of it.
 CELL = 0.05
+#: m, the unit that heights are stored in, above the lowest ground of their scene.
+UNIT = 0.001
 _VERTICAL_TOLERANCE = 1e-6
 
 
-def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.ndarray, origin: np.ndarray) -> None:
+def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.ndarray, grid: Grid) -> None:
     """Raises the cells of heights (X, Y) in a prism's box low..high (2,) to its top; planes (F, 4)."""
-    grid = Grid(origin, CELL, heights.shape)
     window = grid.window(low, high)
     points = np.stack(np.meshgrid(*grid.axes(window), indexing="ij"), -1)
     rest = planes[:, 3] - points @ planes[:, :2].T
@@ -29,10 +30,20 @@ def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.nd
     np.copyto(part, np.maximum(part, top), where=inside)
 
 
-def build_heights(bank: SceneBank) -> tuple[Float[np.ndarray, "Z X Y"], Float[np.ndarray, "Z 2"]]:
-    """(Z, X, Y) f32 m of the ground's top at each cell's centre, and (Z, 2) m, where cell (0, 0) begins.
+def build_heights(
+    bank: SceneBank, cell: float = CELL
+) -> tuple[UInt16[np.ndarray, "Z X Y"], Float[np.ndarray, " Z"], Float[np.ndarray, "Z 2"]]:
+    """The ground's top at each cell's centre.
 
-    Beside the ground it is as high as the scene's lowest ground.
+    Args:
+      cell: m, side of a cell.
+
+    Returns:
+      (Z, X, Y) u16 in `UNIT` above the scene's lowest ground, as which the cells beside the ground count; (Z,) f32 m
+      of that lowest ground; (Z, 2) f32 m, where cell (0, 0) begins.
+
+    Raises:
+      ValidationError: ground that rises by 65 m.
     """
     boxes = bank.hull_box.astype(np.float64)
     corners = []
@@ -43,31 +54,48 @@ def build_heights(bank: SceneBank) -> tuple[Float[np.ndarray, "Z X Y"], Float[np
         corners.append((hull, position, middle - half, middle + half))
     origins = np.array([low.min(0)[:2] for _, _, low, _ in corners])
     size = np.max([high.max(0)[:2] - low.min(0)[:2] for _, _, low, high in corners], 0)
-    heights = np.full((bank.num_scenes, *np.ceil(size / CELL).astype(int)), -np.inf)
+    shape = np.ceil(size / cell).astype(int)
+    stored, lowest = np.zeros((bank.num_scenes, *shape), np.uint16), np.zeros(bank.num_scenes)
     for z, (hulls, positions, lows, highs) in enumerate(corners):
+        heights = np.full(shape, -np.inf)
+        grid = Grid(origins[z], cell, heights.shape)
         for hull, position, low, high in zip(hulls, positions, lows, highs, strict=True):
             planes = bank.hull_planes[hull].astype(np.float64)
             planes[:, 3] += planes[:, :3] @ position
-            _paint(heights[z], planes, low[:2], high[:2], origins[z])
-        known = np.isfinite(heights[z])
-        heights[z][~known] = heights[z][known].min()
-    return heights.astype(np.float32), origins.astype(np.float32)
+            _paint(heights, planes, low[:2], high[:2], grid)
+        known = np.isfinite(heights)
+        lowest[z] = heights[known].min()
+        above = np.rint(np.where(known, heights - lowest[z], 0.0) / UNIT)
+        if above.max() > np.iinfo(np.uint16).max:
+            raise ValidationError(
+                f"{bank.scene_ids[z]}: found ground that rises by {above.max() * UNIT:.0f} m, needed 65 m or less."
+            )
+        stored[z] = above
+    return stored, lowest.astype(np.float32), origins.astype(np.float32)
 
 
 class GroundHeights:
-    """The ground's height in all scenes of a bank.
+    """The ground's height in all scenes of a bank, to half a millimetre at the cells' centres.
+
+    Args:
+      bank: the scenes. cell: m, side of a cell.
 
     Attributes:
       low, high: (Z, 2) m, the corners of each scene's ground.
     """
 
-    def __init__(self, bank: SceneBank) -> None:
-        heights, low = build_heights(bank)
-        self._heights, self.low = jnp.asarray(heights), jnp.asarray(low)
+    def __init__(self, bank: SceneBank, cell: float = CELL) -> None:
+        heights, lowest, low = build_heights(bank, cell)
+        self._heights, self._lowest, self.low, self._cell = (
+            jnp.asarray(heights),
+            jnp.asarray(lowest),
+            jnp.asarray(low),
+            cell,
+        )
         boxes = bank.prism_position + bank.hull_box[bank.prism_hull, 0] + bank.hull_box[bank.prism_hull, 1]
         self.high = jnp.asarray(np.where(bank.prism_hull[..., None] >= 0, boxes, -np.inf).max(1)[:, :2])
 
     def __call__(self, scene: Int[Array, ""], p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n"]:
         """(...) m under points (..., 2) m of a scene () i32; at the rim for points outside."""
-        cell = cell_of(p_xy, self.low[scene], CELL, self._heights.shape[1:])
-        return self._heights[scene, cell[..., 0], cell[..., 1]]
+        cell = cell_of(p_xy, self.low[scene], self._cell, self._heights.shape[1:])
+        return self._lowest[scene] + UNIT * self._heights[scene, cell[..., 0], cell[..., 1]].astype(jnp.float32)

@@ -31,8 +31,10 @@ GAP = 0.05
 TAKEN_FROM = 6.0
 #: m, largest difference of the ground's height under an object.
 FLAT = 0.03
-#: Directions in which the ground is compared with that in the middle: a kerb that cuts less than 2 % of a radius off is
-#: missed.
+#: m, side of the cells that the ground's height is looked up in: finer ones take seconds per scene and gigabytes.
+GROUND_CELL = 0.2
+#: Directions in which the ground is compared with that in the middle, half a cell outside the object: a kerb that cuts
+#: less than 2 % of that radius off is missed.
 RIM = np.stack([np.cos(np.arange(16) * np.pi / 8), np.sin(np.arange(16) * np.pi / 8)], -1)
 #: Places drawn for each object; one that finds none stays where the street has it.
 TRIES = 16
@@ -66,7 +68,7 @@ class Clutter:
     def __init__(
         self, bank: SceneBank, row: Int[np.ndarray, "Z N"], number: int, robot: RobotSpec, surroundings: Surroundings
     ) -> None:
-        self._number, self._surroundings, self._ground = number, surroundings, GroundHeights(bank)
+        self._number, self._surroundings, self._ground = number, surroundings, GroundHeights(bank, GROUND_CELL)
         self._movable = jnp.asarray(row >= 0)
         self._radius = jnp.asarray(footprint_radii(bank, row))
         self._home = jnp.asarray(bank.slot_position, jnp.float32)
@@ -142,7 +144,7 @@ class Clutter:
         """Whether an object may stand at points: away from route, ends, hulls and edge, on flat ground."""
         found = self._surroundings.distances(scene, points)
         away = jnp.linalg.norm(points[:, None] - ends, axis=-1).min(-1)
-        rim = jnp.asarray(RIM, jnp.float32) * radius
+        rim = jnp.asarray(RIM, jnp.float32) * (radius + 0.5 * GROUND_CELL)
         step = jnp.abs(self._ground(scene, points[:, None] + rim) - self._ground(scene, points)[:, None]).max(-1)
         return (
             (terms.distance_to_route(points, corners) >= self._width + radius - 1e-4)
