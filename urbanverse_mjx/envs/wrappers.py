@@ -13,8 +13,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Key, PRNGKeyArray, UInt32
 
 from ..datatypes import ValidationError
+from .navigation import NavEnv
 from .staged import observed_size
 from .types import StagedEnv, State
+
+#: Name in `State.info` of the mean success of each episode, for `config.schedule.learnable`.
+SUCCESS = "episode_success"
 
 
 class AutoResetEnv[C]:
@@ -23,7 +27,8 @@ class AutoResetEnv[C]:
     `reset(keys)` and `step(state, actions)` take a leading batch axis. Beside the env's own info the state holds what
     Brax reads: steps, truncation, time_out, episode_done, episode_metrics (sums over the running episode). After a done
     step, `obs` is the first observation of the next episode, while reward, metrics and info belong to the step that
-    ended; Brax's GAE does not bootstrap across `done`.
+    ended; Brax's GAE does not bootstrap across `done`. With `config.schedule.learnable`, info["episode_success"] is
+    (Z, E) for the whole batch: the mean success that episodes are drawn by (`navigation.learnability`).
     """
 
     def __init__(self, env: StagedEnv[C], episode_length: int):
@@ -33,6 +38,7 @@ class AutoResetEnv[C]:
                 "set config.episode_length instead."
             )
         self.env = env
+        self._learnability = env.learnability if isinstance(env, NavEnv) else None
 
     @property
     def action_size(self) -> int:
@@ -60,11 +66,25 @@ class AutoResetEnv[C]:
             info = {**self.env.info_of(nav), "episode_done": zero, "episode_metrics": sums}
             return State(nav, self.env.observe(nav), zero, zero, metrics, info)
 
-        return jax.vmap(first)(keys)
+        state = jax.vmap(first)(keys)
+        if self._learnability is None:
+            return state
+        return dataclasses.replace(state, info={**state.info, SUCCESS: self._learnability.first()})
 
     def step(self, state: State[C], action: Float[Array, "n nu"]) -> State[C]:
         """One control step of every env."""
+        if self._learnability is None:
+            return self._step(state, action, self.env.reset_episode)
+        env, learnability = self.env, self._learnability
+        info = dict(state.info)
+        success = info.pop(SUCCESS)
+        bounds = learnability.bounds(success)
+        state = dataclasses.replace(state, info=info)
+        new = self._step(state, action, lambda nav: env.reset_episode(nav, bounds))  # type: ignore[call-arg]
+        success = learnability.updated(success, new.info["scene"], new.info["episode"], new.info["result"])
+        return dataclasses.replace(new, info={**new.info, SUCCESS: success})
 
+    def _step(self, state: State[C], action: jax.Array, reset_episode: Callable[[C], C]) -> State[C]:
         def advance(state: State[C], action: jax.Array) -> State[C]:
             nav, reward, done, metrics = self.env.advance(state.data, action)
             alive = 1.0 - state.done
@@ -72,7 +92,7 @@ class AutoResetEnv[C]:
             new = {**metrics, "sum_reward": reward, "length": jnp.float32(1.0)}
             sums = {name: old[name] * alive + new[name] for name in new}
             info = {**self.env.info_of(nav), "episode_done": done, "episode_metrics": sums}
-            fresh = self.env.reset_episode(nav)
+            fresh = reset_episode(nav)
             nav = jax.tree.map(lambda a, b: jnp.where(done > 0, a, b), fresh, nav)
             return State(nav, state.obs, reward, done, metrics, info)
 

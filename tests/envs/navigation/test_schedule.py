@@ -86,6 +86,8 @@ def test_counts_outlive_episodes(small_bank: SceneBank) -> None:
         ({"episodes_per_swap": 0}, "episodes_per_swap"),
         ({"start_distance": 12.0}, "both or neither"),
         ({"ramp_steps": 5}, "both or neither"),
+        ({"learnable": 1.5}, "between 0 and 1"),
+        ({"learnable": 0.5, "resident_scenes": 2}, "one of them"),
     ],
 )
 def test_broken_schedules_are_refused(small_bank: SceneBank, values: dict[str, float], message: str) -> None:

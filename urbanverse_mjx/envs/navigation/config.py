@@ -31,6 +31,7 @@ def _paper() -> ConfigDict:
                 "episodes_per_swap": 100,
                 "start_distance": 0.0,  # m, 0 = no curriculum
                 "ramp_steps": 0,  # control steps of an env
+                "learnable": 0.0,  # share of the episodes of a training drawn by p (1 - p)
                 "seed": 0,
             },
             # The paper names textures, friction and mass and gives no ranges; these are ours.

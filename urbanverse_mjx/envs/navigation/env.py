@@ -18,6 +18,7 @@ from . import terms
 from .clutter import Clutter
 from .draws import Randomization
 from .dynamic import PEOPLE_METRICS, DynamicStreet, slot_appearances
+from .learnability import Learnability
 from .movables import MOVABLE_METRICS, Movables
 from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
@@ -96,6 +97,8 @@ class NavEnv(StagedBase[NavState]):
         chosen = config.get("observations", {})
         self._sees_proprio, self._sees_map = (bool(chosen.get(k, False)) for k in ("proprio", "privileged_map"))
         self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
+        #: How training weighs episodes; None where all are equally likely.
+        self.learnability = Learnability(bank, self.scenes) if self._schedule.learnable else None
         self._randomization = Randomization(config.randomization)
         self._episodes = {
             name: jnp.asarray(getattr(bank, name))
@@ -137,11 +140,15 @@ class NavEnv(StagedBase[NavState]):
         key, draw = jax.random.split(typed_key(key))
         return self.begin_at(key, *self._schedule.draw(draw, jnp.int32(0), jnp.int32(0)))
 
-    def reset_episode(self, nav: NavState) -> NavState:
-        """The episode after that of `nav`: all is new but the counts of steps and episodes behind the env."""
+    def reset_episode(self, nav: NavState, bounds: Float[Array, " ZE"] | None = None) -> NavState:
+        """The episode after that of `nav`: all is new but the counts of steps and episodes behind the env.
+
+        Args:
+          bounds: cumulative weights of the episodes (`Learnability.bounds`), for `schedule.learnable`.
+        """
         key, draw = jax.random.split(nav.key)
         episodes = nav.episodes + 1
-        new = self.begin_at(key, *self._schedule.draw(draw, nav.age, episodes))
+        new = self.begin_at(key, *self._schedule.draw(draw, nav.age, episodes, bounds))
         return new._replace(age=nav.age, episodes=episodes)
 
     @full_precision
