@@ -1,7 +1,9 @@
 """`urbanverse evaluate` and the evaluation after `urbanverse train`, each to its report."""
 
+import dataclasses
 import json
 import pathlib
+import shutil
 from typing import Any
 
 import jax.numpy as jnp
@@ -15,7 +17,7 @@ from urbanverse_mjx.cli.evaluate import main as evaluate
 from urbanverse_mjx.cli.train import main as train
 from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimState, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
-from urbanverse_mjx.pipeline import banks
+from urbanverse_mjx.pipeline import banks, evaluation, quick_bank
 from urbanverse_mjx.pipeline.evaluation import SHOWN, evaluate_policy
 from urbanverse_mjx.pipeline.rollout_video import random_draw
 from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
@@ -170,6 +172,23 @@ def test_a_scripted_policy_is_evaluated_by_its_name(
     assert {r.agent for r in report.episodes} == {name}
     assert report.record["privileged"] is (name == "planner")
     assert report.title.endswith("3 fixed episodes on unseen streets")
+
+
+@pytest.mark.parametrize("preset", ["quick", "cpu"])
+def test_a_policy_is_evaluated_on_the_streets_of_its_preset(
+    preset: str, untrained: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the evaluation at the end of its training."""
+    folder = tmp_path / "policy"
+    shutil.copytree(untrained, folder)
+    spec = PolicySpec.load(folder)
+    dataclasses.replace(spec, env_config={**spec.env_config, "preset": preset}).save(folder)
+    monkeypatch.setattr(quick_bank, "ensure_quick_bank", lambda *_, **__: "quick streets")
+    monkeypatch.setattr(banks, "ensure_default_bank", lambda *_, **__: "shipped streets")
+    used: list[Any] = []
+    monkeypatch.setattr(evaluation, "evaluate_policy", lambda _, bank, *__, **___: used.append(bank) or {})
+    assert evaluate([str(folder), "--quiet"]) == 0
+    assert used == ["quick streets" if preset == "quick" else "shipped streets"]
 
 
 def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:

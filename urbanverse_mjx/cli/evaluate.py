@@ -29,7 +29,8 @@ class EvaluateArgs:
     preset: str = "paper"
     """Of the environment, for a scripted policy."""
     bank: pathlib.Path | None = None
-    """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
+    """Scene bank; default: that of the preset it was trained with (`quick`: eight unseen streets, others: the shipped
+    two), or the one that URBANVERSE_BANK names."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
     num_episodes: int = 100
@@ -46,20 +47,24 @@ def main(argv: Sequence[str]) -> int:
     args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
     from ..pipeline.banks import chosen_bank
     from ..pipeline.evaluation import SCRIPTED, evaluate_policy
-    from ..training.policy import latest_policy
+    from ..pipeline.training_run import bank_of
+    from ..training.policy import PolicySpec, latest_policy
 
     v.integer(args.num_episodes, "--num-episodes", 1)
     if args.policy in SCRIPTED:
         policy, out = args.policy, pathlib.Path("runs") / f"evaluate-{args.policy}"
+        environment, preset = args.env_name or "CocoNav", args.preset
     elif pathlib.Path(args.policy).is_dir():
         policy = latest_policy(pathlib.Path(args.policy))
         out = policy / "evaluation"
+        spec = PolicySpec.load(policy)
+        environment, preset = args.env_name or spec.environment, spec.env_config.get("preset")
     else:
         raise ValidationError(
             f"policy: found {args.policy!r}, needed a policy or run folder, or one of {', '.join(SCRIPTED)}."
         )
     out = args.out or out
-    bank = chosen_bank(args.bank, quiet=args.quiet)
+    bank = bank_of(environment, args.quiet, preset) if args.bank is None else chosen_bank(args.bank)
     options = (args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic, args.env_name)
     summary = evaluate_policy(policy, bank, out, *options, preset=args.preset, env_overrides=args.env_overrides)
     if not args.quiet:
