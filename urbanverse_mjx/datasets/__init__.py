@@ -1,0 +1,18 @@
+"""Recorded episodes as files: LeRobotDataset v3, written and checked with pyarrow and ffmpeg, without torch."""
+
+from .checking import Findings, check_dataset
+from .features import Episode, Feature
+from .reading import StoredDataset
+from .summary import DatasetSummary, summarise_dataset
+from .writer import DatasetWriter
+
+__all__ = [
+    "DatasetSummary",
+    "DatasetWriter",
+    "Episode",
+    "Feature",
+    "Findings",
+    "StoredDataset",
+    "check_dataset",
+    "summarise_dataset",
+]

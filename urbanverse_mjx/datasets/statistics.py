@@ -1,0 +1,76 @@
+"""Statistics of features as LeRobot stores them: of an episode, and merged over episodes.
+
+Source: huggingface/lerobot, `src/lerobot/datasets/compute_stats.py`.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+#: Name -> share, of the quantiles that are stored.
+QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
+Stats = dict[str, np.ndarray]
+
+
+def of_numbers(rows: np.ndarray) -> Stats:
+    """Statistics (D,) of (T, D) or (T,) numbers; count is (1,)."""
+    rows = rows.reshape(len(rows), -1).astype(np.float64)
+    body = {"min": rows.min(0), "max": rows.max(0), "mean": rows.mean(0), "std": rows.std(0)}
+    quantiles = np.quantile(rows, list(QUANTILES.values()), axis=0)
+    return {**body, "count": np.array([len(rows)]), **dict(zip(QUANTILES, quantiles, strict=True))}
+
+
+class PixelCounts:
+    """Collects the values of images of integers, and gives their statistics by channel.
+
+    Args:
+      channels: of the images. values: number of values that a pixel can have.
+    """
+
+    def __init__(self, channels: int, values: int) -> None:
+        self._counts = np.zeros((channels, values), np.int64)
+        self._images = 0
+
+    def add(self, image: np.ndarray) -> None:
+        """Counts an image (H, W, C) of unsigned integers."""
+        for channel, counts in enumerate(self._counts):
+            counts += np.bincount(image[..., channel].ravel(), minlength=len(counts))
+        self._images += 1
+
+    def stats(self, scale: float) -> Stats:
+        """Statistics (C, 1, 1) of the values divided by `scale`; count is the number of images, (1,)."""
+        values = np.arange(self._counts.shape[1]) / scale
+        total = self._counts.sum(1, keepdims=True)
+        mean = self._counts @ values / total[:, 0]
+        square = self._counts @ values**2 / total[:, 0]
+        below = np.cumsum(self._counts, axis=1) / total
+        body = {
+            "min": values[(below > 0).argmax(1)],
+            "max": values[(below >= 1.0).argmax(1)],
+            "mean": mean,
+            "std": np.sqrt(np.maximum(square - mean**2, 0.0)),
+            **{name: values[(below >= share).argmax(1)] for name, share in QUANTILES.items()},
+        }
+        shaped = {name: x.reshape(-1, 1, 1) for name, x in body.items()}
+        return {**shaped, "count": np.array([self._images])}
+
+
+def merged(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> Stats:
+    """Statistics of two parts together: exact but for quantiles, which cannot be had from those of the parts.
+
+    As in LeRobot's own recorder the smaller one is taken up to the median, and above it the larger.
+    """
+    counts = first["count"], second["count"]
+    total = counts[0] + counts[1]
+    mean = (first["mean"] * counts[0] + second["mean"] * counts[1]) / total
+    spread = [(s["std"] ** 2 + (s["mean"] - mean) ** 2) * n for s, n in zip((first, second), counts, strict=True)]
+    body = {
+        "min": np.minimum(first["min"], second["min"]),
+        "max": np.maximum(first["max"], second["max"]),
+        "mean": mean,
+        "std": np.sqrt((spread[0] + spread[1]) / total),
+        "count": total,
+    }
+    for name, share in QUANTILES.items():
+        body[name] = (np.minimum if share <= 0.5 else np.maximum)(first[name], second[name])
+    return body

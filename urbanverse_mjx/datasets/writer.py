@@ -1,0 +1,283 @@
+"""`DatasetWriter`: episodes into a LeRobotDataset v3 that is complete at every moment.
+
+Files hold several episodes and are replaced by longer ones, each by a rename; meta/info.json comes last, so its counts
+say what is complete. Whoever is killed between two renames leaves rows behind those counts, which readers ignore.
+"""
+
+import dataclasses
+import json
+import pathlib
+import shutil
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from .. import __version__
+from ..datatypes import validation as v
+from . import features as f
+from . import statistics, video
+
+#: A new file is begun at so many episodes, or bytes of one camera: as much is written anew with every episode.
+_FILE_EPISODES, _FILE_BYTES = 100, 16 * 2**20
+#: s between two writings; episodes that end faster are written together.
+_WRITE_EVERY = 1.0
+
+
+def require_new(folder: pathlib.Path) -> None:
+    """Refuses a place that holds anything.
+
+    Raises:
+      ValidationError: a file, or a folder that is not empty.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        what = "a folder that is not empty" if folder.is_dir() else "a file"
+        raise v.fail(str(folder), what, "a new or empty folder", "choose another one; nothing in it was changed")
+
+
+@dataclasses.dataclass
+class _File:
+    """Episodes of the files that are still growing; `number` counts files from the dataset's beginning."""
+
+    number: int
+    first_row: int
+    tables: list[pa.Table] = dataclasses.field(default_factory=list)
+    rows: list[dict[str, Any]] = dataclasses.field(default_factory=list)
+    videos: dict[str, list[bytes]] = dataclasses.field(default_factory=dict)
+    image_bytes: int = 0
+
+    @property
+    def place(self) -> dict[str, int]:
+        return {"chunk_index": self.number // f.CHUNK_SIZE, "file_index": self.number % f.CHUNK_SIZE}
+
+    @property
+    def full(self) -> bool:
+        largest = max((sum(map(len, parts)) for parts in self.videos.values()), default=0)
+        return len(self.rows) >= _FILE_EPISODES or max(largest, self.image_bytes) >= _FILE_BYTES
+
+
+class DatasetWriter:
+    """Writes a new dataset, episode by episode; as a context manager it writes what it holds when the block ends.
+
+    Args:
+      folder: new or empty.
+      features: name -> `Feature`, without those that every dataset has.
+      frames_per_second: of all cameras and rows. robot: its name.
+      origin: JSON object for meta/urbanverse.json.
+
+    Raises:
+      ValidationError: a folder in use.
+    """
+
+    def __init__(
+        self,
+        folder: pathlib.Path,
+        features: Mapping[str, f.Feature],
+        frames_per_second: int,
+        robot: str,
+        origin: Mapping[str, Any] | None = None,
+    ) -> None:
+        require_new(folder)
+        self.folder, self.features = folder, {**features, **f.INDEX_FEATURES}
+        self._rate, self._robot, self._origin = frames_per_second, robot, dict(origin or {})
+        self._tasks: dict[str, int] = {}
+        self._stats: dict[str, statistics.Stats] = {}
+        self._file = _File(0, 0)
+        self._unwritten, self._written_at = 0, -np.inf
+        self.num_episodes = self.num_frames = 0
+        self._staging = folder / f.UNFINISHED
+        self._made = not folder.exists()
+        self._staging.mkdir(parents=True)
+
+    def __enter__(self) -> "DatasetWriter":
+        return self
+
+    def __exit__(self, kind: Any, error: BaseException | None, at: Any) -> None:
+        try:
+            # After a full disk there is nothing more to write.
+            if not isinstance(error, OSError):
+                self.write()
+        finally:
+            shutil.rmtree(self._staging, ignore_errors=True)
+            if self._made and not any(self.folder.iterdir()):
+                self.folder.rmdir()
+
+    def add(self, episode: f.Episode) -> None:
+        """Adds an episode; it is on the disk when this returns, or within a second where episodes come faster.
+
+        Raises:
+          ValidationError: columns or images that are not those of the features, or of another length.
+          OSError: it cannot be written; what was written before stays complete.
+        """
+        columns = self._columns(episode)
+        file, length = self._file, len(episode)
+        own = {name: statistics.of_numbers(column) for name, column in columns.items()}
+        own |= {name: dict(stats) for name, stats in episode.image_stats.items()}
+        file.tables.append(self._table(columns, episode))
+        file.rows.append(self._row(episode, own))
+        for name, encoded in episode.videos.items():
+            file.videos.setdefault(name, []).append(encoded)
+        file.image_bytes += sum(len(image) for images in episode.images.values() for image in images)
+        for name, stats in own.items():
+            self._stats[name] = statistics.merged(self._stats[name], stats) if name in self._stats else stats
+        self.num_episodes, self.num_frames = self.num_episodes + 1, self.num_frames + length
+        self._unwritten += 1
+        if file.full or time.monotonic() - self._written_at >= _WRITE_EVERY:
+            self.write()
+        if file.full:
+            self._file = _File(file.number + 1, self.num_frames)
+
+    def _columns(self, episode: f.Episode) -> dict[str, np.ndarray]:
+        """The episode's numbers by feature, in the features' order."""
+        length, first = len(episode), self.num_frames
+        frame = np.arange(length)
+        task = self._tasks.setdefault(episode.task, len(self._tasks))
+        given = {
+            **episode.columns,
+            "timestamp": frame / self._rate,
+            "frame_index": frame,
+            "episode_index": np.full(length, self.num_episodes),
+            "index": first + frame,
+            "task_index": np.full(length, task),
+        }
+        lengths = {name: len(images) for name, images in episode.images.items()}
+        numbers = {name for name, feature in self.features.items() if not feature.is_image}
+        wanted = {
+            form: {name for name, feature in self.features.items() if feature.dtype == form}
+            for form in ("image", "video")
+        }
+        if (set(given), set(lengths), set(episode.videos)) != (numbers, wanted["image"], wanted["video"]):
+            found = sorted({*given, *lengths, *episode.videos} ^ set(self.features))
+            raise v.fail("episode", f"columns and images that differ from the features ({', '.join(found)})", "these")
+        columns = {
+            name: np.asarray(given[name], feature.dtype)
+            for name, feature in self.features.items()
+            if not feature.is_image
+        }
+        for name, column in columns.items():
+            shape = self.features[name].shape
+            if column.shape != (length, *(() if shape == (1,) else shape)):
+                raise v.fail(f"episode.{name}", f"shape {column.shape}", f"{length} rows of {shape}")
+        if not length or any(n != length for n in lengths.values()):
+            raise v.fail("episode", f"{length} rows and images {lengths}", "one image a row, at least one")
+        return columns
+
+    def _table(self, columns: Mapping[str, np.ndarray], episode: f.Episode) -> pa.Table:
+        arrays, fields = [], []
+        for name, feature in self.features.items():
+            if feature.dtype == "video":
+                continue
+            kind = feature.arrow_type
+            if feature.dtype == "image":
+                rows: Any = [{"bytes": image, "path": None} for image in episode.images[name]]
+                arrays.append(pa.array(rows, kind))
+            elif feature.shape == (1,):
+                arrays.append(pa.array(columns[name], kind))
+            else:
+                arrays.append(pa.FixedSizeListArray.from_arrays(pa.array(columns[name].ravel()), feature.shape[0]))
+            fields.append(pa.field(name, kind))
+        return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+
+    def _row(self, episode: f.Episode, stats: Mapping[str, statistics.Stats]) -> dict[str, Any]:
+        """The episode's row in meta/episodes."""
+        file, first, length = self._file, self.num_frames, len(episode)
+        row: dict[str, Any] = {"episode_index": self.num_episodes, "tasks": [episode.task], "length": length}
+        row |= {f"data/{name}": number for name, number in file.place.items()}
+        row |= {"dataset_from_index": first, "dataset_to_index": first + length}
+        for name in episode.videos:
+            row |= {f"videos/{name}/{key}": number for key, number in file.place.items()}
+            row[f"videos/{name}/from_timestamp"] = (first - file.first_row) / self._rate
+            row[f"videos/{name}/to_timestamp"] = (first + length - file.first_row) / self._rate
+        row |= episode.record
+        row |= {f"stats/{name}/{key}": x.tolist() for name, body in stats.items() for key, x in body.items()}
+        return row | {f"meta/episodes/{name}": number for name, number in file.place.items()}
+
+    def write(self) -> None:
+        """Puts all episodes that were added on the disk.
+
+        Raises:
+          OSError: it cannot; the files of before are as they were.
+        """
+        if not self._unwritten:
+            return
+        staged = self._stage()
+        for part, path in staged:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            part.replace(path)
+        for folder in {path.parent for _, path in staged}:
+            v.sync(folder)
+        self._unwritten, self._written_at = 0, time.monotonic()
+
+    def _stage(self) -> list[tuple[pathlib.Path, pathlib.Path]]:
+        """Writes new versions of all files that change; returns them and their places, meta/info.json last."""
+        file, staged = self._file, []
+
+        def stage(name: str, write: Callable[[pathlib.Path], Any]) -> None:
+            part = self._staging / f"{len(staged)}{pathlib.Path(name).suffix}"
+            write(part)
+            v.sync(part)
+            staged.append((part, self.folder / name))
+
+        def text(value: Any) -> Callable[[pathlib.Path], Any]:
+            body = json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+            return lambda part: part.write_text(body, encoding="utf-8")
+
+        for name, parts in file.videos.items():
+            joined = b"".join(parts)
+            stage(
+                f.VIDEO_PATH.format(video_key=name, **file.place),
+                lambda part, joined=joined: video.write_mp4(part, joined, self._rate),
+            )
+        stage(f.DATA_PATH.format(**file.place), lambda part: _write_by_episode(part, file.tables))
+        rows = pa.Table.from_pylist(file.rows)
+        stage(f.EPISODES_PATH.format(**file.place), lambda part: _write_by_episode(part, [rows]))
+        stage(f.TASKS_PATH, lambda part: _write_by_episode(part, [_tasks_table(self._tasks)]))
+        stage(f.STATS_PATH, text({n: {k: x.tolist() for k, x in body.items()} for n, body in self._stats.items()}))
+        stage(f.ORIGIN_PATH, text(self._origin))
+        stage(f.INFO_PATH, text(self._info()))
+        return staged
+
+    def _info(self) -> dict[str, Any]:
+        has_video = any(feature.dtype == "video" for feature in self.features.values())
+        return {
+            "codebase_version": f.CODEBASE_VERSION,
+            "fps": self._rate,
+            "features": {name: feature.to_json() for name, feature in self.features.items()},
+            "total_episodes": self.num_episodes,
+            "total_frames": self.num_frames,
+            "total_tasks": len(self._tasks),
+            "chunks_size": f.CHUNK_SIZE,
+            "data_files_size_in_mb": 100,
+            "video_files_size_in_mb": 200,
+            "data_path": f.DATA_PATH,
+            "video_path": f.VIDEO_PATH if has_video else None,
+            "robot_type": self._robot,
+            "splits": {"train": f"0:{self.num_episodes}"},
+        }
+
+
+def _write_by_episode(path: pathlib.Path, tables: list[pa.Table]) -> None:
+    """A parquet file with one row group for each table."""
+    with pq.ParquetWriter(path, tables[0].schema, compression="snappy", use_dictionary=True) as writer:
+        for table in tables:
+            writer.write_table(table)
+
+
+def _tasks_table(tasks: Mapping[str, int]) -> pa.Table:
+    """The tasks as pandas stores a frame whose index is the sentence: LeRobot looks tasks up by it."""
+    table = pa.table({"task_index": pa.array(tasks.values(), pa.int64()), "task": pa.array(tasks, pa.string())})
+    columns = [
+        {"name": name, "field_name": name, "pandas_type": kind, "numpy_type": stored, "metadata": None}
+        for name, kind, stored in (("task_index", "int64", "int64"), ("task", "unicode", "object"))
+    ]
+    described = {
+        "index_columns": ["task"],
+        "column_indexes": [],
+        "columns": columns,
+        "creator": {"library": "urbanverse_mjx", "version": __version__},
+        "pandas_version": "2.0.0",
+    }
+    return table.replace_schema_metadata({"pandas": json.dumps(described)})
