@@ -119,7 +119,12 @@ def test_a_graph_with_the_name_of_a_shipped_street_is_the_users(
 
 
 def test_the_camera_of_a_rule_is_drawn_and_everything_is_as_in_the_bank() -> None:
-    config = drivers._fresh_config(None, False, drivers.IMAGE_SIZE)
+    config = drivers._fresh_config(None, False, "cpu", drivers.IMAGE_SIZE)
     assert config.vision
     assert (config.vision_config.height, config.vision_config.width) == drivers.IMAGE_SIZE
     assert config.randomization.appearance == 0
+
+
+def test_a_recorder_draws_no_image_for_a_rule() -> None:
+    config = drivers._fresh_config(None, False, "paper", None)
+    assert (config.preset, config.vision) == ("paper", False)

@@ -25,6 +25,8 @@ COMMANDS = {
     "benchmark": ("benchmark", "score a policy on a frozen benchmark"),
     "view": ("view", "show streets and policies in a web page"),
     "play": ("play", "drive one episode and write it as a video"),
+    "record": ("record", "record episodes of a policy as a dataset for LeRobot"),
+    "dataset": ("dataset", "say what a recorded dataset holds, and whether it is sound"),
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "export-onnx": ("export_onnx", "write a trained policy as an ONNX file, with how it is driven in its metadata"),
     "export-gait": ("export_gait", "write a trained gait as one small file"),

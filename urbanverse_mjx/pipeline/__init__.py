@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from .generation.video_options import VideoOptions
     from .library.sets import LibraryBuild, LibraryOptions, build_library
     from .playing import PlayOptions, play
+    from .recording.datasets import check_dataset, summarise_dataset
+    from .recording.record import RecordOptions, record
     from .routes import plan_routes
     from .scenes import compile_graph, compile_layout, make_controller
     from .training_run import TrainOptions, train
@@ -47,6 +49,7 @@ _HOMES = {
     "LibraryBuild": "library.sets",
     "LibraryOptions": "library.sets",
     "PlayOptions": "playing",
+    "RecordOptions": "recording.record",
     "VideoOptions": "generation.video_options",
     "ViewOptions": "viewing",
     "TrainOptions": "training_run",
@@ -56,6 +59,7 @@ _HOMES = {
     "build_terrain_bank": "banks",
     "cached_bank": "banks",
     "capture": "filming",
+    "check_dataset": "recording.datasets",
     "compile_graph": "scenes",
     "compile_layout": "scenes",
     "draw_gallery": "gallery",
@@ -69,8 +73,10 @@ _HOMES = {
     "make_controller": "scenes",
     "plan_routes": "routes",
     "play": "playing",
+    "record": "recording.record",
     "run_batch": "generation.batch",
     "shipped_scenes": "banks",
+    "summarise_dataset": "recording.datasets",
     "train": "training_run",
     "view": "viewing",
 }
@@ -84,6 +90,7 @@ __all__ = [
     "LibraryBuild",
     "LibraryOptions",
     "PlayOptions",
+    "RecordOptions",
     "TrainOptions",
     "VideoOptions",
     "ViewOptions",
@@ -93,6 +100,7 @@ __all__ = [
     "build_terrain_bank",
     "cached_bank",
     "capture",
+    "check_dataset",
     "compile_graph",
     "compile_layout",
     "draw_gallery",
@@ -106,8 +114,10 @@ __all__ = [
     "make_controller",
     "plan_routes",
     "play",
+    "record",
     "run_batch",
     "shipped_scenes",
+    "summarise_dataset",
     "train",
     "view",
 ]

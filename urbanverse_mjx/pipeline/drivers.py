@@ -1,4 +1,4 @@
-"""A policy by its name or file, with the environment that it drives in, for a viewer."""
+"""A policy by its name or file, with the environment that it drives in, for a viewer or a recorder."""
 
 import pathlib
 from typing import TYPE_CHECKING, Any
@@ -12,13 +12,22 @@ if TYPE_CHECKING:
 IMAGE_SIZE = (90, 160)
 
 
-def load_machine(policy: str, bank: SceneBank, people: bool = False, env_name: str | None = None) -> "Machine":
+def load_machine(
+    policy: str,
+    bank: SceneBank,
+    people: bool = False,
+    env_name: str | None = None,
+    preset: str = "cpu",
+    image_size: tuple[int, int] | None = IMAGE_SIZE,
+) -> "Machine":
     """An environment over all scenes of a bank and the policy that drives in it, everything as the bank describes it.
 
     Args:
       policy: zero, random, go_to_goal, planner, a policy or run folder, or FILE.onnx.
       people: whether the streets are full of people and vehicles that move.
       env_name: whose robot is driven; None = the one that the policy was trained with, for a rule CocoNav.
+      preset: of the environment, for a policy that brings none.
+      image_size: (height, width) px of the camera image for a policy without images; None = no image is drawn.
 
     Raises:
       ValidationError: no such policy, or one for another task.
@@ -29,11 +38,11 @@ def load_machine(policy: str, bank: SceneBank, people: bool = False, env_name: s
     from ..viewer.session import Driver, Machine
 
     if policy in BASELINES or policy == "planner":
-        env = registry.load_nav_env(env_name or "CocoNav", _fresh_config(env_name, people, IMAGE_SIZE), bank)
+        env = registry.load_nav_env(env_name or "CocoNav", _fresh_config(env_name, people, preset, image_size), bank)
         return Machine(env, Driver(policy, Planner(env) if policy == "planner" else BASELINES[policy]))
     path = pathlib.Path(policy).expanduser()
     if policy.endswith(".onnx"):
-        return _onnx_machine(path, bank, people, env_name)
+        return _onnx_machine(path, bank, people, env_name, preset, image_size)
     if not path.is_dir():
         known = ", ".join((*BASELINES, "planner"))
         raise ValidationError(f"--policy: found {policy!r}, needed one of {known}, a policy folder or an ONNX file.")
@@ -45,7 +54,14 @@ def load_machine(policy: str, bank: SceneBank, people: bool = False, env_name: s
     return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, agent))
 
 
-def _onnx_machine(path: pathlib.Path, bank: SceneBank, people: bool, env_name: str | None) -> "Machine":
+def _onnx_machine(
+    path: pathlib.Path,
+    bank: SceneBank,
+    people: bool,
+    env_name: str | None,
+    preset: str,
+    image_size: tuple[int, int] | None,
+) -> "Machine":
     from ..envs import registry
     from ..evaluation.external import PROPRIO
     from ..evaluation.onnx_policy import load_onnx
@@ -55,23 +71,26 @@ def _onnx_machine(path: pathlib.Path, bank: SceneBank, people: bool, env_name: s
     if policy.record is not None:
         name, config = _trained_config(policy.record.environment, policy.record.env_config, people, env_name)
     else:
-        name, config = env_name or "CocoNav", _fresh_config(env_name, people, policy.size or IMAGE_SIZE)
+        size = policy.size or (image_size or IMAGE_SIZE if policy.sees else image_size)
+        name, config = env_name or "CocoNav", _fresh_config(env_name, people, preset, size)
         config = registry.with_overrides(config, {"observations.proprio": PROPRIO in policy.observations})
     return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, policy, outside=True))
 
 
-def _fresh_config(env_name: str | None, people: bool, size: tuple[int, int]) -> Any:
+def _fresh_config(env_name: str | None, people: bool, preset: str, size: tuple[int, int] | None) -> Any:
     from ..envs import registry
     from .evaluation import evaluation_config
 
     name = env_name or "CocoNav"
-    config = registry.get_default_config(name, "cpu")
+    config = registry.get_default_config(name, preset)
     if "goal_mode" not in config:
         raise ValidationError(
             f"--env-name: found {name!r}, whose robot has no goal to drive to, needed a navigation environment such as "
             "CocoNav or Go2Nav."
         )
     config = evaluation_config(name, config.to_dict(), "all", people)
+    if size is None:
+        return registry.with_overrides(config, {"vision": False})
     height, width = size
     return registry.with_overrides(
         config, {"vision": True, "vision_config.height": height, "vision_config.width": width}

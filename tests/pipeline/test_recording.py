@@ -1,0 +1,307 @@
+"""`pipeline.record`: rows and images are those of driving the same episodes, and a second run gives the same files."""
+
+import dataclasses
+import json
+import pathlib
+from collections.abc import Mapping
+from typing import Any
+
+import cv2
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from tests.support.recorded import write_dataset
+from tests.support.unicycle import UnicycleEngine, unicycle_env
+from urbanverse_mjx import pipeline
+from urbanverse_mjx.cli import main as cli
+from urbanverse_mjx.datatypes import SceneBank, SimState, ValidationError
+from urbanverse_mjx.envs import NavEnv
+from urbanverse_mjx.envs.navigation.draws import OFF
+from urbanverse_mjx.evaluation import BASELINES, Rollout
+from urbanverse_mjx.evaluation.rollouts import EpisodeSet
+from urbanverse_mjx.pipeline import drivers
+from urbanverse_mjx.pipeline.recording import cameras, driving
+from urbanverse_mjx.pipeline.recording.cameras import FRONT, numbered
+from urbanverse_mjx.pipeline.recording.driving import BatchDrive, drawn_episodes
+from urbanverse_mjx.pipeline.recording.record import RecordOptions
+from urbanverse_mjx.simulation.rendering.renderer import Renderer
+from urbanverse_mjx.viewer.session import Driver, Machine
+
+SIZE = (24, 32)
+STEPS, BODIES = 12, 7
+OPTIONS = RecordOptions(
+    policy="random", num_episodes=5, num_envs=3, scenes="all", size=SIZE, sensors=("depth", "segmentation"), quiet=True
+)
+
+
+class DrawnEngine(UnicycleEngine):
+    """The kinematic engine with all bodies that the renderer draws, each in the pose of the robot."""
+
+    def _state(self, *args: Any, **options: Any) -> SimState:
+        state = super()._state(*args, **options)
+        rows = np.minimum(np.arange(BODIES), 1)
+        return state._replace(xpos=state.xpos[rows], xquat=state.xquat[rows])
+
+
+def drawn_env(bank: SceneBank, overrides: dict[str, Any]) -> NavEnv:
+    env = unicycle_env(bank, {"terminate_off_traversable": False, "randomization": OFF, **overrides})
+    return NavEnv(env.config, bank, env.robot, DrawnEngine(env.robot, env.config.ctrl_dt), None)
+
+
+@pytest.fixture(scope="module")
+def env(small_bank: SceneBank) -> NavEnv:
+    return drawn_env(small_bank, {"episode_length": STEPS})
+
+
+@pytest.fixture(scope="module")
+def recorded(env: NavEnv, tmp_path_factory: pytest.TempPathFactory) -> tuple[pathlib.Path, dict[str, Any]]:
+    with pytest.MonkeyPatch.context() as patch:
+        use(env, patch)
+        folder = tmp_path_factory.mktemp("recorded") / "new"
+        return folder, pipeline.record(folder, OPTIONS)
+
+
+def use(env: NavEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lets recordings drive in a kinematic environment."""
+
+    def load(policy: str, *_: Any) -> Machine:
+        return Machine(env, Driver(policy, BASELINES[policy]))
+
+    monkeypatch.setattr(drivers, "load_machine", load)
+    monkeypatch.setattr("urbanverse_mjx.pipeline.banks.chosen_bank", lambda *_: env.bank)
+
+
+def table_of(folder: pathlib.Path) -> dict[str, list[Any]]:
+    return pq.read_table(folder / "data/chunk-000/file-000.parquet").to_pydict()
+
+
+def test_it_is_sound_and_says_what_it_holds(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:
+    folder, said = recorded
+    found = pipeline.check_dataset(folder)
+    assert (found.problems, found.notes) == ((), ())
+    assert (said["episodes"], said["frames"]) == (found.episodes, found.frames) == (5, 5 * STEPS)
+    summary = pipeline.summarise_dataset(folder)
+    assert said["results"] == summary.results == {"timeout": 5}
+    assert sorted(summary.scenes.values()) == [1, 2, 2]
+    assert summary.frames_per_second == 5
+    origin = json.loads((folder / "meta/urbanverse.json").read_text())
+    assert origin["policy"] == "random"
+    assert origin["semantic"][:2] == ["sky", "robot"]
+    assert set(origin["instance"]) == set(env.bank.scene_ids)
+
+
+def test_rows_are_those_of_a_rollout(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:
+    """The same random actions and poses as an evaluation's, and the rewards of stepping the environment."""
+    rows, order = table_of(recorded[0]), drawn_episodes(env.bank, env.scenes, 5, 0)
+    _, trajectory = Rollout(env).run({"random": BASELINES["random"]}, order)
+    begin, observe, advance = (jax.jit(x) for x in (env.begin_at, env.observe, env.advance))
+    for k in range(5):
+        part = slice(k * STEPS, (k + 1) * STEPS)
+        assert set(rows["scene_index"][part]) == {int(order.scenes[k])}
+        assert set(rows["episode_row"][part]) == {int(order.episodes[k])}
+        poses = np.array(rows["pose"][part])
+        np.testing.assert_allclose(poses[:, :3], trajectory.xpos[:STEPS, k, 1], atol=1e-4)
+        np.testing.assert_allclose(poses[:, 3:], trajectory.xquat[:STEPS, k, 1], atol=1e-5)
+        nav = begin(order.keys()[k], jnp.int32(order.scenes[k]), jnp.int32(order.episodes[k]))
+        for t in range(STEPS):
+            np.testing.assert_allclose(rows["observation.environment_state"][part][t], observe(nav)["goal"], atol=1e-4)
+            state = np.array(rows["observation.state"][part][t])
+            np.testing.assert_allclose(state[3:], nav.last_action, atol=1e-6)
+            nav, reward, done, _ = advance(nav, jnp.array(rows["action"][part][t]))
+            assert rows["next.reward"][part][t] == pytest.approx(float(reward), rel=1e-4, abs=1e-4)
+            assert rows["next.done"][part][t] == bool(done)
+            # The speed of a step is that of the state after it.
+            if t + 1 < STEPS:
+                speed = np.array(rows["observation.state"][part][t + 1])[:3]
+                np.testing.assert_allclose(speed[2], nav.sim.qvel[5], atol=1e-5)
+
+
+def test_images_are_those_of_the_rows_poses(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:
+    folder = recorded[0]
+    rows, view = table_of(folder), env.config.vision_config
+    outputs = ("rgb", "depth", "category", "object")
+    renderer = Renderer(env.bank, env.robot, *SIZE, outputs, view.shadows, view.sky, shading=view.shading)
+    capture, colours = cv2.VideoCapture(str(folder / f"videos/{FRONT}/chunk-000/file-000.mp4")), []
+    while (frame := capture.read())[0]:
+        colours.append(frame[1][..., ::-1])
+    assert len(colours) == 5 * STEPS
+    for k in (0, 17, 31, 59):
+        pose = np.array(rows["pose"][k], np.float32)
+        xpos, xquat = np.zeros((BODIES, 3), np.float32), np.tile(np.eye(4, dtype=np.float32)[0], (BODIES, 1))
+        xpos[1:], xquat[1:] = pose[:3], pose[3:]
+        drawn = {name: np.asarray(x) for name, x in renderer(rows["scene_index"][k], xpos, xquat).items()}
+        for sensor in ("depth", "semantic", "instance"):
+            name, output, offset = cameras.SENSORS[sensor]
+            stored = cv2.imdecode(np.frombuffer(rows[name][k]["bytes"], np.uint8), cv2.IMREAD_UNCHANGED)
+            assert stored is not None
+            assert stored.dtype == np.uint16
+            np.testing.assert_array_equal(stored, numbered(drawn[output], offset))
+        assert np.abs(colours[k].astype(int) - drawn["rgb"]).mean() < 8
+
+
+def test_distances_are_millimetres_and_labels_begin_at_the_sky() -> None:
+    assert numbered(np.array([[0.0, 1.2345, 70.0]], np.float32), 0).tolist() == [[0, 1234, 65535]]
+    assert numbered(np.array([[-1, -2, 0, 7]]), cameras.SENSORS["semantic"][2]).tolist() == [[1, 0, 2, 9]]
+
+
+def test_the_same_command_gives_the_same_bytes(
+    recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use(env, monkeypatch)
+    pipeline.record(tmp_path / "again", OPTIONS)
+    names = sorted(p.relative_to(recorded[0]) for p in recorded[0].rglob("*") if p.is_file())
+    assert len(names) == 7
+    assert [n for n in names if (recorded[0] / n).read_bytes() != (tmp_path / "again" / n).read_bytes()] == []
+
+
+def test_only_successes_leaves_the_others_out(
+    small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Within the time that half of the episodes need at 2 m/s and 5 Hz."""
+    drawn = drawn_episodes(small_bank, np.arange(3), 9, 0)
+    offset = small_bank.episode_goal - small_bank.episode_start[..., :3]
+    steps = int(np.median(np.linalg.norm(offset[drawn.scenes, drawn.episodes, :2], axis=-1)) / 0.4)
+    use(drawn_env(small_bank, {"episode_length": steps}), monkeypatch)
+    options = dataclasses.replace(OPTIONS, policy="go_to_goal", num_episodes=9, sensors=(), only_successes=True)
+    said = pipeline.record(tmp_path / "new", options)
+    assert 0 < said["episodes"] == said["results"]["goal"] < 9
+    rows = table_of(tmp_path / "new")
+    assert sum(rows["next.success"]) == sum(rows["next.done"]) == said["episodes"]
+    assert pipeline.check_dataset(tmp_path / "new").problems == ()
+    use(drawn_env(small_bank, {"episode_length": 2}), monkeypatch)
+    with pytest.raises(ValidationError, match="--only-successes: found none among 9 episodes"):
+        pipeline.record(tmp_path / "none", options)
+    assert not (tmp_path / "none").exists()
+
+
+class Straight:
+    """A policy outside JAX; counts the episodes that it is told of."""
+
+    begun = 0
+
+    def begin(self, count: int) -> None:
+        self.begun += count
+
+    def __call__(self, obs: Mapping[str, np.ndarray]) -> np.ndarray:
+        goal = obs["goal"]
+        return goal / np.maximum(np.linalg.norm(goal, axis=-1, keepdims=True), 1e-6)
+
+
+def test_a_policy_outside_jax_drives_as_one_inside(env: NavEnv) -> None:
+    episodes, straight = drawn_episodes(env.bank, env.scenes, 3, 1), Straight()
+    inside = BatchDrive(Machine(env, Driver("go_to_goal", BASELINES["go_to_goal"]))).run(episodes)
+    outside = BatchDrive(Machine(env, Driver("own", straight, outside=True))).run(episodes)
+    assert straight.begun == 3
+    for a, b in zip(inside, outside, strict=True):
+        assert (a.scene, a.row, a.seed, a.result) == (b.scene, b.row, b.seed, b.result)
+        jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)
+
+
+@pytest.mark.parametrize("answer", [np.zeros((3, 1)), np.full((3, 2), np.nan)])
+def test_wrong_actions_are_refused(env: NavEnv, answer: np.ndarray) -> None:
+    drive = BatchDrive(Machine(env, Driver("own", lambda obs: answer, outside=True)))
+    with pytest.raises(ValidationError, match=r"policy 'own': found actions of shape .* needed finite ones of shape"):
+        drive.run(drawn_episodes(env.bank, env.scenes, 3, 0))
+
+
+def test_episodes_differ_and_a_smaller_number_gives_the_first_ones(small_bank: SceneBank) -> None:
+    scenes, most = np.arange(3), int(small_bank.num_episodes.min()) * 3
+
+    def rows(episodes: EpisodeSet) -> list[tuple[int, int, int]]:
+        assert episodes.seeds is not None
+        return list(zip(*(x.tolist() for x in (episodes.scenes, episodes.episodes, episodes.seeds)), strict=True))
+
+    few, many = rows(drawn_episodes(small_bank, scenes, 7, 3)), rows(drawn_episodes(small_bank, scenes, 12, 3))
+    assert many[:7] == few
+    assert len({row[:2] for row in rows(drawn_episodes(small_bank, scenes, most, 0))}) == most
+    assert rows(drawn_episodes(small_bank, scenes, 7, 4)) != few
+    with pytest.raises(ValidationError, match=f"--num-episodes: found {most + 1}, needed at most {most} in 3 scenes"):
+        drawn_episodes(small_bank, scenes, most + 1, 0)
+
+
+def test_nothing_is_driven_where_the_folder_is_in_use(
+    capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drivers, "load_machine", None)
+    (tmp_path / "mine").write_text("mine")
+    assert cli.main(["record", "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert "found a folder that is not empty, needed a new or empty folder" in said.err
+    assert [p.name for p in tmp_path.iterdir()] == ["mine"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--with", "depth,lidar"], "--with: found 'lidar', needed one of depth, semantic, instance, segmentation"),
+        (["--num-episodes", "0"], "--num-episodes"),
+        (["--num-envs", "0"], "--num-envs"),
+        (["--size", "8x8"], "--size: found 8"),
+        (["--policy", "planer"], "--policy: found 'planer'"),
+        (["--scenes", "nowhere"], "found 'nowhere', which names no scene"),
+        (["--env-name", "Go2Joystick", "--policy", "zero", "--preset", "fast"], "--env-name: found 'Go2Joystick'"),
+        (["--seed", "-1"], "--seed"),
+    ],
+)
+def test_wrong_options_are_one_sentence_and_leave_no_folder(
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: pathlib.Path,
+    small_bank: SceneBank,
+    monkeypatch: pytest.MonkeyPatch,
+    options: list[str],
+    message: str,
+) -> None:
+    monkeypatch.setattr("urbanverse_mjx.pipeline.banks.chosen_bank", lambda *_: small_bank)
+    assert cli.main(["record", "--out", str(tmp_path / "new"), "--quiet", *options]) == 2
+    said = capsys.readouterr()
+    assert said.err.count("\n") == 1
+    assert message in said.err
+    assert not (tmp_path / "new").exists()
+
+
+def test_the_commands_of_a_dataset(
+    recorded: tuple[pathlib.Path, dict[str, Any]], capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path
+) -> None:
+    folder = str(recorded[0])
+    assert cli.main(["dataset", "check", folder]) == 0
+    assert json.loads(capsys.readouterr().out)["sound"]
+    assert cli.main(["dataset", "stats", folder]) == 0
+    said = capsys.readouterr().out
+    assert "5 episodes, 60 frames at 5 Hz" in said
+    assert "action waypoint_forward" in said
+    assert cli.main(["dataset", "stats", folder, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["frames"] == 60
+    assert cli.main(["dataset", "check", str(tmp_path)]) == 2
+    assert "needed a LeRobotDataset v3 file" in capsys.readouterr().err
+
+
+def test_an_unsound_dataset_is_exit_status_one(capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path) -> None:
+    folder = write_dataset(tmp_path / "new")
+    (folder / "meta/tasks.parquet").unlink()
+    assert cli.main(["dataset", "check", str(folder)]) == 1
+    said = capsys.readouterr()
+    assert "meta/tasks.parquet" in said.err
+    assert not json.loads(said.out)["sound"]
+
+
+def test_a_program_is_compiled_once_for_all_batches(
+    env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last, smaller batch is filled up."""
+    use(env, monkeypatch)
+    sizes: list[int] = []
+    run = driving.BatchDrive.run
+
+    def counted(self: BatchDrive, episodes: EpisodeSet) -> Any:
+        sizes.append(len(episodes))
+        return run(self, episodes)
+
+    monkeypatch.setattr(driving.BatchDrive, "run", counted)
+    said = pipeline.record(tmp_path / "new", dataclasses.replace(OPTIONS, sensors=(), num_envs=4))
+    assert sizes == [4, 4]
+    assert said["episodes"] == 5

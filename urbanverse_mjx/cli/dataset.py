@@ -1,0 +1,74 @@
+"""`urbanverse dataset`: what a recorded dataset holds, and whether its files agree."""
+
+import dataclasses
+import json
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import tyro
+
+from .. import pipeline
+from ..datasets import DatasetSummary
+
+
+@dataclasses.dataclass(frozen=True)
+class StatsArgs:
+    """Print what a dataset holds: episodes, frames, scenes, results, and the range of every number."""
+
+    folder: Annotated[str, tyro.conf.Positional]
+    """A LeRobotDataset v3."""
+    json: bool = False
+    """Print one JSON line instead."""
+
+
+@dataclasses.dataclass(frozen=True)
+class CheckArgs:
+    """Compare a dataset's counts, rows, times, numbers and videos with its descriptions; exit status 1 where one is
+    wrong. Nothing is changed."""
+
+    folder: Annotated[str, tyro.conf.Positional]
+    """A LeRobotDataset v3."""
+
+
+_Command = Annotated[StatsArgs, tyro.conf.subcommand("stats")] | Annotated[CheckArgs, tyro.conf.subcommand("check")]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs `urbanverse dataset`."""
+    args = tyro.cli(_Command, args=list(argv), prog="urbanverse dataset")  # type: ignore[call-overload]
+    return _stats(args) if isinstance(args, StatsArgs) else _check(args)
+
+
+def _stats(args: StatsArgs) -> int:
+    found = pipeline.summarise_dataset(args.folder)
+    print(json.dumps(dataclasses.asdict(found)) if args.json else _text(found))
+    return 0
+
+
+def _text(found: DatasetSummary) -> str:
+    lines = [
+        f"{found.folder}: {found.episodes} episodes, {found.frames:,} frames at {found.frames_per_second} Hz "
+        f"({found.hours:.2f} h), {found.megabytes:.1f} MB, robot {found.robot}",
+    ]
+    lines += [f"task: {task}" for task in found.tasks]
+    if found.length:
+        lines.append("frames an episode: " + ", ".join(f"{name} {n:g}" for name, n in found.length.items()))
+    for title, counts in (("ended", found.results), ("scene", found.scenes)):
+        lines += [f"{title} {name}: {count}" for name, count in counts.items()]
+    lines.append(f"{'feature':<46}{'min':>11}{'mean':>11}{'max':>11}{'std':>11}")
+    for name, body in found.features.items():
+        numbers = list(zip(*(body.get(key, []) for key in ("min", "mean", "max", "std")), strict=True))
+        parts = body.get("names") or [str(i) for i in range(len(numbers))]
+        for part, row in zip(parts, numbers, strict=False):
+            label = name if len(numbers) == 1 else f"{name} {part}"
+            lines.append(f"{label:<46}" + "".join(f"{x:>11.4g}" for x in row))
+    return "\n".join(lines)
+
+
+def _check(args: CheckArgs) -> int:
+    found = pipeline.check_dataset(args.folder)
+    for line in (*found.problems, *(f"note: {note}" for note in found.notes)):
+        print(line, file=sys.stderr)
+    print(json.dumps({"dataset": args.folder, "sound": not found.problems, **dataclasses.asdict(found)}))
+    return 1 if found.problems else 0

@@ -1,0 +1,45 @@
+"""`urbanverse record`: a policy drives episodes, which are written as a dataset; the result as one JSON line."""
+
+import dataclasses
+import json
+import pathlib
+from collections.abc import Sequence
+from typing import Annotated
+
+import tyro
+from tyro.constructors import PrimitiveConstructorSpec
+
+from .. import pipeline
+from ..pipeline.recording.record import RecordOptions
+from ._options import ImageSize
+
+_Sensors = Annotated[
+    tuple[str, ...],
+    tyro.conf.arg(name="with"),
+    PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="NAME,NAME",
+        instance_from_str=lambda words: tuple(name for name in words[0].split(",") if name),
+        is_instance=lambda value: isinstance(value, tuple),
+        str_from_instance=lambda value: [",".join(value)],
+    ),
+]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RecordArgs(RecordOptions):
+    """Record episodes of a policy as a LeRobotDataset v3 in a new folder; prints one JSON line with how they ended."""
+
+    out: pathlib.Path
+    """New or empty folder."""
+    size: ImageSize = (135, 240)
+    """Of the images, in pixels, whatever the policy sees."""
+    sensors: _Sensors = ()
+    """Besides colour: depth, semantic, instance, or segmentation for the last two; separated by commas."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs `urbanverse record`."""
+    args = tyro.cli(RecordArgs, args=list(argv), prog="urbanverse record")
+    print(json.dumps(pipeline.record(args.out, args)))
+    return 0

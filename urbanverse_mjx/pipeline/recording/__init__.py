@@ -1,0 +1,1 @@
+"""Policies drive, and their episodes become a dataset: `record`."""

@@ -1,0 +1,224 @@
+"""`record`: a policy drives episodes, and what its robot senses and does is written as a dataset."""
+
+import collections
+import dataclasses
+import os
+import pathlib
+import time
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from ...datatypes import RESULTS
+from ...datatypes import validation as v
+
+if TYPE_CHECKING:
+    from ...datasets import Episode, Feature
+    from ...datasets.statistics import Stats
+    from ...envs import NavEnv
+    from .driving import Driven
+
+TASK = "drive to the goal over the pavement without touching anything"
+
+
+@dataclasses.dataclass(frozen=True)
+class RecordOptions:
+    """Who drives, where, and what is recorded."""
+
+    policy: str = "planner"
+    """zero, random, go_to_goal, planner, a policy or run folder, or an ONNX file."""
+    num_episodes: int = 20
+    """Episodes that are driven, all different."""
+    format: Literal["lerobot"] = "lerobot"
+    """LeRobotDataset v3."""
+    env_name: str | None = None
+    """Whose robot is driven, e.g. Go2Nav; default: the policy's own, for a scripted one CocoNav."""
+    preset: str = "paper"
+    """Of the environment, where no policy brings its own."""
+    bank: pathlib.Path | None = None
+    """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
+    scenes: str = "train"
+    """train, test, validation, all, or scene ids separated by commas."""
+    people: bool = False
+    """Streets full of people and vehicles that move."""
+    num_envs: int = 16
+    """Episodes that are driven at the same time."""
+    size: tuple[int, int] = (135, 240)
+    """Height and width of the images in pixels, whatever the policy sees."""
+    sensors: tuple[str, ...] = ()
+    """Besides colour: depth, semantic, instance, or segmentation for the last two."""
+    only_successes: bool = False
+    """Leave episodes that did not reach their goal out of the dataset."""
+    seed: int = 0
+    """Draws the episodes, and what is random in them."""
+    quiet: bool = False
+    """No progress bars."""
+
+
+def record(out: str | os.PathLike[str], options: RecordOptions | None = None) -> dict[str, Any]:
+    """Records episodes into a new dataset. Whenever it is interrupted, all episodes written so far are complete.
+
+    The camera is drawn from the driven poses: a policy without images, or with small ones, drives as fast as ever.
+
+    Returns:
+      dataset: the folder; episodes, frames: in it; results: how many of the driven ones ended how; seconds: from the
+      first step on, compiling included.
+
+    Raises:
+      ValidationError: a folder in use, no such policy, scene or sensor, or fewer different episodes.
+      OSError: the disk is full; what was written before stays complete.
+    """
+    from ...datasets import DatasetWriter
+    from ...datasets.writer import require_new
+    from ...progress import Progress
+    from .cameras import Camera
+    from .driving import BatchDrive, drawn_episodes
+
+    options = options or RecordOptions()
+    folder, sensors = pathlib.Path(out), _checked(options)
+    require_new(folder)
+    env, drive, scenes, features = _prepared(options, sensors)
+    episodes = drawn_episodes(env.bank, scenes, options.num_episodes, options.seed)
+    results: collections.Counter[str] = collections.Counter()
+    origin = _origin(options, env, scenes, sensors)
+    with (
+        DatasetWriter(folder, features, round(1.0 / env.dt), env.robot.name, origin) as writer,
+        Progress(options.quiet) as progress,
+    ):
+        began = time.perf_counter()
+        report = progress.task("recording", options.num_episodes, unit="episodes")
+        camera, driver = Camera(env, *options.size, sensors), BatchDrive(drive)
+        for start in range(0, options.num_episodes, options.num_envs):
+            rows = np.arange(start, min(start + options.num_envs, options.num_episodes))
+            # The last batch is filled up, so that the program compiled for the others serves it, too.
+            filled = np.resize(rows, min(options.num_envs, options.num_episodes))
+            driven = driver.run(episodes.part(filled))[: len(rows)]
+            results.update(episode.result for episode in driven)
+            kept = [e for e in driven if e.result == "goal" or not options.only_successes]
+            for done, filmed in enumerate(camera.film(kept) if kept else (), 1):
+                writer.add(_episode(env, *filmed))
+                report(start + len(rows) - len(kept) + done, note=f"{writer.num_frames:,} frames")
+        seconds = time.perf_counter() - began
+    if not writer.num_episodes:
+        raise v.fail("--only-successes", f"none among {options.num_episodes} episodes", "one", "drive more")
+    return {
+        "dataset": str(folder),
+        "episodes": writer.num_episodes,
+        "frames": writer.num_frames,
+        "results": {name: results[name] for name in RESULTS if results[name]},
+        "seconds": round(seconds, 1),
+    }
+
+
+def _checked(options: RecordOptions) -> tuple[str, ...]:
+    """The sensors asked for, groups taken apart.
+
+    Raises:
+      ValidationError: numbers out of range, or no such sensor.
+    """
+    from .cameras import GROUPS, SENSORS
+
+    v.integer(options.num_episodes, "--num-episodes", 1)
+    v.integer(options.num_envs, "--num-envs", 1)
+    v.integer(options.seed, "--seed", 0)
+    v.choice(options.format, "--format", ("lerobot",))
+    for side in options.size:
+        v.integer(side, "--size", 16, 4096)
+    for name in options.sensors:
+        v.choice(name, "--with", (*SENSORS, *GROUPS))
+    return tuple(dict.fromkeys(s for name in options.sensors for s in GROUPS.get(name, (name,))))
+
+
+def _prepared(
+    options: RecordOptions, sensors: tuple[str, ...]
+) -> tuple["NavEnv", Any, np.ndarray, dict[str, "Feature"]]:
+    """The environment, its policy, the scenes' rows of the bank, and the dataset's features."""
+    from ...envs.navigation.scenarios import select_scenes
+    from ..banks import chosen_bank
+    from ..drivers import load_machine
+
+    bank = chosen_bank(options.bank, options.quiet)
+    scenes = np.asarray(select_scenes(bank, options.scenes))
+    machine = load_machine(options.policy, bank, options.people, options.env_name, options.preset, None)
+    env = machine.env
+    rate = 1.0 / env.dt
+    if abs(rate - round(rate)) > 1e-6:
+        raise v.fail("config.ctrl_dt", f"{rate:g} steps a second", "a whole number of them", "LeRobot counts in these")
+    return env, machine, scenes, _features(env, options.size, sensors)
+
+
+def _features(env: "NavEnv", size: tuple[int, int], sensors: tuple[str, ...]) -> dict[str, "Feature"]:
+    from ...datasets import Feature
+    from .cameras import camera_features
+
+    waypoint = ("waypoint_forward", "waypoint_left")
+    action = waypoint if env.config.action_mode == "waypoint" else tuple(f"action_{i}" for i in range(env.action_size))
+    speed = ("speed_forward", "speed_left", "yaw_rate")
+    pose = ("x", "y", "z", "qw", "qx", "qy", "qz")
+    return {
+        **camera_features(*size, sensors),
+        "observation.state": Feature("float32", (3 + len(action),), (*speed, *(f"last_{name}" for name in action))),
+        "observation.environment_state": Feature("float32", (2,), ("goal_forward", "goal_left")),
+        "action": Feature("float32", (len(action),), action),
+        "next.reward": Feature("float32", (1,)),
+        "next.done": Feature("bool", (1,)),
+        "next.success": Feature("bool", (1,)),
+        "next.contact": Feature("bool", (1,)),
+        "pose": Feature("float32", (7,), pose),
+        "scene_index": Feature("int64", (1,)),
+        "episode_row": Feature("int64", (1,)),
+    }
+
+
+def _episode(
+    env: "NavEnv", driven: "Driven", video: bytes, images: dict[str, list[bytes]], stats: "dict[str, Stats]"
+) -> "Episode":
+    """A driven and filmed episode as the dataset takes it."""
+    from ...datasets import Episode
+    from .cameras import FRONT
+
+    steps, length = driven.steps, len(driven.steps.running)
+    last = np.arange(length) == length - 1
+    root = env.mj_model.body(env.robot.root_body).id
+    columns = {
+        "observation.state": steps.proprio,
+        "observation.environment_state": steps.goal,
+        "action": steps.action,
+        "next.reward": steps.reward,
+        "next.done": last,
+        "next.success": last & (driven.result == "goal"),
+        "next.contact": steps.hit,
+        "pose": np.concatenate([steps.xpos[:, root], steps.xquat[:, root]], axis=1),
+        "scene_index": np.full(length, driven.scene),
+        "episode_row": np.full(length, driven.row),
+    }
+    told = {
+        "scene": env.bank.scene_ids[driven.scene],
+        "scene_index": driven.scene,
+        "episode_row": driven.row,
+        "seed": driven.seed,
+        "result": driven.result,
+        "route_completion": driven.route_completion,
+    }
+    return Episode(TASK, columns, images, {FRONT: video}, stats, told)
+
+
+def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: tuple[str, ...]) -> dict[str, Any]:
+    """What made the dataset, and what the labels of its images mean."""
+    from ...training.policy import package_versions
+
+    bank = env.bank
+    body: dict[str, Any] = {
+        "policy": options.policy,
+        "environment_config": env.config.to_dict(),
+        "scenes": {str(row): bank.scene_ids[row] for row in scenes.tolist()},
+        "seed": options.seed,
+        "versions": package_versions(),
+        "hashes": bank.meta.get("hashes", {}),
+    }
+    if "semantic" in sensors:
+        body["semantic"] = ["sky", "robot", *bank.meta["categories"]]
+    if "instance" in sensors:
+        objects = bank.meta["object_ids"]
+        body["instance"] = {bank.scene_ids[row]: ["sky", "robot", "agent", *objects[row]] for row in scenes.tolist()}
+    return body
