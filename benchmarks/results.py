@@ -1,0 +1,120 @@
+"""The table and the figure of all policies on CraftBench and AutoBench, from the rows in `benchmarks/scores`.
+
+    python -m benchmarks.results
+
+`by_scene.csv` has a row per policy, training seed and scene; `totals.csv` policies whose scenes are not kept, with the
+standard error over scenes. Writes the table between the marks in docs/results.md, and docs/results.png. Intervals are
+those of a bootstrap that draws seeds (where there are several) and scenes.
+"""
+
+import argparse
+import collections
+import csv
+import pathlib
+import sys
+from typing import NamedTuple
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).parents[1]
+SCORES = ROOT / "benchmarks" / "scores"
+PAGE, FIGURE = ROOT / "docs" / "results.md", ROOT / "docs" / "results.png"
+MARKS = "<!-- table: python -m benchmarks.results -->", "<!-- end of table -->"
+BENCHMARKS = {"craftbench": "CraftBench", "autobench": "AutoBench"}
+#: Draws of the bootstrap and their seed.
+DRAWS, SEED = 10_000, 0
+#: Standard errors from the mean to the end of a 95 % interval.
+NORMAL = 1.96
+
+
+class Score(NamedTuple):
+    """Success rate, %, with its 95 % interval; seeds: of training, 0 where nothing was trained."""
+
+    mean: float
+    low: float
+    high: float
+    seeds: int
+
+
+def over_seeds_and_scenes(rates: np.ndarray) -> Score:
+    """The mean of (seeds, scenes) rates in percent, each of as many episodes."""
+    seeds, scenes = rates.shape
+    rng = np.random.default_rng(SEED)
+    rows = rng.integers(0, seeds, (DRAWS, seeds, 1))
+    columns = rng.integers(0, scenes, (DRAWS, 1, scenes))
+    low, high = np.percentile(rates[rows, columns].mean((1, 2)), [2.5, 97.5])
+    return Score(float(rates.mean()), float(low), float(high), seeds)
+
+
+def read(folder: pathlib.Path) -> dict[tuple[str, str], dict[str, Score]]:
+    """(policy, robot) -> benchmark -> score, from the worst on CraftBench to the best."""
+    found: dict[tuple[str, str], dict[str, Score]] = collections.defaultdict(dict)
+    with (folder / "totals.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            mean, part = float(row["SR"]), NORMAL * float(row["se"])
+            score = Score(mean, max(mean - part, 0.0), min(mean + part, 100.0), 0)
+            found[row["policy"], row["robot"]][row["benchmark"]] = score
+    rates: dict[tuple[str, str, str], dict[tuple[str, str], float]] = collections.defaultdict(dict)
+    with (folder / "by_scene.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            key = row["policy"], row["robot"], row["benchmark"]
+            rates[key][row["seed"], row["scene"]] = float(row["SR"])
+    for (policy, robot, benchmark), values in rates.items():
+        seeds, scenes = (sorted({key[i] for key in values}) for i in (0, 1))
+        missing = [(seed, scene) for seed in seeds for scene in scenes if (seed, scene) not in values]
+        if missing:
+            raise SystemExit(
+                f"error: by_scene.csv: {policy}, {benchmark}: found no row for seed and scene {missing[0]}."
+            )
+        table = np.array([[values[seed, scene] for scene in scenes] for seed in seeds])
+        found[policy, robot][benchmark] = over_seeds_and_scenes(table)
+    return dict(sorted(found.items(), key=lambda item: item[1]["craftbench"].mean))
+
+
+def table(scores: dict[tuple[str, str], dict[str, Score]]) -> str:
+    """Markdown."""
+    lines = ["| policy | robot | seeds | CraftBench | AutoBench |", "| --- | --- | --- | --- | --- |"]
+    for (policy, robot), found in scores.items():
+        cells = [f"{s.mean:.1f} [{s.low:.1f}, {s.high:.1f}]" for s in (found[name] for name in BENCHMARKS)]
+        lines.append(f"| {policy} | {robot} | {found['craftbench'].seeds or '-'} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def with_table(page: str, text: str) -> str:
+    """A page with another table between the marks."""
+    before, rest = page.split(MARKS[0])
+    return f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{rest.split(MARKS[1])[1]}"
+
+
+def draw(scores: dict[tuple[str, str], dict[str, Score]], path: pathlib.Path) -> None:
+    """Points with intervals, a panel for each benchmark."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    labels = [f"{policy} ({robot})" for policy, robot in scores]
+    figure, axes = plt.subplots(1, 2, figsize=(10, 0.8 + 0.34 * len(scores)), sharey=True, layout="constrained")
+    colours = {"COCO": "#2860be", "Go2": "#d64228"}
+    for axis, (name, title) in zip(axes, BENCHMARKS.items(), strict=True):
+        for y, ((_, robot), found) in enumerate(scores.items()):
+            score = found[name]
+            ends = [[score.mean - score.low], [score.high - score.mean]]
+            axis.errorbar(score.mean, y, xerr=ends, fmt="o", color=colours[robot], capsize=3)
+        axis.set(title=title, xlabel="success rate, % (95 % interval)", xlim=(-3, 103))
+        axis.set_yticks(range(len(labels)), labels)
+        axis.grid(axis="x", alpha=0.4)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def main() -> int:
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    scores = read(SCORES)
+    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), table(scores)), encoding="utf-8")
+    draw(scores, FIGURE)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

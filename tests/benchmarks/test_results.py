@@ -1,0 +1,41 @@
+"""The table of docs/results.md is that of the rows, and its intervals draw seeds and scenes."""
+
+import pathlib
+import shutil
+
+import numpy as np
+import pytest
+
+from benchmarks import results
+
+
+def test_the_page_holds_the_table_of_the_rows() -> None:
+    page = results.PAGE.read_text(encoding="utf-8")
+    assert results.with_table(page, results.table(results.read(results.SCORES))) == page, "run make results"
+
+
+def test_a_seed_that_differs_widens_the_interval() -> None:
+    scenes = np.linspace(60.0, 90.0, 10)
+    alike = results.over_seeds_and_scenes(np.stack([scenes, scenes, scenes]))
+    one = results.over_seeds_and_scenes(scenes[None])
+    assert alike.mean == one.mean == pytest.approx(75.0)
+    assert alike.high - alike.low == pytest.approx(one.high - one.low, rel=0.1)
+    # The standard error of a mean of ten draws, times 2 x 1.96.
+    assert one.high - one.low == pytest.approx(3.92 * scenes.std() / np.sqrt(10), rel=0.1)
+    apart = results.over_seeds_and_scenes(np.stack([scenes - 30.0, scenes, scenes + 30.0]))
+    assert apart.high - apart.low > 2.0 * (one.high - one.low)
+    assert apart.seeds == 3
+
+
+def test_a_missing_scene_is_refused_by_name(tmp_path: pathlib.Path) -> None:
+    shutil.copy(results.SCORES / "totals.csv", tmp_path)
+    rows = (results.SCORES / "by_scene.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    gone = next(i for i, row in enumerate(rows) if row.startswith("student,COCO,2,"))
+    (tmp_path / "by_scene.csv").write_text("".join(rows[:gone] + rows[gone + 1 :]), encoding="utf-8")
+    with pytest.raises(SystemExit, match=r"student, craftbench: found no row for seed and scene \('2', '01_"):
+        results.read(tmp_path)
+
+
+def test_a_policy_is_drawn_for_each_benchmark(tmp_path: pathlib.Path) -> None:
+    results.draw(results.read(results.SCORES), tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 10_000
