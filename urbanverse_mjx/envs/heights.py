@@ -54,11 +54,11 @@ def build_heights(
         corners.append((hull, position, middle - half, middle + half))
     origins = np.array([low.min(0)[:2] for _, _, low, _ in corners])
     size = np.max([high.max(0)[:2] - low.min(0)[:2] for _, _, low, high in corners], 0)
-    shape = np.ceil(size / cell).astype(int)
-    stored, lowest = np.zeros((bank.num_scenes, *shape), np.uint16), np.zeros(bank.num_scenes)
+    rows, columns = (int(x) for x in np.ceil(size / cell))
+    stored, lowest = np.zeros((bank.num_scenes, rows, columns), np.uint16), np.zeros(bank.num_scenes)
     for z, (hulls, positions, lows, highs) in enumerate(corners):
-        heights = np.full(shape, -np.inf)
-        grid = Grid(origins[z], cell, heights.shape)
+        heights = np.full((rows, columns), -np.inf)
+        grid = Grid(origins[z], cell, (rows, columns))
         for hull, position, low, high in zip(hulls, positions, lows, highs, strict=True):
             planes = bank.hull_planes[hull].astype(np.float64)
             planes[:, 3] += planes[:, :3] @ position
