@@ -140,7 +140,9 @@ def test_a_long_compilation_says_that_it_goes_on(
     def compiles(*arguments: Any) -> Any:
         time.sleep(0.2)
         layout = types.SimpleNamespace(id="street")
-        return types.SimpleNamespace(left_out=()), types.SimpleNamespace(layout=layout, metadata={"counts": {}})
+        return types.SimpleNamespace(left_out=()), types.SimpleNamespace(
+            layout=layout, metadata={"counts": {}, "bodies": {}}
+        )
 
     monkeypatch.setattr(pipeline, "compile_graph", compiles)
     monkeypatch.setattr(progress, "LINE_EVERY", 0.05)

@@ -55,6 +55,14 @@ print(model.ngeom, 'urbanverse_mjx' in sys.modules)"""
     assert not list(compiled.folder.parent.glob(".toy-*"))
 
 
+def test_the_mjcf_file_is_static_and_says_how_many_movable_objects_it_fixed(compiled: CompiledScene) -> None:
+    number = len(compiled.layout.objects)
+    assert compiled.metadata["bodies"] == {"free": 0, "laid": 0, "movable_fixed": number, "unstable_fixed": 0}
+    head = (compiled.folder / "scene.xml").read_text().splitlines()[1]
+    assert f"All {number} objects are fixed, {number} of them movable; 0 do not stay" in head
+    assert mujoco.MjModel.from_xml_path(str(compiled.folder / "scene.xml")).nv == 0
+
+
 def test_objects_stand_at_the_layouts_poses(compiled: CompiledScene) -> None:
     model = mujoco.MjModel.from_xml_path(str(compiled.folder / "scene.xml"))
     data = mujoco.MjData(model)

@@ -32,6 +32,8 @@ class CompileArgs:
     """1 or 2: that half of the street alone, cut across its middle; 0: all of it."""
     skip_unknown: bool = False
     """Leave out objects whose label no asset is known for, and list them, instead of refusing the graph."""
+    movable: bool = False
+    """Write movable objects into scene.xml as free bodies that rest; without it all objects are fixed there."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -108,11 +110,12 @@ def _compile(args: CompileArgs) -> int:
     with Progress() as progress:
         progress.task("compiling scenes", total=1)
         cousin, compiled = pipeline.compile_graph(
-            args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half
+            args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half, args.movable
         )
     for gone in cousin.left_out:
         sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")
-    print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **compiled.metadata["counts"]}))
+    counts = compiled.metadata["counts"] | compiled.metadata["bodies"]
+    print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **counts}))
     return 0
 
 

@@ -24,6 +24,7 @@ def compile_graph(
     cousin: int = 0,
     skip_unknown: bool = False,
     half: int = 0,
+    movable: bool = False,
 ) -> "tuple[Cousin, CompiledScene]":
     """Reads a graph, materialises one cousin of it and compiles that; COCO with the differential drive drives it.
 
@@ -37,6 +38,7 @@ def compile_graph(
       cousin: number of the digital cousin, 0 to 63.
       skip_unknown: leave out objects whose label no asset is known for instead of refusing the graph.
       half: 1 or 2 for that half of the street alone, cut across its middle; 0 for all of it.
+      movable: write movable objects as free bodies that rest in C MuJoCo; else `scene.xml` is static.
 
     Raises:
       ValidationError: the graph is invalid; no file is written then.
@@ -56,7 +58,9 @@ def compile_graph(
         check_labels(scene)
     made = materialise_cousin(scene, cousin, seed)
     layout = half_layouts(made.layout)[half - 1] if half else made.layout
-    return made, compile_layout(layout, index_of(layout), out, freeze_unstable=True, place=scene.source)
+    return made, compile_layout(
+        layout, index_of(layout), out, freeze_unstable=True, place=scene.source, movable=movable
+    )
 
 
 def compile_layout(
@@ -66,13 +70,14 @@ def compile_layout(
     rules: "EpisodeRules | None" = None,
     freeze_unstable: bool = False,
     place: "Source | None" = None,
+    movable: bool = False,
 ) -> "CompiledScene":
     """Compiles a layout; COCO with the differential drive drives its episodes.
 
     Args:
       layout: of the scene. index: holds its assets. out: folder to write or to replace.
       rules: of the episodes. freeze_unstable: whether objects that do not stay in place for two seconds of C MuJoCo are
-        fixed. place: the scene's model city, for its metadata.
+        fixed. place: the scene's model city, for its metadata. movable: as of `compile_graph`.
 
     Raises:
       ValidationError: see `scene.compile_scene`.
@@ -80,7 +85,14 @@ def compile_layout(
     from ..scene.compiler import compile_scene
 
     return compile_scene(
-        layout, index, out, make_controller(), rules=rules, freeze_unstable=freeze_unstable, place=place
+        layout,
+        index,
+        out,
+        make_controller(),
+        rules=rules,
+        freeze_unstable=freeze_unstable,
+        place=place,
+        movable=movable,
     )
 
 

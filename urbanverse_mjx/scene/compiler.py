@@ -24,6 +24,7 @@ from .geometry import EpisodeTable, SceneGeometry
 from .metadata import SCHEMA, place_metadata, scene_metadata
 from .mjcf import scene_mjcf
 from .planner import RobotSize, free_space
+from .resting import RestingScene, resting
 from .routes import RoutePlanner
 from .stability import displacements
 
@@ -80,6 +81,7 @@ def compile_scene(
     source: AssetSource | None = None,
     freeze_unstable: bool = False,
     place: Source | None = None,
+    movable: bool = False,
 ) -> CompiledScene:
     """Compiles a layout and writes its folder whole or not at all.
 
@@ -90,6 +92,8 @@ def compile_scene(
       freeze_unstable: whether objects that do not keep their place for two seconds at rest (`stability.displacements`:
         a bicycle without its stand) become fixed in the compiled scene and in the folder's `layout.json`. place: the
         city and country for `metadata.json`: the `source` of the layout's graph.
+      movable: whether movable objects are free bodies in `scene.xml` (`resting.resting`); else they are fixed there, as
+        all objects. All other files are the same.
 
     Raises:
       ValidationError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
@@ -99,8 +103,10 @@ def compile_scene(
     robot = controller.robot
     size = size or RobotSize(height=robot.planner_height)
     geometry = scene_geometry(layout, index, source)
+    before = int(geometry.object_movable.sum())
     if freeze_unstable:
         geometry, layout = _with_unstable_frozen(geometry, layout)
+    unstable = before - int(geometry.object_movable.sum())
     space = free_space(geometry.map, size)
     model = ground_model(geometry, robot)
 
@@ -113,8 +119,10 @@ def compile_scene(
     wanted = planner.choose(layout.seed)
     routes = plan_all(planner, layout.id, exchanged.grid, wanted)
     metadata = scene_metadata(layout, index, geometry, robot, size) | place_metadata(place, routes, geometry)
+    bodies = resting(geometry) if movable else None
+    metadata["bodies"] = _body_counts(geometry, unstable, bodies)
     with replacing_folder(out_dir) as folder:
-        _write(folder, layout, geometry, metadata)
+        _write(folder, layout, geometry, metadata, bodies)
         save_map(folder, exchanged)
         save_annotations(folder / "annotations.json", layout.id, wanted)
         save_planned(folder, routes)
@@ -242,13 +250,41 @@ def _no_episodes() -> EpisodeTable:
     return EpisodeTable(np.zeros((0, 4)), np.zeros((0, 3)), np.zeros((0, 1, 3)), no, no, no, no, no)
 
 
+def _body_counts(geometry: SceneGeometry, unstable: int, bodies: RestingScene | None) -> dict[str, int]:
+    """Free and fixed movable objects of `scene.xml`; `unstable`: objects that were frozen before."""
+    movable, more = int(geometry.object_movable.sum()), 0 if bodies is None else len(bodies.unstable)
+    free = 0 if bodies is None else movable - more
+    laid = 0 if bodies is None else len(bodies.laid)
+    return {
+        "free": free,
+        "laid": laid,
+        "movable_fixed": movable - more - free,
+        "unstable_fixed": unstable + more,
+    }
+
+
+def _comment(counts: dict[str, int], objects: int) -> str:
+    """What the file says about its bodies."""
+    left = f"{counts['unstable_fixed']} do not stay in place by themselves and are fixed"
+    if counts["free"]:
+        laid = f"{counts['laid']} of them laid where they come to rest"
+        return f"{counts['free']} of {objects} objects are free bodies ({laid}); {left}, as the others are."
+    return (
+        f"All {objects} objects are fixed, {counts['movable_fixed']} of them movable; {left}. "
+        "The option 'movable' of 'urbanverse scene compile' makes movable objects free bodies."
+    )
+
+
 def _write(
     folder: pathlib.Path,
     layout: SceneLayout,
     geometry: SceneGeometry,
     metadata: dict[str, Any],
+    bodies: RestingScene | None,
 ) -> None:
-    text, files = scene_mjcf(geometry, build_sky(layout.sky))
+    drawn = geometry if bodies is None else bodies.geometry
+    comment = _comment(metadata["bodies"], len(geometry.object_ids))
+    text, files = scene_mjcf(drawn, build_sky(layout.sky), free=bodies is not None, comment=comment)
     for path, body in {"scene.xml": text.encode("utf-8"), **files}.items():
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_bytes(body)

@@ -1,7 +1,7 @@
 """`SceneGeometry` -> MJCF that stock MuJoCo loads with no code of ours.
 
-Group 2: visual meshes, no contact. Group 3: CoACD hulls of objects and ground prisms. One static body per object, named
-by its id; ground prisms belong to the world.
+Group 2: visual meshes, no contact. Group 3: CoACD hulls of objects and ground prisms. One body per object, named by its
+id, static or (movable ones, on request) with a free joint; ground prisms belong to the world.
 """
 
 import functools
@@ -39,7 +39,7 @@ def _numbers(values: Sequence[float] | np.ndarray) -> str:
 
 
 def scene_mjcf(
-    scene: SceneGeometry, sky: Sky | None = None, visuals: bool = True, free: bool = False
+    scene: SceneGeometry, sky: Sky | None = None, visuals: bool = True, free: bool = False, comment: str = ""
 ) -> tuple[str, dict[str, bytes]]:
     """The scene as MJCF text and the files it names.
 
@@ -47,11 +47,14 @@ def scene_mjcf(
       sky: gives the skybox and the sun; without it there is no light.
       visuals: whether to draw; physics is the same without.
       free: whether movable objects have a free joint; else all objects are fixed to the world.
+      comment: first line of the file, for people; without "--", which XML does not allow there.
 
     Returns:
       XML, and file contents by path relative to it (`meshes/`, `textures/`).
     """
     root = ET.Element("mujoco", model=scene.scene_id)
+    if comment:
+        root.append(ET.Comment(f" {comment} "))
     ET.SubElement(root, "compiler", angle="radian", autolimits="true", meshdir="meshes", texturedir="textures")
     ET.SubElement(root, "option", timestep=f"{TIMESTEP:g}", integrator="Euler")
     center, extent = _extent(scene)

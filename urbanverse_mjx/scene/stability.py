@@ -28,6 +28,19 @@ class Displacement:
     tilt: float
 
 
+@dataclasses.dataclass(frozen=True)
+class Motion:
+    """What n objects let go of do: their ids, greatest distance of the centre of mass from its start (n,) m and
+    greatest turn (n,) rad at the instants looked at, infinite where a state is not finite; position (n, 3) m and
+    quaternion (n, 4) of the bodies at the end."""
+
+    ids: tuple[str, ...]
+    shift: np.ndarray
+    tilt: np.ndarray
+    position: np.ndarray
+    quaternion: np.ndarray
+
+
 def displacements(
     scene: SceneGeometry, seconds: float = SECONDS, shift: float = SHIFT, tilt: float = TILT
 ) -> list[Displacement]:
@@ -37,27 +50,41 @@ def displacements(
     not finite counts as an infinite displacement. `shift` (m) and `tilt` (rad): thresholds from which an object has
     moved.
     """
-    scene = _around_movable(scene)
-    if not scene.object_movable.any():
-        return []
-    text, _ = scene_mjcf(scene, visuals=False, free=True)
-    model = mujoco.MjModel.from_xml_string(text)
-    model.opt.timestep = TIMESTEP
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    bodies = np.array([model.body(name).id for name in scene.object_ids], int)[scene.object_movable]
-    start, turned = data.xipos[bodies].copy(), data.xquat[bodies].copy()
-    mujoco.mj_step(model, data, round(seconds / TIMESTEP))
-    mujoco.mj_forward(model, data)
-    went = np.linalg.norm(data.xipos[bodies] - start, axis=1)
-    alike = np.abs((data.xquat[bodies] * turned).sum(1))
-    turn = 2.0 * np.arccos(np.clip(alike, 0.0, 1.0))
-    went, turn = (np.where(np.isfinite(x), x, np.inf) for x in (went, turn))
-    names = np.array(scene.object_ids, dtype=object)[scene.object_movable]
+    motion = free_motion(scene, seconds)
     moved = [
-        Displacement(n, float(s), float(t)) for n, s, t in zip(names, went, turn, strict=True) if s > shift or t > tilt
+        Displacement(n, float(s), float(t))
+        for n, s, t in zip(motion.ids, motion.shift, motion.tilt, strict=True)
+        if s > shift or t > tilt
     ]
     return sorted(moved, key=lambda m: -m.shift)
+
+
+def free_motion(scene: SceneGeometry, seconds: float, timestep: float = TIMESTEP, instants: int = 1) -> Motion:
+    """How the movable objects move within `seconds` as free bodies in C MuJoCo, by steps of `timestep` s; looked at
+    `instants` times, evenly spread, the last at the end."""
+    scene = _around_movable(scene)
+    if not scene.object_movable.any():
+        return Motion((), np.zeros(0), np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)))
+    text, _ = scene_mjcf(scene, visuals=False, free=True)
+    model = mujoco.MjModel.from_xml_string(text)
+    model.opt.timestep = timestep
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    names = tuple(np.array(scene.object_ids, dtype=object)[scene.object_movable])
+    bodies = np.array([model.body(name).id for name in names], int)
+    start, turned = data.xipos[bodies].copy(), data.xquat[bodies].copy()
+    shift, tilt = np.zeros((2, len(bodies)))
+    steps = np.diff(np.linspace(0, round(seconds / timestep), instants + 1).round().astype(int))
+    for count in steps:
+        mujoco.mj_step(model, data, int(count))
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        went = np.linalg.norm(data.xipos[bodies] - start, axis=1)
+        alike = np.abs((data.xquat[bodies] * turned).sum(1))
+        turn = 2.0 * np.arccos(np.clip(alike, 0.0, 1.0))
+        went, turn = (np.where(np.isfinite(x), x, np.inf) for x in (went, turn))
+        shift, tilt = np.maximum(shift, went), np.maximum(tilt, turn)
+    return Motion(names, shift, tilt, data.xpos[bodies].copy(), data.xquat[bodies].copy())
 
 
 def _around_movable(scene: SceneGeometry) -> SceneGeometry:
