@@ -194,7 +194,7 @@ def _coloured(source: Source) -> bool:
 
 
 def _cad(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
-    if _textured(source):
+    if _textured(source) or source.colourless:
         return
     words = CAD_WORDS.search(" ".join((source.generator, *source.names)))
     if words:
@@ -204,5 +204,5 @@ def _cad(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
 
 
 def _texture(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
-    if not _textured(source) and not _coloured(source):
+    if not _textured(source) and not _coloured(source) and not source.colourless:
         yield Finding(NO_TEXTURE, "; ".join(("one colour all over", *source.notes[-1:])))

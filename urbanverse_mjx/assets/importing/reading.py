@@ -1,9 +1,11 @@
 """Loads a screened file: triangles, texture coordinates, images, and the file's own metadata."""
 
 import dataclasses
-import os
+import io
+import json
 import pathlib
 import re
+import urllib.parse
 from typing import Any
 
 import numpy as np
@@ -12,11 +14,16 @@ import trimesh.resolvers
 from PIL import Image
 from trimesh.visual.texture import TextureVisuals
 
+from . import skinning
 from .screening import LIMITS, Limits, RefusedFileError, inside, screen
 
 MAX_IMAGE_BYTES = 256 * 2**20
 MAX_IMAGE_PIXELS = 64 * 10**6
 WHITE = (255.0, 255.0, 255.0)
+#: Of a file whose format states no colour: unpainted concrete or metal.
+GREY = (150.0, 150.0, 150.0)
+#: Attribute under which a mesh with a material keeps its vertex colours: copies of its `visual` lose them.
+_COLORS = "urbanverse_colors"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,10 +52,11 @@ class Source:
 
     Attributes:
       parts: at least one.
-      y_up: whether y is up and the front along +z, as in glTF; None for an OBJ file without that information.
+      y_up: whether y is up and the front along +z, as in glTF; None for other files without that information.
       names: of its nodes, meshes and materials, outermost first.
       generator, copyright: texts of the file; extras: its `asset.extras`.
       roughness, metallic: of its largest part.
+      colourless: whether it is of a format without colours (STL, or PLY that holds none) and drawn grey.
       notes: parts that could not be read.
     """
 
@@ -61,6 +69,7 @@ class Source:
     roughness: float
     metallic: float
     notes: tuple[str, ...]
+    colourless: bool = False
 
     @property
     def vertices(self) -> np.ndarray:
@@ -83,15 +92,17 @@ class _Neighbours(trimesh.resolvers.Resolver):
         self.missing: list[str] = []
 
     def get(self, name: str) -> bytes:
-        try:
-            path = inside(self.folder, self.base, name.strip())
-        except RefusedFileError as error:
-            self.refused = error
-            raise
-        if not path.is_file() or path.stat().st_size > MAX_IMAGE_BYTES:
-            self.missing.append(name[:80])
-            raise FileNotFoundError(name)
-        return path.read_bytes()
+        # glTF names files by URIs, in which a space is %20; OBJ and PLY by plain names.
+        for plain in dict.fromkeys((name.strip(), urllib.parse.unquote(name.strip()))):
+            try:
+                path = inside(self.folder, self.base, plain)
+            except RefusedFileError as error:
+                self.refused = error
+                raise
+            if path.is_file() and path.stat().st_size <= MAX_IMAGE_BYTES:
+                return _as_utf8(path.read_bytes()) if path.suffix.lower() == ".mtl" else path.read_bytes()
+        self.missing.append(name[:80])
+        raise FileNotFoundError(name)
 
     def keys(self) -> list[str]:
         return []
@@ -103,8 +114,17 @@ class _Neighbours(trimesh.resolvers.Resolver):
         raise RefusedFileError("path trick", f"wants to write {name[:80]!r}")
 
 
+def _as_utf8(body: bytes) -> bytes:
+    """A text file's bytes as UTF-8; what is none is taken for Latin-1, in which all bytes are characters."""
+    try:
+        body.decode("utf-8")
+    except UnicodeDecodeError:
+        return body.decode("latin-1").encode("utf-8")
+    return body
+
+
 def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMITS) -> Source:
-    """Screens and loads one GLB, glTF or OBJ file.
+    """Screens and loads one GLB, glTF, OBJ, STL or PLY file; skinned meshes in their rest pose.
 
     Raises:
       RefusedFileError: it must not be read, cannot be, or holds no triangles or no finite ones.
@@ -114,9 +134,7 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
     neighbours = _Neighbours(folder, path.parent)
     kind = path.suffix.lower().removeprefix(".")
     try:
-        with path.open("rb") as file:
-            scene = trimesh.load_scene(file, file_type=kind, resolver=neighbours, process=False)
-        solids = [g for g in scene.dump() if isinstance(g, trimesh.Trimesh) and len(g.faces)]
+        solids = [solid for solid in _solids(path, kind, tree, neighbours) if len(solid.faces)]
     except (MemoryError, RefusedFileError):
         raise
     except Exception as error:  # the reader's own errors come in every type
@@ -129,22 +147,51 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
         raise RefusedFileError("malformed", "holds no triangles")
     for solid in solids:
         _check(solid)
-    parts = tuple(_part(solid, kind != "obj") for solid in solids)
+    is_gltf = kind in ("glb", "gltf")
+    parts = tuple(_part(solid, is_gltf) for solid in solids)
+    colourless = kind in ("stl", "ply") and all(p.texture is None and p.colors is None for p in parts)
+    if colourless:
+        parts = tuple(dataclasses.replace(p, color=GREY) for p in parts)
     asset = _object(tree, "asset")
-    notes = [f"found no file {name!r}" for name in neighbours.missing]
+    notes = ["it has no colours and is drawn grey"] if colourless else []
+    notes += [f"found no file {name!r}" for name in neighbours.missing]
     if tree.get("images") and all(part.texture is None for part in parts):
         notes.append(f"its images are missing, damaged or of more than {MAX_IMAGE_PIXELS} pixels")
     largest = max(solids, key=lambda s: s.area)
     return Source(
         parts,
-        True if kind != "obj" else _obj_up(path),
-        _names(tree) if tree else _obj_names(path),
+        True if is_gltf else _up(path),
+        _names(tree) if tree else _obj_names(path) if kind == "obj" else (),
         str(asset.get("generator", ""))[:200],
         str(asset.get("copyright", ""))[:500],
         _object(asset, "extras"),
         *_surface(largest),
         tuple(notes),
+        colourless,
     )
+
+
+def _solids(path: pathlib.Path, kind: str, tree: dict[str, Any], neighbours: _Neighbours) -> list[trimesh.Trimesh]:
+    """All triangles of a file, in the frame of its scene."""
+    body = path.read_bytes()
+    if kind == "obj":
+        body = _as_utf8(body)
+    skinned = bool(tree.get("skins"))
+    if skinned:
+        tree = skinning.readable(tree)
+        body = skinning.glb_with(tree, body) if kind == "glb" else json.dumps(tree).encode()
+    scene = trimesh.load_scene(io.BytesIO(body), file_type=kind, resolver=neighbours, process=False)
+    for mesh in scene.geometry.values():
+        if isinstance(mesh, trimesh.Trimesh) and isinstance(mesh.visual, TextureVisuals):
+            if "color" in mesh.visual.vertex_attributes:
+                mesh.vertex_attributes[_COLORS] = mesh.visual.vertex_attributes["color"]
+    solids = skinning.posed(scene, tree) if skinned else scene.dump()
+    solids = [g for g in solids if isinstance(g, trimesh.Trimesh)]
+    if kind == "stl":  # every triangle has corners of its own
+        for solid in solids:
+            _check(solid)
+            solid.merge_vertices()
+    return solids
 
 
 def _object(tree: dict[str, Any], name: str) -> dict[str, Any]:
@@ -174,13 +221,35 @@ def _part(solid: trimesh.Trimesh, linear: bool) -> Part:
             uv = None
         factor = getattr(material, "baseColorFactor", None) if linear else getattr(material, "diffuse", None)
         color = WHITE if factor is None else _srgb(np.asarray(factor, float)[:3], linear)
-        return Part(vertices, faces, uv, texture if uv is not None else None, color, None)
+        texture = texture if uv is not None else None
+        colors = None if texture is not None else _vertex_colors(solid, linear)
+        if colors is not None:
+            colors = colors * (np.asarray(color) / 255.0)
+        return Part(vertices, faces, uv, texture, color, colors)
     colors = None
     if visual is not None and visual.kind == "vertex":
         colors = np.asarray(visual.vertex_colors, np.float64)[:, :3]
+        colors = 255.0 * _encoded(colors / 255.0) if linear else colors
     elif visual is not None and visual.kind == "face":
         vertices, faces, colors = _per_face(vertices, faces, np.asarray(visual.face_colors, np.float64)[:, :3])
     return Part(vertices, faces, None, None, WHITE, colors)
+
+
+def _vertex_colors(solid: trimesh.Trimesh, linear: bool) -> np.ndarray | None:
+    """(V, 3) sRGB 0-255 of a mesh that has a material besides; None without colours."""
+    found = np.asarray(solid.vertex_attributes.get(_COLORS, ()))
+    if found.ndim != 2 or len(found) != len(solid.vertices) or found.shape[1] < 3 or not np.isfinite(found).all():
+        return None
+    share = found[:, :3].astype(np.float64)
+    if np.issubdtype(found.dtype, np.integer):
+        share = share / np.iinfo(found.dtype).max
+    return 255.0 * _encoded(share) if linear else 255.0 * np.clip(share, 0.0, 1.0)
+
+
+def _encoded(linear: np.ndarray) -> np.ndarray:
+    """Linear light as sRGB shares (IEC 61966-2-1)."""
+    share = np.clip(linear, 0.0, 1.0)
+    return np.where(share <= 0.0031308, 12.92 * share, 1.055 * share ** (1 / 2.4) - 0.055)
 
 
 def _per_face(vertices: np.ndarray, faces: np.ndarray, colors: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -200,7 +269,7 @@ def _srgb(color: np.ndarray, linear: bool) -> tuple[float, float, float]:
     """0-255; glTF's factors are linear light (glTF 2.0, section 3.9.2), OBJ's are not."""
     share = np.clip(color / (255.0 if color.max() > 1.0 else 1.0), 0.0, 1.0)
     if linear:
-        share = np.where(share <= 0.0031308, 12.92 * share, 1.055 * share ** (1 / 2.4) - 0.055)
+        share = _encoded(share)
     r, g, b = (float(255.0 * c) for c in share)
     return r, g, b
 
@@ -218,10 +287,11 @@ def _names(tree: dict[str, Any]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(str(n)[:120] for n in found if isinstance(n, str)))[:200]
 
 
-def _obj_up(path: pathlib.Path) -> bool | None:
-    """Whether y is up, by a remark at the head of the file; None where it has none."""
+def _up(path: pathlib.Path) -> bool | None:
+    """Whether y is up, by a remark at the head of the file (OBJ, PLY); None where it has none, as always in STL."""
     with path.open("rb") as file:
-        remarks = b" ".join(line.lower() for line in (file.readline(1000) for _ in range(10)) if line[:1] == b"#")
+        lines = [file.readline(1000).lower() for _ in range(10)]
+    remarks = b" ".join(line for line in lines if line.startswith((b"#", b"comment")))
     axis = re.search(rb"\b([yz])[ -]up\b", remarks)
     return None if axis is None else axis.group(1) == b"y"
 
@@ -231,5 +301,5 @@ def _obj_names(path: pathlib.Path) -> tuple[str, ...]:
     with path.open("rb") as file:
         for line in file:
             if line[:2] in (b"o ", b"g ") and len(found) < 200:
-                found.append(os.fsdecode(line[2:].strip())[:120])
+                found.append(_as_utf8(line[2:].strip()).decode()[:120])
     return tuple(dict.fromkeys(found))

@@ -52,6 +52,7 @@ class Options:
 
     Attributes:
       licence: of files that state none; without it they are refused.
+      leaf: what all files are, a leaf of the ontology; None: as their annotations or names say.
       jobs: processes at once.
       again: also files that the journal lists as done.
       pictures: draw four views of each asset.
@@ -60,6 +61,7 @@ class Options:
     """
 
     licence: str | None = None
+    leaf: str | None = None
     jobs: int = 2
     again: bool = False
     pictures: bool = True
@@ -90,7 +92,8 @@ class Entry:
 def import_folder(
     folder: str | os.PathLike[str], options: Options = Options(), progress: Callable[[int, int, Entry], object] = print
 ) -> list[Entry]:
-    """Imports every GLB, glTF and OBJ file below a folder into the user's store; returns an entry for each, by name.
+    """Imports every mesh file (`SUFFIXES`) below a folder, or one file, into the user's store; returns an entry for
+    each, by name.
 
     The index, the catalogue and the report are written anew at the end, also when it is interrupted.
 
@@ -102,6 +105,7 @@ def import_folder(
     """
     folder, root = pathlib.Path(folder).absolute(), imported_assets()
     files = list(mesh_files(folder))
+    folder = folder if folder.is_dir() else folder.parent
     if not files:
         raise ValidationError(f"{folder}: found no file ending in {', '.join(SUFFIXES)}, needed at least one.")
     check_workers()
@@ -120,9 +124,14 @@ def import_folder(
 
 
 def mesh_files(folder: pathlib.Path) -> Iterator[pathlib.Path]:
-    """The mesh files below a folder, by name; links to folders are not followed."""
+    """The mesh files below a folder, by name, or the one file; links to folders are not followed."""
+    if folder.is_file() and folder.suffix.lower() in SUFFIXES:
+        yield folder
+        return
     if not folder.is_dir():
-        raise ValidationError(f"{folder}: found no such folder, needed one with mesh files.")
+        raise ValidationError(
+            f"{folder}: found no such folder, needed one with mesh files, or a file ending in {', '.join(SUFFIXES)}."
+        )
     for place, folders, names in os.walk(folder):
         folders.sort()
         yield from (pathlib.Path(place, n) for n in sorted(names) if pathlib.Path(n).suffix.lower() in SUFFIXES)
@@ -243,7 +252,9 @@ def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
     model = options.endpoint.model if options.endpoint else ""
     # Journals of other versions are not resumed from.
     code = json.dumps(versions.of("imports"))
-    digest.update(f"{code} {content.hexdigest()} {options.licence} {model} {name}".encode("utf-8", "replace"))
+    digest.update(
+        f"{code} {content.hexdigest()} {options.licence} {options.leaf} {model} {name}".encode("utf-8", "replace")
+    )
     return digest.hexdigest()[:32], content.hexdigest()
 
 
@@ -255,7 +266,7 @@ def _import_file(
     path: pathlib.Path, folder: pathlib.Path, root: pathlib.Path, options: Options, name: str, key: str, sha256: str
 ) -> Entry:
     staging = root / "staging" / key
-    task = Task(path, folder, staging, name, sha256, options.licence)
+    task = Task(path, folder, staging, name, sha256, options.licence, options.leaf)
     notes: list[str] = []
     try:
         if options.endpoint and not path.with_suffix(".json").is_file():

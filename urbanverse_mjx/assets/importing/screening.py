@@ -1,10 +1,11 @@
 """Checks a mesh file's structure before any reader loads it, with little memory, and refuses dangerous files.
 
 A glTF file is checked against its own numbers: lengths of chunks, buffers, views and accessors, the tree of nodes, and
-the files it asks for. Only what passes is handed to the reader.
+the files it asks for; STL and PLY files against the counts in their headers. Only what passes is handed to the reader.
 """
 
 import dataclasses
+import importlib.util
 import json
 import pathlib
 import re
@@ -16,12 +17,26 @@ from typing import Any
 
 from urbanverse_mjx.datatypes import ValidationError
 
-SUFFIXES = (".glb", ".gltf", ".obj")
+SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply")
 # Bytes of one element by component type, and elements by kind (glTF 2.0, section 3.6.2).
 COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 ELEMENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 # Required extensions that change the appearance alone; others (compressed geometry) need a reader that is not here.
 HARMLESS = re.compile(r"KHR_materials_\w+|KHR_lights_punctual")
+#: Compressed geometry that trimesh decodes where this module is installed.
+DRACO, DRACO_MODULE = "KHR_draco_mesh_compression", "DracoPy"
+#: Extension of compressed geometry -> what to do.
+REMEDIES = {
+    DRACO: "run `pip install DracoPy`, or write it without by `npx @gltf-transform/cli copy IN OUT`",
+    "EXT_meshopt_compression": "write it without by `npx @gltf-transform/cli copy IN OUT`",
+}
+#: Bytes of a PLY number by its type (Turk, "The PLY Polygon File Format", 1994, and the sized names in use since).
+PLY_BYTES = {
+    **dict.fromkeys((b"char", b"uchar", b"int8", b"uint8"), 1),
+    **dict.fromkeys((b"short", b"ushort", b"int16", b"uint16"), 2),
+    **dict.fromkeys((b"int", b"uint", b"float", b"int32", b"uint32", b"float32"), 4),
+    **dict.fromkeys((b"double", b"float64"), 8),
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,7 +85,7 @@ def inside(folder: pathlib.Path, base: pathlib.Path, name: str) -> pathlib.Path:
 
 
 def screen(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMITS) -> dict[str, Any]:
-    """Checks one file; returns its glTF tree (empty for OBJ).
+    """Checks one file; returns its glTF tree (empty for other formats).
 
     Args:
       path: the file.
@@ -88,8 +103,8 @@ def screen(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMITS) ->
         raise RefusedFileError("empty", "holds 0 bytes")
     if status.st_size > limits.file_bytes:
         raise RefusedFileError("too large", f"holds {status.st_size} bytes, at most {limits.file_bytes} are read")
-    if path.suffix.lower() == ".obj":
-        _screen_obj(path, limits)
+    if check := {".obj": _screen_obj, ".stl": _screen_stl, ".ply": _screen_ply}.get(path.suffix.lower()):
+        check(path, limits)
         return {}
     text, chunk = _glb_json(path, limits) if path.suffix.lower() == ".glb" else (_head(path, limits), None)
     tree = _parse(text)
@@ -152,8 +167,10 @@ def _screen_tree(
     tree: dict[str, Any], path: pathlib.Path, folder: pathlib.Path, chunk: int | None, limits: Limits
 ) -> None:
     for name in tree.get("extensionsRequired", []):
-        if not HARMLESS.fullmatch(str(name)):
-            raise RefusedFileError("unsupported", f"needs the glTF extension {str(name)[:60]!r}; export it without")
+        decodes = name == DRACO and importlib.util.find_spec(DRACO_MODULE) is not None
+        if not decodes and not HARMLESS.fullmatch(str(name)):
+            how = REMEDIES.get(str(name), "export it without")
+            raise RefusedFileError("unsupported", f"needs the glTF extension {str(name)[:60]!r}; {how}")
     _screen_nodes(_rows(tree, "nodes"), limits)
     views = _screen_buffers(tree, path, folder, chunk, limits)
     counts = _screen_accessors(_rows(tree, "accessors"), views, limits)
@@ -272,6 +289,59 @@ def _screen_obj(path: pathlib.Path, limits: Limits) -> None:
         raise RefusedFileError("malformed", f"holds {vertices} vertices and no face")
     if vertices > limits.vertices or 3 * faces > limits.indices:
         raise RefusedFileError("too large", f"holds {vertices} vertices and {faces} faces")
+
+
+def _screen_stl(path: pathlib.Path, limits: Limits) -> None:
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(84)
+    triangles = struct.unpack("<I", head[80:84])[0] if len(head) == 84 else 0
+    if head.lstrip()[:5] == b"solid" and size != 84 + 50 * triangles:
+        lines = [line.split()[:1] for line in _lines(path)]
+        triangles = lines.count([b"facet"])
+        if [b"endsolid"] not in lines:
+            raise RefusedFileError("truncated", f"holds {triangles} triangles and no end")
+    elif size < 84 + 50 * triangles or len(head) < 84:
+        needs = 84 + 50 * triangles
+        raise RefusedFileError("truncated", f"holds {size} bytes, needed {needs} for its {triangles} triangles")
+    if not triangles:
+        raise RefusedFileError("malformed", "holds no triangles")
+    if 3 * triangles > limits.indices:
+        raise RefusedFileError("too large", f"holds {triangles} triangles")
+
+
+def _screen_ply(path: pathlib.Path, limits: Limits) -> None:
+    counts: dict[bytes, int] = {}
+    least: dict[bytes, int] = {}
+    element, form, header = b"", b"", 0
+    for line in _lines(path):
+        words, header = line.split() or [b""], header + len(line)
+        if header > 2**20 or words[0] == b"end_header":
+            break
+        if words[0] == b"format" and len(words) == 3:
+            form = words[1]
+        elif words[0] == b"element" and len(words) == 3 and words[2].isdigit():
+            element = words[1]
+            counts[element], least[element] = int(words[2]), 0
+        elif words[0] == b"property" and len(words) >= 3:
+            least[element] = least.get(element, 0) + PLY_BYTES.get(words[1], 0)
+            if words[1] == b"list" and len(words) == 5:  # of no entry, but for faces
+                entries = 3 if element == b"face" else 0
+                least[element] += PLY_BYTES.get(words[2], 0) + entries * PLY_BYTES.get(words[3], 0)
+    else:
+        raise RefusedFileError("truncated", "has no end of its header")
+    vertices, faces = counts.get(b"vertex", 0), counts.get(b"face", 0)
+    if not form or not vertices:
+        raise RefusedFileError("malformed", "does not begin as a PLY file does")
+    if not faces:
+        raise RefusedFileError("malformed", f"holds {vertices} vertices and no face; mesh the points first")
+    if vertices > limits.vertices or 3 * faces > limits.indices:
+        raise RefusedFileError("too large", f"holds {vertices} vertices and {faces} faces")
+    # Text has at least a digit and a separator for each number, and a number is at most 8 bytes.
+    needed = sum(counts[k] * least[k] for k in counts) // (1 if form.startswith(b"binary") else 4)
+    if path.stat().st_size - header < needed:
+        held = path.stat().st_size - header
+        raise RefusedFileError("truncated", f"holds {held} bytes, its header gives at least {needed}")
 
 
 def _lines(path: pathlib.Path, longest: int = 2**20) -> Iterator[bytes]:

@@ -39,6 +39,7 @@ class Task:
       name: path below the folder, with forward slashes.
       sha256: of the file.
       licence: to assume where none is stated.
+      leaf: of the ontology, of every file; None: by the annotation or the names.
       seen: fields from the vision endpoint.
     """
 
@@ -48,6 +49,7 @@ class Task:
     name: str
     sha256: str
     licence: str | None = None
+    leaf: str | None = None
     seen: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
 
@@ -94,7 +96,9 @@ def make_asset(task: Task) -> Made:
 
 
 def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | None, list[Finding]]:
-    """The leaf from the annotation or the names, and a finding where the names give none."""
+    """The leaf that the user named, else of the annotation or the names, and a finding where the names give none."""
+    if task.leaf:
+        return task.leaf, []
     names = [task.path.stem, *source.names, *reversed(pathlib.PurePosixPath(task.name).parts[:-1])]
     named = leaf_in(names)
     told = leaf_in([str(fields["category"])]) if "category" in fields else None
@@ -105,7 +109,12 @@ def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | 
     if named:
         return named, []
     inner = ", ".join(repr(n[:40]) for n in source.names[:3])
-    return None, [Finding(NAMES, f"neither {task.path.name!r} nor its nodes ({inner or 'without names'}) name a leaf")]
+    return None, [
+        Finding(
+            NAMES,
+            f"neither {task.path.name!r} nor its nodes ({inner or 'without names'}) name a leaf; name it with --leaf",
+        )
+    ]
 
 
 def _rotation(source: Source, placement: Placement | None) -> np.ndarray:
