@@ -24,7 +24,7 @@ def builds(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> list[list[
     """Records the graphs of every requested bank and returns the same small bank."""
     made: list[list[str]] = []
 
-    def build(graphs, splits, seed=0, quiet=False, cousins=1):
+    def build(graphs, splits, seed=0, quiet=False, cousins=1, imported=False):
         made.append([pathlib.Path(graph).parent.name for graph in graphs])
         return small_bank
 

@@ -14,14 +14,14 @@ Kind = Literal["object", "sky", "road", "sidewalk"]
 
 
 def list_assets(leaf: str | None = None) -> None:
-    """List the base shapes, or those of one leaf category.
+    """List the base shapes and the assets you imported, or those of one leaf category.
 
     Args:
       leaf: a leaf of the ontology, e.g. "bollard".
     """
-    from ..assets import load_index
+    from ..assets import full_index
 
-    index = load_index()
+    index = full_index()
     _print_table(index.by_leaf(leaf) if leaf else index.records)
 
 
@@ -31,9 +31,9 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
     Args:
       label: name of the object from a detector or a person, e.g. "trash can".
     """
-    from ..assets import load_index, match_label
+    from ..assets import full_index, match_label
 
-    index = load_index()
+    index = full_index()
     leaf = match_label(label)
     records = index.by_label(label)
     print(f"{label!r} is the leaf {leaf!r}")
@@ -55,8 +55,9 @@ def show(
       as_json: print JSON instead.
     """
     from ..assets.selection.overview import overview
+    from ..assets.selection.search import full_library
 
-    found = overview(label)
+    found = overview(label, full_library())
     if as_json:
         print(json.dumps(found, ensure_ascii=False))
         return
@@ -87,9 +88,10 @@ def search(
       count: how many to print.
     """
     from ..assets.selection import libraries
+    from ..assets.selection.search import full_library
 
     conditions = json_object(filters, "--filters")
-    chosen = libraries.library(library)
+    chosen = full_library() if library == "object" else libraries.library(library)
     uids = chosen.get_uids_conditioned(query=query, top_k=count, **conditions)
     rows = chosen.load_annotations(uids[:count]).values()
     if library == "object":
@@ -121,8 +123,9 @@ def match(label: Annotated[str, tyro.conf.Positional], size: tuple[float, float,
       count: how many.
     """
     from ..assets.selection.matching import Matcher
+    from ..assets.selection.search import full_library
 
-    for found in Matcher().match(label, size, count=count):
+    for found in Matcher(full_library()).match(label, size, count=count):
         print(f"{found.uid:<44} distortion {found.distortion:.3f}  yaw {found.yaw:.2f} rad")
 
 

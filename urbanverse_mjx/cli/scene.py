@@ -34,6 +34,8 @@ class CompileArgs:
     """Leave out objects whose label no asset is known for, and list them, instead of refusing the graph."""
     movable: bool = False
     """Write movable objects into scene.xml as free bodies that rest; without it all objects are fixed there."""
+    imported: bool = False
+    """Choose among the assets that you imported (`urbanverse assets import`) too."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,6 +53,8 @@ class BankArgs:
     """Split of the graphs given by name, train, validation or test; scenes/splits.json has that of shipped streets."""
     cousins: int = 1
     """Digital cousins of each graph given by name: the same places, other assets, materials and sky."""
+    imported: bool = False
+    """Choose among the assets that you imported too; needs --out."""
     quiet: bool = False
 
 
@@ -110,7 +114,7 @@ def _compile(args: CompileArgs) -> int:
     with Progress() as progress:
         progress.task("compiling scenes", total=1)
         cousin, compiled = pipeline.compile_graph(
-            args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half, args.movable
+            args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half, args.movable, args.imported
         )
     for gone in cousin.left_out:
         sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")
@@ -120,6 +124,10 @@ def _compile(args: CompileArgs) -> int:
 
 
 def _bank(args: BankArgs) -> int:
+    if args.imported and not (args.graphs and args.out):
+        raise v.fail(
+            "--imported", "no graphs or no --out", "both, because the cache holds banks of the catalogue alone"
+        )
     if args.graphs:
         v.choice(args.split, "--split", SPLITS)
         v.integer(args.cousins, "--cousins", 1)
@@ -132,7 +140,7 @@ def _bank(args: BankArgs) -> int:
     return _keep_bank(
         args.out,
         settings.user_bank_path(graphs, splits, args.seed, cousins),
-        lambda: pipeline.build_bank(graphs, splits, args.seed, args.quiet, cousins),
+        lambda: pipeline.build_bank(graphs, splits, args.seed, args.quiet, cousins, args.imported),
     )
 
 

@@ -21,6 +21,7 @@ def build_bank(
     seed: int = 0,
     quiet: bool = False,
     cousins: int = 1,
+    imported: bool = False,
 ) -> SceneBank:
     """Compiles the graphs, `cousins` of each, in parallel processes and packs them.
 
@@ -29,6 +30,7 @@ def build_bank(
       seed: chooses among equally good assets, materials and skies, and the episodes.
       quiet: draw no progress bar on standard error.
       cousins: digital cousins of each graph: the same places, other assets, materials and sky.
+      imported: choose among the assets that this user imported too.
 
     Raises:
       ValidationError: a graph that cannot be compiled; the message names it.
@@ -44,15 +46,17 @@ def build_bank(
     ):
         report = progress.task("compiling scenes", len(wanted))
         folders = [work / str(i) for i in range(len(wanted))]
-        tasks = [(graph, cousin, folder, seed) for (graph, cousin), folder in zip(wanted, folders, strict=True)]
+        tasks = [
+            (graph, cousin, folder, seed, imported) for (graph, cousin), folder in zip(wanted, folders, strict=True)
+        ]
         for done, _ in enumerate(results_as_completed(_compile_job, tasks, settings.num_threads()), 1):
             report(done)
         return pack_bank(folders, [split for split in splits for _ in range(cousins)])
 
 
-def _compile_job(graph: pathlib.Path, cousin: int, out: pathlib.Path, seed: int) -> None:
+def _compile_job(graph: pathlib.Path, cousin: int, out: pathlib.Path, seed: int, imported: bool = False) -> None:
     try:
-        compile_graph(graph, out, seed, cousin)
+        compile_graph(graph, out, seed, cousin, imported=imported)
     except v.ValidationError as error:
         raise v.ValidationError(f"{graph}: {error}") from error
 

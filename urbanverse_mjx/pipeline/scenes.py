@@ -25,6 +25,7 @@ def compile_graph(
     skip_unknown: bool = False,
     half: int = 0,
     movable: bool = False,
+    imported: bool = False,
 ) -> "tuple[Cousin, CompiledScene]":
     """Reads a graph, materialises one cousin of it and compiles that; COCO with the differential drive drives it.
 
@@ -38,6 +39,7 @@ def compile_graph(
       cousin: number of the digital cousin, 0 to 63.
       skip_unknown: leave out objects whose label no asset is known for instead of refusing the graph.
       half: 1 or 2 for that half of the street alone, cut across its middle; 0 for all of it.
+      imported: choose among the assets that this user imported too.
       movable: write movable objects as free bodies that rest in C MuJoCo; else `scene.xml` is static.
 
     Raises:
@@ -54,13 +56,17 @@ def compile_graph(
     from ..materialisation import check_labels, index_of, materialise_cousin
     from ..scene.halves import half_layouts
 
+    objects = None
+    if imported:
+        from ..assets.selection.search import full_library
+
+        objects = full_library()
     if not skip_unknown:
-        check_labels(scene)
-    made = materialise_cousin(scene, cousin, seed)
+        check_labels(scene, objects)
+    made = materialise_cousin(scene, cousin, seed, objects=objects)
     layout = half_layouts(made.layout)[half - 1] if half else made.layout
-    return made, compile_layout(
-        layout, index_of(layout), out, freeze_unstable=True, place=scene.source, movable=movable
-    )
+    index = index_of(layout, objects)
+    return made, compile_layout(layout, index, out, freeze_unstable=True, place=scene.source, movable=movable)
 
 
 def compile_layout(

@@ -24,7 +24,7 @@ from urbanverse_mjx.settings import VisionEndpoint, imported_assets
 
 from ..records.catalogue import SCHEMA
 from ..records.index import AssetIndex, save_index
-from ..records.user_store import INDEX
+from ..records.user_store import CATALOGUE, INDEX
 from . import vision
 from .annotation import catalogue_row
 from .containment import FAILURES, Bounds, Outcome, check_workers, contained
@@ -43,7 +43,7 @@ from .work import (
     write_preview,
 )
 
-JOURNAL, REPORT, CATALOGUE = "journal.jsonl", "report.json", "catalogue.parquet"
+JOURNAL, REPORT = "journal.jsonl", "report.json"
 
 
 @dataclasses.dataclass(frozen=True)

@@ -22,10 +22,11 @@ from urbanverse_mjx import versions
 from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 from urbanverse_mjx.datatypes.array_file import discard
 from urbanverse_mjx.datatypes.validation import write_atomically
-from urbanverse_mjx.settings import asset_root, cache_dir
+from urbanverse_mjx.settings import asset_root, cache_dir, imported_assets
 
 from .catalogue import SCHEMA, build_catalogue, catalogue_hash
 from .index import load_index
+from .user_store import CATALOGUE
 
 BUILD_COMMAND = "urbanverse assets build"
 CONTENT_FILE = "catalogue.json"
@@ -75,6 +76,32 @@ def load_store(path: str | os.PathLike[str] | None = None) -> pa.Table:
     except ValidationError as error:
         discard(store_path(), str(error))
     return _load_cached(ensure_store())
+
+
+def load_joined_store() -> pa.Table:
+    """The table of all records and, after them, of the assets that this user imported; `load_store` where there are
+    none.
+
+    Raises:
+      ValidationError: the imported table is damaged.
+    """
+    table, path = load_store(), imported_assets() / CATALOGUE
+    if not path.is_file():
+        return table
+    body = path.read_bytes()
+    try:
+        imported = pq.read_table(pa.BufferReader(body)).select(SCHEMA.names).cast(SCHEMA)
+    except (pa.ArrowInvalid, KeyError, OSError) as error:
+        raise ValidationError(
+            f"{path}: found no table of imported assets ({str(error).splitlines()[0][:80]}), needed one; import an "
+            "asset again with `urbanverse assets import`."
+        ) from error
+    if not imported.num_rows:
+        return table
+    rows = json.dumps(imported.to_pylist(), sort_keys=True)
+    content = hashlib.sha256(f"{recorded_content(table)} {rows}".encode()).hexdigest()
+    joined = pa.concat_tables([table.replace_schema_metadata(None), imported.replace_schema_metadata(None)])
+    return joined.replace_schema_metadata({_CONTENT: content.encode()})
 
 
 def ensure_store() -> pathlib.Path:

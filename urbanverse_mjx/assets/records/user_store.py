@@ -17,7 +17,7 @@ from ..meshes.glb import read_glb
 
 #: Name of the recipe of a record whose mesh is a file.
 FILE_RECIPE = "file"
-INDEX, HULLS = "index.parquet", "hulls.npz"
+INDEX, HULLS, CATALOGUE = "index.parquet", "hulls.npz", "catalogue.parquet"
 AGAIN = "import its source again with `urbanverse assets import`"
 
 

@@ -14,13 +14,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 
 from ..categories.semantics import TextEmbedder, rank_leaves
 from ..meshes import instances
-from ..meshes.base_shapes import BaseShape, shape_of
+from ..meshes.base_shapes import BaseShape, measure, shape_of
+from ..meshes.mesh_builder import BuiltAsset
 from ..meshes.tints import is_free
 from ..records.index import AssetIndex, load_index
+from ..records.user_store import FILE_RECIPE, file_mesh
 from . import descriptors
 from .neural import ImageEmbedder
 from .search import ObjectLibrary, library
@@ -55,7 +57,8 @@ class Matcher:
 
     def __init__(self, objects: ObjectLibrary | None = None, index: AssetIndex | None = None) -> None:
         self._objects = objects or library()
-        self._index = index or load_index()
+        # Records of the catalogue are made from base shapes of the index; imported ones are their own.
+        self._index = index or AssetIndex((*load_index().records, *self._objects.imported()))
         self._of_leaf: dict[str, _Leaf] = {}
 
     def match(
@@ -163,7 +166,7 @@ class _Leaf:
     @staticmethod
     def of(name: str, objects: ObjectLibrary, index: AssetIndex) -> "_Leaf":
         table = objects.table.take(objects.rows_of(name))
-        shapes = [shape_of(r) for r in index.by_leaf(name)]
+        shapes = [_measured(r) if r.recipe == FILE_RECIPE else shape_of(r) for r in index.by_leaf(name)]
         place = {shape.uid: k for k, shape in enumerate(shapes)}
         base, tint, scale = [], [], []
         for uid, params in zip(table["uid"].to_pylist(), table["params"].to_pylist(), strict=True):
@@ -173,6 +176,14 @@ class _Leaf:
             scale.append(inner["scale"])
         extents = np.array(table["extent_xyz"].to_pylist())
         return _Leaf(name, table["uid"].to_pylist(), extents, shapes, np.array(base), np.array(tint), np.array(scale))
+
+
+def _measured(record: AssetRecord) -> BaseShape:
+    """The measures of an imported asset, which no table holds."""
+    mesh = file_mesh(record)
+    return measure(
+        record.uid, BuiltAsset(mesh, record.description, {}, record.volume, record.mass, (len(mesh.faces),)), True
+    )
 
 
 def distortions(

@@ -11,6 +11,7 @@ None for no bound. (The official tables disagree on two units; here `youngs_modu
 """
 
 import functools
+import pathlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -20,11 +21,13 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from urbanverse_mjx.datatypes import AssetRecord, ValidationError
+from urbanverse_mjx.settings import imported_assets
 
 from ..categories import ontology
 from ..categories.semantics import TextEmbedder, rank_leaves
 from ..records import annotations
-from ..records.store import load_store, record_of
+from ..records.store import load_joined_store, load_store, record_of
+from ..records.user_store import CATALOGUE, FILE_RECIPE
 from . import integrity
 
 Range = tuple[float | None, float | None]
@@ -161,6 +164,11 @@ class ObjectLibrary:
           ValidationError: no such uid, or one without a mesh.
         """
         return [record_of(row) for row in self._take(uids)]
+
+    def imported(self) -> list[AssetRecord]:
+        """The records whose meshes are files that the user imported."""
+        rows = pc.equal(self.table["recipe"], FILE_RECIPE)  # pyright: ignore[reportAttributeAccessIssue]
+        return [record_of(row) for row in self.table.filter(rows).to_pylist()]
 
     def load_thumbnails(self, uids: Sequence[str]) -> dict[str, np.ndarray]:
         """uid -> (H, W, 3) uint8 image, drawn where the cache has none (needs an OpenGL that renders off screen).
@@ -322,3 +330,14 @@ def _embedder(model: str) -> TextEmbedder | None:
 def library() -> ObjectLibrary:
     """The objects of the catalogue, loaded (and where need be built) on first use."""
     return ObjectLibrary()
+
+
+def full_library() -> ObjectLibrary:
+    """The objects of the catalogue and the assets that this user imported, as they are now; `library` without any."""
+    path = imported_assets() / CATALOGUE
+    return _joined(path, path.stat().st_mtime_ns) if path.is_file() else library()
+
+
+@functools.lru_cache(maxsize=1)
+def _joined(path: pathlib.Path, changed: int) -> ObjectLibrary:
+    return ObjectLibrary(load_joined_store())
