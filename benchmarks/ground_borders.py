@@ -1,11 +1,13 @@
 """How straight the borders of distilled ground are, and how near the filmed block: committed graphs, before and after.
 
-    python -m benchmarks.ground_borders [--set autobench] [--only Kyoto] [--graphs DIR] [--pictures DIR]
+    python -m benchmarks.ground_borders [--set autobench] [--only Kyoto] [--graphs DIR] [--before DIR]
+        [--pictures DIR]
 
 The ground of every committed graph is drawn on cells again and goes through `distillation.ground_regions`, as a new
 recording's does; what stands at most `HIDES` m away counts as hidden, because a graph does not say what was seen. With
 --graphs, graphs of `benchmarks.library_captures` (DIR/<set>/<layout>/graph.json.gz) are measured instead, beside the
-committed ones. The reference is the filmed block. Ground under houses counts for neither.
+committed ones; --before is a folder like `scenes/` with former graphs to use for the committed ones. The reference is
+the filmed block. Ground under houses counts for neither.
 
 Columns: regions, corners, prisms; holes (m^2); kerbs of 15 m and more: metres off the line that fits them best (95 %),
 share within 5 cm of it, and the distance of that line from the true kerb; intersection over union for each kind.
@@ -48,6 +50,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--set", choices=sorted(city_blocks.PROFILES), default="urbanverse160")
     parser.add_argument("--only", default="", help="layouts with this in their id")
     parser.add_argument("--graphs", type=pathlib.Path, help="measure these instead of cleaning the committed ones")
+    parser.add_argument(
+        "--before", type=pathlib.Path, default=SCENES, help="graphs to compare with: DIR/<set>/<layout>"
+    )
     parser.add_argument("--pictures", type=pathlib.Path, help="folder for PNGs: reference, before, after")
     arguments = parser.parse_args(argv)
     layouts = {n: p for n, p in city_blocks.layouts(arguments.set).items() if arguments.only in n}
@@ -60,7 +65,7 @@ def main(argv: list[str] | None = None) -> int:
     rows: dict[str, list[dict[str, float]]] = {"true": [], "before": [], "after": []}
     for name, profile in layouts.items():
         true = city_blocks.block(profile, city_blocks.SEEDS[arguments.set], name)
-        before = SceneGraph.load(_file(SCENES, arguments.set, name))
+        before = SceneGraph.load(_file(arguments.before, arguments.set, name))
         after = (
             SceneGraph.load(_file(arguments.graphs, arguments.set, name))
             if arguments.graphs

@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, SceneGraph, ValidationError
+from urbanverse_mjx.datatypes.ground import PAINT_KINDS
 from urbanverse_mjx.datatypes.validation import write_json
 from urbanverse_mjx.pipeline.banks import join_banks
 from urbanverse_mjx.pipeline.library import building
@@ -123,6 +125,33 @@ def test_a_layout_has_the_committed_hash() -> None:
     known = library.shipped_hashes("autobench")[cousin.layout.id]
     assert cousin.layout.content_hash() == known["layout"]
     assert len(cousin.layout.objects) > 0.9 * len(graph_of(autobench, layout).objects)
+
+
+def test_committed_hashes_belong_to_the_committed_graphs() -> None:
+    for name in ("urbanverse160", "autobench"):
+        scenes, known = library.scene_set(name), library.shipped_hashes(name)
+        graphs = {layout: graph_of(scenes, layout) for layout in layouts_of(scenes)}
+        assert {layout: graph.id for layout, graph in graphs.items()} == {layout: layout for layout in graphs}
+        assert {scene: row["graph"] for scene, row in known.items()} == {
+            scenes.scene_id(layout, k): graph.content_hash()
+            for layout, graph in graphs.items()
+            for k in range(scenes.cousins)
+        }
+        assert all(set(row) == {"graph", "layout", "scene"} for row in known.values())
+        # No two cousins are alike.
+        assert len({row["layout"] for row in known.values()}) == len(known)
+
+
+def test_ground_of_urbanverse160_has_straight_borders_and_no_holes() -> None:
+    """Outlines that follow cells have more than 1,300 corners a street."""
+    scenes = library.scene_set("urbanverse160")
+    for layout in layouts_of(scenes):
+        regions = [r for r in graph_of(scenes, layout).ground if r.kind not in PAINT_KINDS]
+        assert sum(len(r.polygon) for r in regions) < 600, layout
+        # Touching regions share corners in whole millimetres; what they leave open is a hole.
+        whole = shapely.union_all([shapely.Polygon(r.polygon) for r in regions]).buffer(0.03).buffer(-0.03)
+        assert isinstance(whole, shapely.Polygon), layout
+        assert sum(shapely.Polygon(ring).area for ring in whole.interiors) < 1.0, layout
 
 
 def test_a_record_of_another_format_counts_as_not_built(
