@@ -43,6 +43,7 @@ def _paper() -> ConfigDict:
                 "camera_angle": 0.0,
                 "camera_fovy": 0.0,
                 "clutter": 0,
+                "starts": 0.0,
             },
             # clean, static or dynamic, UrbanSim's scenario types (see scenarios.py); `crowd` is for dynamic alone.
             "scenario": "static",

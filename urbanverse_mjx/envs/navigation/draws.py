@@ -17,6 +17,7 @@ OFF = {
     "camera_angle": 0.0,
     "camera_fovy": 0.0,
     "clutter": 0,
+    "starts": 0.0,
 }
 #: Numbers that a key is folded with, so that these draws do not change any others.
 _FRICTION, _MASS, _APPEARANCE = 101, 102, 103
@@ -33,6 +34,7 @@ class Randomization:
       it is turned about each of its axes; camera_fovy: share by which its field of view is wider or narrower. All
       uniform, the same for a whole episode, as if every episode had a robot of its own.
     * clutter: number of movable objects beside the route, see `clutter.Clutter`.
+    * starts: share of the episodes that begin somewhere along the route or beside it, see `starts.RandomStarts`.
 
     Raises:
       ValidationError: a range that is not (least, greatest) above 0, a share outside [0, 1), or a negative distance or
@@ -58,6 +60,12 @@ class Randomization:
                     f"config.randomization.camera_{name}: found {value}, needed 0 (off) to below {limit:g}."
                 )
         self.varies_camera = any(self._camera)
+        #: Share of episodes with a start drawn anew.
+        self.starts = float(config.get("starts", 0.0))
+        if not 0.0 <= self.starts <= 1.0:
+            raise ValidationError(
+                f"config.randomization.starts: found {self.starts}, needed a share from 0 (off) to 1."
+            )
         self._friction, self._mass = tuple(config.friction_scale), tuple(config.mass_scale)
         self.varies_appearance = config.appearance > 0.0
 

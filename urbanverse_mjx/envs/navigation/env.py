@@ -22,6 +22,7 @@ from .learnability import Learnability
 from .movables import MOVABLE_METRICS, Movables
 from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
+from .starts import RandomStarts
 from .surroundings import Surroundings
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
@@ -107,6 +108,8 @@ class NavEnv(StagedBase[NavState]):
         self._walkable = open_ground.pack(map(traversable, bank.map_kind), bank.map_origin)
         self._map_resolution = float(bank.map_resolution)
         self._surroundings = Surroundings(bank, robot.planner_height)
+        share = self._randomization.starts
+        self._starts = RandomStarts(share, self._surroundings, robot) if share else None
         #: The crowd of the scenario dynamic; None in the others.
         self.dynamic: DynamicStreet | None = None
         if scenario_of(config) == "dynamic":
@@ -157,9 +160,12 @@ class NavEnv(StagedBase[NavState]):
         start = self._episodes["episode_start"][scene, row]
         goal = self._episodes["episode_goal"][scene, row]
         waypoints = self._episodes["episode_waypoints"][scene, row]
+        num_waypoints = self._episodes["episode_num_waypoints"][scene, row]
+        key = typed_key(key)
+        if self._starts is not None:
+            start, waypoints, num_waypoints = self._starts.draw(key, scene, start, waypoints, num_waypoints)
         place = jnp.stack([start[0], start[1], start[2] + self.robot.spawn_height])
         pose = jnp.concatenate([place, rotations.from_yaw(start[3])])
-        key = typed_key(key)
         objects = None if self.movables is None else self.movables.near(scene, start[:3], waypoints)
         if self.clutter is not None:
             objects = self.clutter.choose(key, scene, start[:3], waypoints)
@@ -177,7 +183,7 @@ class NavEnv(StagedBase[NavState]):
             start=start[:3],
             goal=goal,
             waypoints=waypoints,
-            num_waypoints=self._episodes["episode_num_waypoints"][scene, row],
+            num_waypoints=num_waypoints,
             waypoint=jnp.int32(0),
             route_length=terms.route_length(start[:3], waypoints),
             route_done=zero,

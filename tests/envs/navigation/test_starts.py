@@ -1,0 +1,88 @@
+"""Starts along the route: free, with the rest of the route, as often as asked for, and the table's where off."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.envs import NavState, default_config
+from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
+from urbanverse_mjx.envs.navigation.draws import Randomization
+from urbanverse_mjx.envs.navigation.starts import ASIDE, END_MARGIN, LEFT
+from urbanverse_mjx.robots import make_coco
+
+NUMBER = 300
+
+
+def begun(bank: SceneBank, share: float, seed: int = 0) -> tuple[NavState, np.ndarray, np.ndarray]:
+    """First states of NUMBER episodes, and their scenes and rows."""
+    env = unicycle_env(bank, {"randomization.starts": share})
+    scenes = np.arange(NUMBER) % bank.num_scenes
+    rows = (np.arange(NUMBER) * 7) % bank.num_episodes[scenes]
+    keys = jax.random.split(jax.random.key(seed), NUMBER)
+    nav = jax.jit(jax.vmap(env.begin_at))(keys, jnp.asarray(scenes), jnp.asarray(rows))
+    return nav, scenes, rows
+
+
+def test_off_keeps_the_table_s_starts(small_bank: SceneBank) -> None:
+    nav, scenes, rows = begun(small_bank, 0.0)
+    np.testing.assert_array_equal(nav.start, small_bank.episode_start[scenes, rows, :3])
+    np.testing.assert_array_equal(nav.waypoints, small_bank.episode_waypoints[scenes, rows])
+    np.testing.assert_array_equal(nav.num_waypoints, small_bank.episode_num_waypoints[scenes, rows])
+
+
+def test_starts_are_free_and_keep_the_rest_of_the_route(small_bank: SceneBank) -> None:
+    """Judged on maps of 5 cm, which the class does not use."""
+    bank, robot = small_bank, make_coco()
+    nav, scenes, rows = begun(bank, 1.0)
+    moved = (np.asarray(nav.start) != bank.episode_start[scenes, rows, :3]).any(-1)
+    assert moved.mean() > 0.7
+    maps = build_clearance_maps(bank, range(bank.num_scenes), robot.planner_height)
+    first = bank.episode_start[scenes, rows]
+    off_route, on_edge = [], 0
+    for e in np.flatnonzero(moved):
+        z, table = scenes[e], bank.episode_waypoints[scenes[e], rows[e]]
+        start, waypoints, count = np.asarray(nav.start[e]), np.asarray(nav.waypoints[e]), int(nav.num_waypoints[e])
+        cell = tuple(np.floor((start[:2] - maps.origin[z]) / 0.05).astype(int))
+        # Half a cell of 0.05 m; these maps end at 1 m.
+        assert maps.to_hull[z][cell] >= min(robot.planner_radius + END_MARGIN - 0.05, 0.95)
+        on_edge += bool(maps.to_edge[z][cell] < min(robot.planner_radius + END_MARGIN - 0.05, 0.95))
+        passed = int(bank.episode_num_waypoints[z, rows[e]]) - count
+        np.testing.assert_array_equal(waypoints[:count], table[passed : passed + count])
+        assert (waypoints[count:] == waypoints[count - 1]).all(), "the goal repeats"
+        np.testing.assert_array_equal(waypoints[count - 1], nav.goal[e])
+        # The piece of the route it stands beside ends at the first waypoint that is left.
+        begin = first[e, :3] if passed == 0 else table[passed - 1]
+        span = table[passed] - begin
+        share = (start - begin)[:2] @ span[:2] / (span[:2] @ span[:2])
+        assert -1e-3 <= share <= 1.0 + 1e-3
+        off_route.append(np.linalg.norm((start - begin)[:2] - share * span[:2]))
+        assert start[2] == pytest.approx(begin[2] + share * span[2], abs=1e-3)
+        left = np.linalg.norm(np.diff(np.concatenate([start[None], waypoints])[:, :2], axis=0), axis=1).sum()
+        assert left >= LEFT - 2 * ASIDE
+        assert float(nav.route_length[e]) == pytest.approx(left, rel=1e-4)
+    # Kerbs between two kinds of walkable ground, which only these maps hold.
+    assert on_edge <= 0.02 * moved.sum()
+    assert max(off_route) <= ASIDE + 1e-3
+    assert np.mean(off_route) > 0.2
+
+
+def test_the_share_and_the_heading_are_drawn(small_bank: SceneBank) -> None:
+    nav, scenes, rows = begun(small_bank, 0.5)
+    always, _, _ = begun(small_bank, 1.0)
+    moved = (np.asarray(nav.start) != small_bank.episode_start[scenes, rows, :3]).any(-1)
+    could = (np.asarray(always.start) != small_bank.episode_start[scenes, rows, :3]).any(-1)
+    assert moved.sum() / could.sum() == pytest.approx(0.5, abs=0.1)
+    assert not (moved & ~could).any()
+    w, z = np.asarray(always.sim.xquat)[could, -1, 0], np.asarray(always.sim.xquat)[could, -1, 3]
+    yaw = 2 * np.arctan2(z, w)
+    assert np.histogram(np.mod(yaw, 2 * np.pi), 4, (0, 2 * np.pi))[0].min() > 0.15 * could.sum()
+
+
+def test_a_share_above_one_is_refused() -> None:
+    config = default_config().randomization.copy_and_resolve_references()
+    config.starts = 1.5
+    with pytest.raises(ValidationError, match=r"randomization\.starts: found 1\.5"):
+        Randomization(config)

@@ -1,0 +1,79 @@
+"""Starts along the route of an episode and beside it, with any heading, so that a table of episodes has no end.
+
+In:   a row of an episode table.
+Out:  another start, and the rest of the route from there.
+When: at reset, inside jit, per env.
+
+The distances looked up hold no kerbs between two kinds of walkable ground: in the tests' streets one start in 200
+stands beside or on one.
+"""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int, Key
+
+from ...datatypes import RobotSpec
+from .surroundings import CELL, Surroundings
+
+#: m of the route that are left at least, and m beside the route at most.
+LEFT, ASIDE = 8.0, 2.0
+#: m that stay free around the robot besides its radius, as at the starts of the tables.
+END_MARGIN = 0.15
+#: Starts drawn for an episode; where none is free the table's stays. Points of the way to the next waypoint that are
+#: checked.
+TRIES, POINTS = 16, 12
+#: Folded into an env's key, so that no other draw changes.
+_START = 108
+
+
+class RandomStarts:
+    """Draws starts.
+
+    Args:
+      share: of the episodes that begin so, in (0, 1]. surroundings: distances in the streets. robot: that drives there.
+    """
+
+    def __init__(self, share: float, surroundings: Surroundings, robot: RobotSpec) -> None:
+        self._share, self._surroundings = share, surroundings
+        self._radius = float(robot.planner_radius)
+
+    def draw(
+        self,
+        key: Key[Array, ""],
+        scene: Int[Array, ""],
+        start: Float[Array, "4"],
+        waypoints: Float[Array, "W 3"],
+        count: Int[Array, ""],
+    ) -> tuple[Float[Array, "4"], Float[Array, "W 3"], Int[Array, ""]]:
+        """Start (x, y, z, yaw), waypoints and their number of an episode from that row; the row's own where it is not
+        to change or no place is free. The key is typed and not used up."""
+        keys = jax.random.split(jax.random.fold_in(key, _START), 4)
+        corners = jnp.concatenate([start[None, :3], waypoints])
+        span = jnp.diff(corners, axis=0)
+        length = jnp.linalg.norm(span[:, :2], axis=-1)
+        ends = jnp.cumsum(length)
+        along = jax.random.uniform(keys[0], (TRIES,)) * jnp.maximum(ends[-1] - LEFT, 0.0)
+        piece = jnp.minimum(jnp.searchsorted(ends, along, side="right"), count - 1)
+        part = (along - (ends - length)[piece]) / jnp.maximum(length[piece], 1e-6)
+        on_route = corners[piece] + part[:, None] * span[piece]
+        direction = span[piece, :2] / jnp.maximum(length[piece], 1e-6)[:, None]
+        aside = jax.random.uniform(keys[1], (TRIES, 1), minval=-ASIDE, maxval=ASIDE)
+        points = on_route[:, :2] + aside * jnp.stack([-direction[:, 1], direction[:, 0]], -1)
+        free = self._free(scene, points, waypoints[piece, :2])
+        chosen = jnp.argmax(free)
+        moved = free.any() & jax.random.bernoulli(keys[2], self._share)
+        yaw = jax.random.uniform(keys[3], minval=-np.pi, maxval=np.pi)
+        there = jnp.concatenate([points[chosen], on_route[chosen, 2:], yaw[None]])
+        passed = jnp.where(moved, piece[chosen], 0).astype(jnp.int32)
+        rest = waypoints[jnp.minimum(jnp.arange(len(waypoints)) + passed, count - 1)]
+        return jnp.where(moved, there, start), jnp.where(moved, rest, waypoints), count - passed
+
+    def _free(self, scene: Array, points: Float[Array, "T 2"], ahead: Float[Array, "T 2"]) -> Bool[Array, " T"]:
+        """Whether the robot may stand at points, and drive from there straight to the next waypoint."""
+        at = self._surroundings.distances(scene, points)
+        shares = jnp.linspace(0.0, 1.0, POINTS)[:, None, None]
+        between = self._surroundings.distances(scene, points + shares * (ahead - points))
+        # A looked-up distance is off by half a cell at most.
+        stands = (at >= self._radius + END_MARGIN + CELL / 2).all(-1)
+        return stands & (between >= self._radius).all((0, -1))
