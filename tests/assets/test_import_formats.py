@@ -176,7 +176,7 @@ def test_a_skinned_mesh_stands_in_its_rest_pose(suffix: str, tmp_path: pathlib.P
     """Two joints: one scales by 2 and moves by 10 along x, the other, its child, turns +x to +y. The mesh's own node
     does not count; a half-and-half vertex lies in the middle."""
     tree = Tree()
-    bind = np.tile(np.eye(4, dtype="<f4"), (2, 1, 1))
+    bind = np.tile(np.identity(4, dtype="<f4"), (2, 1, 1))
     bind[1, 3, :3] = [-1, 0, 0]  # by columns: a translation stands in the last four numbers
     weights = np.array([[1, 0, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0.5, 0.5, 0, 0]], "<f4")
     tree.primitive["attributes"] |= {

@@ -130,7 +130,7 @@ def test_images_are_those_of_the_rows_poses(recorded: tuple[pathlib.Path, dict[s
     assert len(colours) == 5 * STEPS
     for k in (0, 17, 31, 59):
         pose = np.array(rows["pose"][k], np.float32)
-        xpos, xquat = np.zeros((BODIES, 3), np.float32), np.tile(np.eye(4, dtype=np.float32)[0], (BODIES, 1))
+        xpos, xquat = np.zeros((BODIES, 3), np.float32), np.tile(np.identity(4, dtype=np.float32)[0], (BODIES, 1))
         xpos[1:], xquat[1:] = pose[:3], pose[3:]
         drawn = {name: np.asarray(x) for name, x in renderer(rows["scene_index"][k], xpos, xquat).items()}
         for sensor in ("depth", "semantic", "instance"):

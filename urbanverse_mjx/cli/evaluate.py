@@ -45,7 +45,6 @@ class EvaluateArgs:
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
     args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
-    from ..pipeline.banks import chosen_bank
     from ..pipeline.evaluation import SCRIPTED, evaluate_policy
     from ..pipeline.training_run import bank_of
     from ..training.policy import PolicySpec, latest_policy
@@ -64,7 +63,7 @@ def main(argv: Sequence[str]) -> int:
             f"policy: found {args.policy!r}, needed a policy or run folder, or one of {', '.join(SCRIPTED)}."
         )
     out = args.out or out
-    bank = bank_of(environment, args.quiet, preset) if args.bank is None else chosen_bank(args.bank)
+    bank = bank_of(environment, args.quiet, preset, args.bank)
     options = (args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic, args.env_name)
     summary = evaluate_policy(policy, bank, out, *options, preset=args.preset, env_overrides=args.env_overrides)
     if not args.quiet:

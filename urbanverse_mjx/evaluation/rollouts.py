@@ -93,6 +93,22 @@ class Trajectory:
     agents: AgentMotion | None
 
 
+def asked(name: str, agent: BatchAgent, obs: Any, shape: tuple[int, int]) -> np.ndarray:
+    """The actions of an agent outside JAX, of the shape (n, action_size), for a batch of observations.
+
+    Raises:
+      ValidationError: it answers with something else than finite ones of that shape.
+    """
+    action = np.asarray(agent(jax.tree.map(np.asarray, obs)))
+    finite = bool(np.isfinite(action).all())
+    if action.shape != shape or not finite:
+        with_nan = "" if finite else " with NaN"
+        raise ValidationError(
+            f"policy {name!r}: found actions of shape {action.shape}{with_nan}, needed finite ones of shape {shape}."
+        )
+    return action
+
+
 class Rollout:
     """Runs agents over the same episodes at the same time, `chunk` steps a call so that it can stop early.
 
@@ -162,13 +178,7 @@ class Rollout:
         if isinstance(agent, Beginning):
             agent.begin(len(episodes))
         for step in range(self.env.config.episode_length):
-            action = np.asarray(agent(jax.tree.map(np.asarray, observe(nav))))
-            if action.shape != (len(episodes), self.env.action_size) or not np.isfinite(action).all():
-                raise ValidationError(
-                    f"policy {name!r}: found actions of shape {action.shape}"
-                    f"{'' if np.isfinite(action).all() else ' with NaN'}, needed finite ones of shape "
-                    f"({len(episodes)}, {self.env.action_size})."
-                )
+            action = asked(name, agent, observe(nav), (len(episodes), self.env.action_size))
             seen.append(jax.tree.map(np.asarray, places(nav)))
             nav, tally = advance(nav, tally, jnp.asarray(action, jnp.float32))
             ended = int((np.asarray(nav.result) != 0).sum())

@@ -108,7 +108,6 @@ def _train(
     from ..datatypes import ValidationError
     from ..envs import NavEnv, registry
     from ..training.brax_compat import tables_as_arguments
-    from .banks import chosen_bank
     from .evaluation import evaluate_policy
 
     begin = time.monotonic()
@@ -126,7 +125,7 @@ def _train(
         raise ValidationError("--start-from: found it together with --resume, needed one of them.")
     tables_as_arguments()
     _say(f"run folder: {folder}", quiet)
-    bank = bank_of(name, quiet, config.get("preset")) if options.bank is None else chosen_bank(options.bank)
+    bank = bank_of(name, quiet, config.get("preset"), options.bank)
     env = registry.load(name, config=config, bank=bank)
     built = time.monotonic()
     if in_stages:
@@ -194,17 +193,23 @@ def _teach_and_imitate(
     return training.train(options.resume is not None, lambda text: _say(text, quiet))
 
 
-def bank_of(environment: str, quiet: bool = False, preset: str | None = None) -> "SceneBank":
-    """The bank that an environment is registered with; the package's own are built into the cache where they are
-    missing or wrong. The presets `quick` and `best` have more streets than the shipped ones.
+def bank_of(
+    environment: str, quiet: bool = False, preset: str | None = None, path: pathlib.Path | None = None
+) -> "SceneBank":
+    """The bank of the file `path`, or without one that which an environment is registered with.
+
+    The package's own are built into the cache where they are missing or wrong. The presets `quick` and `best` have more
+    streets than the shipped ones.
 
     Raises:
-      ValidationError: no environment has this name, or its own loader refuses.
+      ValidationError: no such file, no environment has this name, or its own loader refuses.
     """
     from ..envs import registry
-    from .banks import ensure_default_bank, ensure_terrain_bank
+    from .banks import chosen_bank, ensure_default_bank, ensure_terrain_bank
     from .quick_bank import ensure_quick_bank
 
+    if path is not None:
+        return chosen_bank(path)
     load = registry.bank_loader(environment)
     if load is registry.load_default_bank:
         return ensure_quick_bank(quiet) if preset in ("quick", "best") else ensure_default_bank(quiet=quiet)

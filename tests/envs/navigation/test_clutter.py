@@ -13,7 +13,7 @@ from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.heights import GroundHeights
 from urbanverse_mjx.envs.navigation import terms
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
-from urbanverse_mjx.envs.navigation.clutter import FREE_ENDS, GAP, MARGIN, TAKEN_FROM, Clutter
+from urbanverse_mjx.envs.navigation.clutter import FREE_ENDS, GAP, GROUND_CELL, MARGIN, TAKEN_FROM, Clutter
 from urbanverse_mjx.envs.navigation.movables import body_sizes
 from urbanverse_mjx.envs.navigation.surroundings import Surroundings
 from urbanverse_mjx.robots import make_coco
@@ -60,7 +60,7 @@ def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, cl
     moved = np.linalg.norm(placed.position - home.position, axis=-1) > 1e-3
     assert moved.mean() > 0.3, "some streets are narrow, but not all"
     maps = build_clearance_maps(bank, range(bank.num_scenes), robot.planner_height)
-    heights = GroundHeights(bank)
+    heights, looked_up = GroundHeights(bank), GroundHeights(bank, GROUND_CELL)
     for e, (z, row) in enumerate(zip(*rows_of(bank), strict=True)):
         route = np.concatenate([bank.episode_start[z, row, None, :3], bank.episode_waypoints[z, row]])[:, :2]
         fine = np.concatenate([np.linspace(a, b, 80) for a, b in itertools.pairwise(route)])
@@ -81,10 +81,10 @@ def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, cl
             assert maps.to_edge[z][cell] >= min(r + GAP - 0.2, 0.95)
             assert all(np.linalg.norm(p - q) >= r + other + GAP - 1e-4 for q, other in places)
             places.append((p, r))
-            above = home.position[e, m, 2] - float(heights(z, jnp.asarray(home.position[e, m, :2])))
-            assert placed.position[e, m, 2] - float(heights(z, jnp.asarray(p))) == pytest.approx(above, abs=0.02), (
-                "a kerb is 0.1 m"
-            )
+            # As high above the ground as before, exactly in the class's cells; a kerb between cells is 0.1 m.
+            for ground, error in ((looked_up, 1e-4), (heights, 0.02)):
+                above = home.position[e, m, 2] - float(ground(z, jnp.asarray(home.position[e, m, :2])))
+                assert placed.position[e, m, 2] - float(ground(z, jnp.asarray(p))) == pytest.approx(above, abs=error)
     still = home.object_index[~moved] >= -1
     np.testing.assert_array_equal(placed.quaternion[~moved][still], home.quaternion[~moved][still])
 

@@ -126,17 +126,12 @@ class Clutter:
 
     def _candidates(self, key: Key[Array, ""], corners: Float[Array, "W 2"], radius: Array) -> Float[Array, "T 2"]:
         """Points beside the route, uniform along it and across the strip that clutter may stand in, on both sides."""
-        span = jnp.diff(corners, axis=0)
-        length = jnp.linalg.norm(span, axis=-1)
-        ends = jnp.cumsum(length)
         key_along, key_across, key_side = jax.random.split(key, 3)
-        along = jax.random.uniform(key_along, (TRIES,)) * ends[-1]
-        piece = jnp.minimum(jnp.searchsorted(ends, along, side="right"), len(span) - 1)
-        direction = span[piece] / jnp.maximum(length[piece], 1e-6)[:, None]
-        base = corners[piece] + (along - (ends - length)[piece])[:, None] * direction
+        whole = jnp.linalg.norm(jnp.diff(corners, axis=0), axis=-1).sum()
+        along = jax.random.uniform(key_along, (TRIES,)) * whole
         side = jnp.where(jax.random.bernoulli(key_side, shape=(TRIES,)), 1.0, -1.0)
         across = side * (self._width + radius + SPREAD * jax.random.uniform(key_across, (TRIES,)))
-        return base + across[:, None] * jnp.stack([-direction[:, 1], direction[:, 0]], -1)
+        return terms.beside_route(corners, along, across)[0]
 
     def _free(
         self, scene: Array, points: Float[Array, "T 2"], radius: Array, corners: Array, ends: Array

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Key
 
 from ...datatypes import RobotSpec
+from . import terms
 from .surroundings import CELL, Surroundings
 
 #: m of the route that are left at least, and m beside the route at most.
@@ -50,22 +51,16 @@ class RandomStarts:
         to change or no place is free. The key is typed and not used up."""
         keys = jax.random.split(jax.random.fold_in(key, _START), 4)
         corners = jnp.concatenate([start[None, :3], waypoints])
-        span = jnp.diff(corners, axis=0)
-        length = jnp.linalg.norm(span[:, :2], axis=-1)
-        ends = jnp.cumsum(length)
-        along = jax.random.uniform(keys[0], (TRIES,)) * jnp.maximum(ends[-1] - LEFT, 0.0)
-        piece = jnp.minimum(jnp.searchsorted(ends, along, side="right"), count - 1)
-        part = (along - (ends - length)[piece]) / jnp.maximum(length[piece], 1e-6)
-        on_route = corners[piece] + part[:, None] * span[piece]
-        direction = span[piece, :2] / jnp.maximum(length[piece], 1e-6)[:, None]
-        aside = jax.random.uniform(keys[1], (TRIES, 1), minval=-ASIDE, maxval=ASIDE)
-        points = on_route[:, :2] + aside * jnp.stack([-direction[:, 1], direction[:, 0]], -1)
-        free = self._free(scene, points, waypoints[piece, :2])
+        length = terms.route_length(start[:3], waypoints)
+        along = jax.random.uniform(keys[0], (TRIES,)) * jnp.maximum(length - LEFT, 0.0)
+        aside = jax.random.uniform(keys[1], (TRIES,), minval=-ASIDE, maxval=ASIDE)
+        points, piece = terms.beside_route(corners, along, aside)
+        free = self._free(scene, points[:, :2], waypoints[piece, :2])
         chosen = jnp.argmax(free)
         moved = free.any() & jax.random.bernoulli(keys[2], self._share)
         yaw = jax.random.uniform(keys[3], minval=-np.pi, maxval=np.pi)
-        there = jnp.concatenate([points[chosen], on_route[chosen, 2:], yaw[None]])
-        passed = jnp.where(moved, piece[chosen], 0).astype(jnp.int32)
+        there = jnp.concatenate([points[chosen], yaw[None]])
+        passed = jnp.where(moved, piece[chosen], 0)
         rest = waypoints[jnp.minimum(jnp.arange(len(waypoints)) + passed, count - 1)]
         return jnp.where(moved, there, start), jnp.where(moved, rest, waypoints), count - passed
 

@@ -38,6 +38,24 @@ def distance_to_route(points: Float[Array, "*n 2"], corners: Float[Array, "W 2"]
     return jnp.linalg.norm(away - jnp.clip(share, 0.0, 1.0)[..., None] * span, axis=-1).min(-1)
 
 
+def beside_route(
+    corners: Float[Array, "W D"], along: Float[Array, " T"], aside: Float[Array, " T"]
+) -> tuple[Float[Array, "T D"], Int[Array, " T"]]:
+    """Points (T, D) m beside the line through corners (W, D), D 2 or 3, and (T,) i32 the piece each stands beside.
+
+    Args:
+      along: m of arc length on the ground plane. aside: m to the left; the height is that of the line.
+    """
+    span = jnp.diff(corners, axis=0)
+    length = jnp.linalg.norm(span[:, :2], axis=-1)
+    ends = jnp.cumsum(length)
+    piece = jnp.minimum(jnp.searchsorted(ends, along, side="right"), len(span) - 1).astype(jnp.int32)
+    direction = span[piece] / jnp.maximum(length[piece], 1e-6)[:, None]
+    points = corners[piece] + (along - (ends - length)[piece])[:, None] * direction
+    left = jnp.stack([-direction[:, 1], direction[:, 0]], -1)
+    return points.at[:, :2].add(aside[:, None] * left), piece
+
+
 def route_length(start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Float[Array, ""]:
     """Length (m) of the polyline start (3,), waypoints (W, 3); repeated waypoints add no length."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])

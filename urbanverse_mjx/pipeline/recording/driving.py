@@ -15,7 +15,7 @@ import numpy as np
 from ...datatypes import RESULTS, SceneBank
 from ...datatypes import validation as v
 from ...evaluation.agents import Beginning, Recurrent, answer, told
-from ...evaluation.rollouts import EpisodeSet
+from ...evaluation.rollouts import EpisodeSet, asked
 
 if TYPE_CHECKING:
     from ...envs import NavState
@@ -141,12 +141,8 @@ class BatchDrive:
             agent.begin(number)
         while bool((np.asarray(nav.result) == 0).any()):
             obs = self._observe(nav)
-            action = np.asarray(agent(jax.tree.map(np.asarray, obs)), np.float32)
-            if action.shape != (number, self._env.action_size) or not np.isfinite(action).all():
-                found = f"actions of shape {action.shape}" + ("" if np.isfinite(action).all() else " with NaN")
-                wanted = f"finite ones of shape ({number}, {self._env.action_size})"
-                raise v.fail(f"policy {self._driver.name!r}", found, wanted)
-            nav, steps = self._step(nav, obs, jnp.asarray(action))
+            action = asked(self._driver.name, agent, obs, (number, self._env.action_size))
+            nav, steps = self._step(nav, obs, jnp.asarray(action, jnp.float32))
             yield jax.tree.map(lambda x: np.asarray(x)[None], steps)
 
     def _scan(self, nav: "NavState", memory: Any, keys: jax.Array, known: Any) -> Any:
