@@ -206,10 +206,10 @@ class StudentTraining:
         self.imitation.teacher_params = self.ppo.teacher_params = actor
 
     def run(self) -> dict[str, Any]:
-        """The parameters of each stage, by its name. A stage of no seconds is left out."""
+        """The parameters of each stage, by its name; those it began with where no stage has seconds."""
         args = self.args
         start = best = self.start()
-        made = {} if start is None else {"start": start}
+        made: dict[str, Any] = {}
         if args.seconds > 0:
             self.imitation.compile()
             self.log(compiled="imitation")
@@ -227,7 +227,7 @@ class StudentTraining:
             state = self.ppo.begin(best)
             iterations = args.finetune_steps or 100_000
             made["finetuned"] = self.stage("finetune", self.ppo, state, args.finetune_seconds, iterations)
-        return made
+        return made or {"start": start}
 
 
 def arguments() -> argparse.Namespace:
