@@ -25,7 +25,7 @@ from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 from urbanverse_mjx.pipeline import drivers
 from urbanverse_mjx.pipeline.recording import cameras, driving
 from urbanverse_mjx.pipeline.recording.cameras import FRONT, numbered
-from urbanverse_mjx.pipeline.recording.driving import BatchDrive, drawn_episodes
+from urbanverse_mjx.pipeline.recording.driving import BatchDrive, Driven, drawn_episodes
 from urbanverse_mjx.pipeline.recording.record import RecordOptions
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viewer.session import Driver, Machine
@@ -177,6 +177,51 @@ def test_only_successes_leaves_the_others_out(
     assert not (tmp_path / "none").exists()
 
 
+def driven(env: NavEnv, driver: Driver, episodes: EpisodeSet, num_envs: int) -> list[Driven]:
+    return [e for part in BatchDrive(Machine(env, driver)).run(episodes, num_envs) for e in part]
+
+
+class Counting:
+    """A policy that remembers how often it was asked."""
+
+    def first_memory(self) -> Any:
+        return jnp.float32(0.0)
+
+    def act(self, obs: Mapping[str, Any], memory: Any, key: Any) -> tuple[Any, Any]:
+        del obs, key
+        return jnp.stack([0.5 + 0.02 * memory, 0.3 * jnp.sin(memory)]), memory + 1.0
+
+
+class Informed:
+    """A policy that is told which episode it drives."""
+
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
+        """As wide as its episodes need, like the planner's fields."""
+        return np.pad(np.stack([scenes, rows % 10], axis=1) / 10.0, ((0, 0), (0, int(rows.max()) % 7)))
+
+    def act(self, nav: Any, known: Any) -> Any:
+        del nav
+        return jnp.asarray([0.5, 0.0]) + known[:2] * jnp.asarray([0.1, 0.4])
+
+
+@pytest.mark.parametrize("agent", [Counting(), Informed()], ids=["counting", "informed"])
+def test_an_env_that_begins_the_next_episode_drives_as_a_new_one(
+    small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch, agent: Any
+) -> None:
+    """Episodes of different lengths, two at a time and each alone: the same steps, in the same order."""
+    monkeypatch.setattr(driving, "_BLOCK", 4)
+    env = drawn_env(small_bank, {"episode_length": 45, "terminate_off_traversable": True})
+    episodes, driver = drawn_episodes(small_bank, np.arange(3), 7, 2), Driver("own", agent)
+    together, alone = driven(env, driver, episodes, 2), driven(env, driver, episodes, 1)
+    assert [(e.scene, e.row) for e in together] == list(zip(episodes.scenes, episodes.episodes, strict=True))
+    assert len({len(e.steps.running) for e in together}) > 2
+    assert all(e.steps.running.all() for e in together)
+    assert all((e.steps.result[:-1] == 0).all() and e.steps.result[-1] for e in together)
+    for a, b in zip(together, alone, strict=True):
+        assert (a.scene, a.row, a.seed, a.result) == (b.scene, b.row, b.seed, b.result)
+        jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)
+
+
 class Straight:
     """A policy outside JAX; counts the episodes that it is told of."""
 
@@ -192,9 +237,10 @@ class Straight:
 
 def test_a_policy_outside_jax_drives_as_one_inside(env: NavEnv) -> None:
     episodes, straight = drawn_episodes(env.bank, env.scenes, 3, 1), Straight()
-    inside = BatchDrive(Machine(env, Driver("go_to_goal", BASELINES["go_to_goal"]))).run(episodes)
-    outside = BatchDrive(Machine(env, Driver("own", straight, outside=True))).run(episodes)
-    assert straight.begun == 3
+    inside = driven(env, Driver("go_to_goal", BASELINES["go_to_goal"]), episodes, 2)
+    outside = driven(env, Driver("own", straight, outside=True), episodes, 2)
+    # Two together, then the third, in a batch of the same size.
+    assert straight.begun == 4
     for a, b in zip(inside, outside, strict=True):
         assert (a.scene, a.row, a.seed, a.result) == (b.scene, b.row, b.seed, b.result)
         jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)
@@ -202,9 +248,9 @@ def test_a_policy_outside_jax_drives_as_one_inside(env: NavEnv) -> None:
 
 @pytest.mark.parametrize("answer", [np.zeros((3, 1)), np.full((3, 2), np.nan)])
 def test_wrong_actions_are_refused(env: NavEnv, answer: np.ndarray) -> None:
-    drive = BatchDrive(Machine(env, Driver("own", lambda obs: answer, outside=True)))
+    driver, episodes = Driver("own", lambda obs: answer, outside=True), drawn_episodes(env.bank, env.scenes, 3, 0)
     with pytest.raises(ValidationError, match=r"policy 'own': found actions of shape .* needed finite ones of shape"):
-        drive.run(drawn_episodes(env.bank, env.scenes, 3, 0))
+        driven(env, driver, episodes, 3)
 
 
 def test_episodes_differ_and_a_smaller_number_gives_the_first_ones(small_bank: SceneBank) -> None:
@@ -287,21 +333,3 @@ def test_an_unsound_dataset_is_exit_status_one(capsys: pytest.CaptureFixture[str
     said = capsys.readouterr()
     assert "meta/tasks.parquet" in said.err
     assert not json.loads(said.out)["sound"]
-
-
-def test_a_program_is_compiled_once_for_all_batches(
-    env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The last, smaller batch is filled up."""
-    use(env, monkeypatch)
-    sizes: list[int] = []
-    run = driving.BatchDrive.run
-
-    def counted(self: BatchDrive, episodes: EpisodeSet) -> Any:
-        sizes.append(len(episodes))
-        return run(self, episodes)
-
-    monkeypatch.setattr(driving.BatchDrive, "run", counted)
-    said = pipeline.record(tmp_path / "new", dataclasses.replace(OPTIONS, sensors=(), num_envs=4))
-    assert sizes == [4, 4]
-    assert said["episodes"] == 5

@@ -105,7 +105,7 @@ class Camera:
             bodies=env.num_bodies,
         )
         self._draw = jax.jit(jax.vmap(renderer.__call__))
-        self._batch = 64 if jax.default_backend() == "cpu" else 512
+        self._batch = 32 if jax.default_backend() == "cpu" else 512
 
     def _frames(self, episodes: Sequence[Driven]) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
         """(episode, outputs) of every step, in their order; batches have one size, so that one program draws all."""

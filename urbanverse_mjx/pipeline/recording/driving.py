@@ -14,7 +14,7 @@ import numpy as np
 
 from ...datatypes import RESULTS, SceneBank
 from ...datatypes import validation as v
-from ...evaluation.agents import Beginning, Recurrent, answer, told
+from ...evaluation.agents import Beginning, Privileged, Recurrent, answer, told
 from ...evaluation.rollouts import EpisodeSet, asked
 
 if TYPE_CHECKING:
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 #: Steps in one compiled call.
 _CHUNK = 20
+#: Episodes of which a privileged policy is told together: its data (the planner's are 0.6 MB an episode) have one
+#: shape for those, and the program is compiled for it.
+_BLOCK = 256
 
 
 class Steps(NamedTuple):
@@ -33,7 +36,7 @@ class Steps(NamedTuple):
       action: (A,) as applied. reward: of the step. result: () i32 after the step, see `Result`.
       hit: bool, the robot touched something during the step. xpos (nbody, 3), xquat (nbody, 4), agents, bodies,
         appearance_seed: what the renderer takes.
-      route_done: () m after the step.
+      route_share: () share of the route done after the step.
     """
 
     running: Any
@@ -48,7 +51,16 @@ class Steps(NamedTuple):
     agents: Any
     bodies: Any
     appearance_seed: Any
-    route_done: Any
+    route_share: Any
+
+
+class _State(NamedTuple):
+    """What is carried from step to step, leading axis of envs; known: of a `Privileged` policy."""
+
+    nav: Any
+    memory: Any
+    keys: jax.Array
+    known: Any
 
 
 @dataclasses.dataclass(frozen=True)
@@ -90,8 +102,50 @@ def drawn_episodes(bank: SceneBank, scenes: np.ndarray, count: int, seed: int) -
     return EpisodeSet(np.tile(scenes, per_scene)[:count].astype(np.int32), rows, seed, seeds)
 
 
+class _Slots:
+    """Which episode each env drives, its steps so far, and ended episodes that wait for earlier ones.
+
+    Args:
+      count: of episodes. envs: as many or fewer.
+    """
+
+    def __init__(self, count: int, envs: int) -> None:
+        self.episode = np.arange(envs)
+        self.parts: list[list[Steps]] = [[] for _ in range(envs)]
+        self.ended: dict[int, Steps] = {}
+        self._count, self._next, self._given = count, envs, 0
+
+    @property
+    def idle(self) -> np.ndarray:
+        """(envs,) bool: whose episode has ended."""
+        return self.episode < 0
+
+    def take(self, steps: Steps) -> None:
+        """Adds steps (T, envs, ...) of all envs; those of an ended episode are left out."""
+        for env, episode in enumerate(self.episode.tolist()):
+            length = int(steps.running[:, env].sum())
+            if episode >= 0 and length:
+                self.parts[env].append(jax.tree.map(lambda x, env=env, length=length: x[:length, env], steps))
+            if episode >= 0 and self.parts[env][-1].result[-1] != 0:
+                self.ended[episode] = jax.tree.map(lambda *part: np.concatenate(part), *self.parts[env])
+                self.parts[env], self.episode[env] = [], -1
+
+    def in_order(self) -> Iterator[tuple[int, Steps]]:
+        """Ended episodes that follow those given before without a gap."""
+        while self._given in self.ended:
+            yield self._given, self.ended.pop(self._given)
+            self._given += 1
+
+    def refill(self) -> np.ndarray:
+        """Gives idle envs the next episodes; returns these envs."""
+        envs = np.flatnonzero(self.idle)[: self._count - self._next]
+        self.episode[envs] = self._next + np.arange(len(envs))
+        self._next += len(envs)
+        return envs
+
+
 class BatchDrive:
-    """Drives batches of episodes.
+    """Drives episodes side by side; an env whose episode ends begins the next one.
 
     Args:
       machine: the environment and its policy.
@@ -103,63 +157,91 @@ class BatchDrive:
         self._observe = jax.jit(jax.vmap(self._env.observe))
         self._step = jax.jit(jax.vmap(self._advance))
         self._chunk = jax.jit(self._scan)
+        self._replace = jax.jit(_replaced)
 
-    def run(self, episodes: EpisodeSet) -> list[Driven]:
-        """Drives episodes together until all have ended."""
-        nav = self._begin(episodes.keys(), jnp.asarray(episodes.scenes), jnp.asarray(episodes.episodes))
-        route = np.asarray(nav.route_length)
-        parts = list(self._outside(nav) if self._driver.outside else self._inside(nav, episodes))
-        steps = jax.tree.map(lambda *part: np.concatenate(part), *parts)
-        return [self._driven(steps, episodes, i, float(route[i])) for i in range(len(episodes))]
+    def run(self, episodes: EpisodeSet, num_envs: int) -> Iterator[list[Driven]]:
+        """Drives every episode once, `num_envs` at a time.
 
-    def _driven(self, steps: Steps, episodes: EpisodeSet, i: int, route: float) -> Driven:
-        length = int(steps.running[:, i].sum())
-        own = jax.tree.map(lambda x: x[:length, i], steps)
+        Yields:
+          ended episodes in their order, as soon as those before them have ended.
+
+        Raises:
+          ValidationError: a policy outside JAX answers with something else than finite actions (num_envs, A).
+        """
+        size = _BLOCK if isinstance(self._driver.agent, Privileged) else len(episodes)
+        for start in range(0, len(episodes), size):
+            block = episodes.part(np.arange(start, min(start + size, len(episodes))))
+            yield from self._run_block(block, min(num_envs, len(block)))
+
+    def _run_block(self, episodes: EpisodeSet, num_envs: int) -> Iterator[list[Driven]]:
+        agent: Any = self._driver.agent
+        known = () if self._driver.outside else told(agent, episodes.scenes, episodes.episodes)
+        known = jax.tree.map(np.asarray, known)
+        slots = _Slots(len(episodes), num_envs)
+        state = self._started(episodes, known, slots.episode)
+        while not slots.idle.all():
+            state, steps = self._outside(state) if self._driver.outside else self._inside(state)
+            slots.take(steps)
+            if done := [self._driven(steps, episodes, i) for i, steps in slots.in_order()]:
+                yield done
+            # A policy outside JAX is told only that all its episodes begin.
+            if (not self._driver.outside or slots.idle.all()) and len(envs := slots.refill()):
+                fresh = self._started(episodes, known, np.maximum(slots.episode, 0))
+                state = self._replace(np.isin(np.arange(num_envs), envs), fresh, state)
+
+    def _started(self, episodes: EpisodeSet, known: Any, rows: np.ndarray) -> "_State":
+        """First states of the episodes `rows`, one for each env."""
+        agent: Any = self._driver.agent
+        episodes = episodes.part(rows)
+        if self._driver.outside and isinstance(agent, Beginning):
+            agent.begin(len(rows))
+        memory = agent.first_memory() if isinstance(agent, Recurrent) and not self._driver.outside else ()
+        keys = episodes.keys()
+        return _State(
+            self._begin(keys, jnp.asarray(episodes.scenes), jnp.asarray(episodes.episodes)),
+            jax.tree.map(lambda x: jnp.broadcast_to(x, (len(rows), *x.shape)), memory),
+            keys,
+            jax.tree.map(lambda x: jnp.asarray(x[rows]), known),
+        )
+
+    def _driven(self, steps: Steps, episodes: EpisodeSet, i: int) -> Driven:
         assert episodes.seeds is not None
         return Driven(
             scene=int(episodes.scenes[i]),
             row=int(episodes.episodes[i]),
             seed=int(episodes.seeds[i]),
-            steps=own,
-            result=RESULTS[int(own.result[-1]) - 1],
-            route_completion=float(np.clip(own.route_done[-1] / max(route, 1e-6), 0.0, 1.0)),
+            steps=steps,
+            result=RESULTS[int(steps.result[-1]) - 1],
+            route_completion=float(np.clip(steps.route_share[-1], 0.0, 1.0)),
         )
 
-    def _inside(self, nav: "NavState", episodes: EpisodeSet) -> Iterator[Steps]:
-        agent: Any = self._driver.agent
-        first = agent.first_memory() if isinstance(agent, Recurrent) else ()
-        memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (len(episodes), *x.shape)), first)
-        known, keys = told(agent, episodes.scenes, episodes.episodes), episodes.keys()
-        while bool((np.asarray(nav.result) == 0).any()):
-            (nav, memory, keys), steps = self._chunk(nav, memory, keys, known)
-            yield jax.tree.map(np.asarray, steps)
+    def _inside(self, state: "_State") -> tuple["_State", Steps]:
+        state, steps = self._chunk(state)
+        return state, jax.tree.map(np.asarray, steps)
 
-    def _outside(self, nav: "NavState") -> Iterator[Steps]:
+    def _outside(self, state: "_State") -> tuple["_State", Steps]:
         agent: Any = self._driver.agent
-        number = nav.result.shape[0]
-        if isinstance(agent, Beginning):
-            agent.begin(number)
-        while bool((np.asarray(nav.result) == 0).any()):
-            obs = self._observe(nav)
-            action = asked(self._driver.name, agent, obs, (number, self._env.action_size))
-            nav, steps = self._step(nav, obs, jnp.asarray(action, jnp.float32))
-            yield jax.tree.map(lambda x: np.asarray(x)[None], steps)
+        obs = self._observe(state.nav)
+        shape = (state.nav.result.shape[0], self._env.action_size)
+        action = asked(self._driver.name, agent, obs, shape)
+        nav, steps = self._step(state.nav, obs, jnp.asarray(action, jnp.float32))
+        return state._replace(nav=nav), jax.tree.map(lambda x: np.asarray(x)[None], steps)
 
-    def _scan(self, nav: "NavState", memory: Any, keys: jax.Array, known: Any) -> Any:
+    def _scan(self, state: "_State") -> tuple["_State", Steps]:
+        agent: Any = self._driver.agent
+
         def act(nav: "NavState", obs: Any, memory: Any, key: jax.Array, known: Any) -> tuple[Any, Any, jax.Array]:
             key, now = jax.random.split(key)
-            agent: Any = self._driver.agent
             action, memory = answer(agent, nav, obs, known, memory, now)
             return action, memory, key
 
-        def step(carry: Any, _: None) -> tuple[Any, Steps]:
-            nav, memory, keys = carry
-            obs = jax.vmap(self._env.observe)(nav)
-            action, memory, keys = jax.vmap(act)(nav, obs, memory, keys, known)
-            nav, steps = jax.vmap(self._advance)(nav, obs, action)
-            return (nav, memory, keys), steps
+        def step(state: _State, _: None) -> tuple[_State, Steps]:
+            obs = jax.vmap(self._env.observe)(state.nav)
+            action, memory, keys = jax.vmap(act)(state.nav, obs, state.memory, state.keys, state.known)
+            nav, steps = jax.vmap(self._advance)(state.nav, obs, action)
+            return _State(nav, memory, keys, state.known), steps
 
-        return jax.lax.scan(step, (nav, memory, keys), None, length=_CHUNK)
+        return jax.lax.scan(step, state, None, length=_CHUNK)
 
     def _advance(self, nav: "NavState", obs: Any, action: jax.Array) -> tuple["NavState", Steps]:
         """One env one step on; an ended episode stands still as it ended."""
@@ -179,6 +261,11 @@ class BatchDrive:
             agents=env.agents_of(nav),
             bodies=nav.sim.bodies,
             appearance_seed=nav.appearance_seed,
-            route_done=new.route_done,
+            route_share=new.route_done / jnp.maximum(new.route_length, 1e-6),
         )
         return jax.tree.map(lambda a, b: jnp.where(running, a, b), new, nav), steps
+
+
+def _replaced(mask: jax.Array, new: _State, old: _State) -> _State:
+    """`new` in the envs of the mask (n,)."""
+    return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (jnp.ndim(b) - 1)), a, b), new, old)

@@ -13,11 +13,15 @@ from ...datatypes import RESULTS
 from ...datatypes import validation as v
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ...datasets import Episode, Feature
     from ...datasets.statistics import Stats
     from ...envs import NavEnv
     from .driving import Driven
 
+#: Frames that are waited for before they are drawn.
+_FILMED = 256
 TASK = "drive to the goal over the pavement without touching anything"
 
 
@@ -88,16 +92,13 @@ def record(out: str | os.PathLike[str], options: RecordOptions | None = None) ->
         began = time.perf_counter()
         report = progress.task("recording", options.num_episodes, unit="episodes")
         camera, driver = Camera(env, *options.size, sensors), BatchDrive(drive)
-        for start in range(0, options.num_episodes, options.num_envs):
-            rows = np.arange(start, min(start + options.num_envs, options.num_episodes))
-            # The last batch is filled up, so that the program compiled for the others serves it, too.
-            filled = np.resize(rows, min(options.num_envs, options.num_episodes))
-            driven = driver.run(episodes.part(filled))[: len(rows)]
-            results.update(episode.result for episode in driven)
-            kept = [e for e in driven if e.result == "goal" or not options.only_successes]
-            for done, filmed in enumerate(camera.film(kept) if kept else (), 1):
+        for group in _filmable(driver.run(episodes, options.num_envs)):
+            results.update(episode.result for episode in group)
+            kept = [e for e in group if e.result == "goal" or not options.only_successes]
+            for filmed in camera.film(kept) if kept else ():
                 writer.add(_episode(env, *filmed))
-                report(start + len(rows) - len(kept) + done, note=f"{writer.num_frames:,} frames")
+                report(writer.num_episodes, note=f"{writer.num_frames:,} frames")
+            report(results.total())
         seconds = time.perf_counter() - began
     if not writer.num_episodes:
         raise v.fail("--only-successes", f"none among {options.num_episodes} episodes", "one", "drive more")
@@ -108,6 +109,18 @@ def record(out: str | os.PathLike[str], options: RecordOptions | None = None) ->
         "results": {name: results[name] for name in RESULTS if results[name]},
         "seconds": round(seconds, 1),
     }
+
+
+def _filmable(ended: "Iterator[list[Driven]]") -> "Iterator[list[Driven]]":
+    """The same episodes in groups that fill the batches of the camera."""
+    group: list[Driven] = []
+    for episodes in ended:
+        group += episodes
+        if sum(len(e.steps.running) for e in group) >= _FILMED:
+            yield group
+            group = []
+    if group:
+        yield group
 
 
 def _checked(options: RecordOptions) -> tuple[str, ...]:
