@@ -175,8 +175,8 @@ def _bank_path(prefix: str, scenes: Any) -> pathlib.Path:
     """A file in the cache named by everything that a bank is made of: a stale bank is never found.
 
     Args:
-      prefix: beginning of the name. scenes: JSON value with the graphs, by the digests of their files, and their
-        options.
+      prefix: beginning of the name.
+      scenes: JSON value with the graphs, by the digests of their files, and their options.
     """
     libraries = {name: _version(name) for name in _BANK_LIBRARIES}
     parts = {"scenes": scenes, "code": versions.of("bank"), "libraries": libraries, "assets": assets_digest()}

@@ -24,7 +24,8 @@ def work_folder(prefix: str, parent: pathlib.Path | None = None) -> Iterator[pat
     """A new folder that is removed when the block ends, and by the next call of the same prefix where it was killed.
 
     Args:
-      prefix: of the folder's name. parent: where it lies; None for the system's place for temporary files.
+      prefix: of the folder's name.
+      parent: where it lies; None for the system's place for temporary files.
     """
     parent = pathlib.Path(tempfile.gettempdir()) if parent is None else parent
     parent.mkdir(parents=True, exist_ok=True)

@@ -42,8 +42,10 @@ class Drive:
     Attributes:
       bank, robot: the scene is row `SCENE`.
       size: height and width of frames, None without.
-      timestep: s; substeps: per control step.
-      qpos: (n, nq) starts; ctrl: (T, n, nu) commands.
+      timestep: s.
+      substeps: per control step.
+      qpos: (n, nq) starts.
+      ctrl: (T, n, nu) commands.
     """
 
     bank: SceneBank

@@ -20,12 +20,17 @@ class Case:
 
     Attributes:
       bank: file; None = the shipped streets.
-      scenes: keep the first so many scenes; hulls: keep at most so many hulls a scene (`banks.with_hulls`).
+      scenes: keep the first so many scenes.
+      hulls: keep at most so many hulls a scene (`banks.with_hulls`).
       pixels: "HxW", or "none" for an environment without camera.
       substeps: physics steps per control step.
-      overrides: further env config, flat dotted keys; ppo: the same of the training config (measure "learn").
-      measure: of `MEASURES`; rivals: of `baselines.BASELINES`, measured beside the case.
-      steps: control steps in one timed run; repeats: timed runs; iterations: PPO iterations of "learn".
+      overrides: further env config, flat dotted keys.
+      ppo: the same of the training config (measure "learn").
+      measure: of `MEASURES`.
+      rivals: of `baselines.BASELINES`, measured beside the case.
+      steps: control steps in one timed run.
+      repeats: timed runs.
+      iterations: PPO iterations of "learn".
     """
 
     env: str = "CocoNav"

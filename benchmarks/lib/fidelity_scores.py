@@ -98,8 +98,10 @@ def score(
     """Scores aligned objects.
 
     Args:
-      found: of the graph. ground_truth: seen objects. others: the true objects that were hardly visible; detecting them
-        is neither right nor wrong. turnable: true id -> whether its heading is defined.
+      found: of the graph.
+      ground_truth: seen objects.
+      others: the true objects that were hardly visible; detecting them is neither right nor wrong.
+      turnable: true id -> whether its heading is defined.
     """
     found = [f for f in found if not _is_one_of(f, others, ground_truth)]
     a = np.array([t.center for t in found]).reshape(-1, 3)

@@ -22,8 +22,11 @@ class Published:
     """A published figure.
 
     Attributes:
-      what: quantity and unit. theirs: as published. whose: robot, engine, device. source: of the figure. ours: this
-        benchmark's result; None where it was not tried.
+      what: quantity and unit.
+      theirs: as published.
+      whose: robot, engine, device.
+      source: of the figure.
+      ours: this benchmark's result; None where it was not tried.
     """
 
     what: str
@@ -96,7 +99,9 @@ def goals_table(found: Found, at_most: dict[str, float], kerbs: dict[float, floa
 
     Args:
       found: of `go2_gait.judge_all`.
-      at_most: field of the level ground -> goal; kerbs: height (m) -> goal (%); push, ramp: goals (%).
+      at_most: field of the level ground -> goal.
+      kerbs: height (m) -> goal (%).
+      push, ramp: goals (%).
     """
     flat, pushes = found["flat"], found["pushes"]
     rows = [(_LABELS.get(k, k), f"{at_most[k]:g}" if k in at_most else "", _number(flat[k])) for k in _LABELS]

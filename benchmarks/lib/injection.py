@@ -21,9 +21,10 @@ class Errors:
     Attributes:
       drift: share of the path by which it is too long, and as much again sideways from the turn below.
       turn: rad per m.
-      frame_depth: sigma of each frame's depth factor; pixel_depth: sigma of the field over the image, whose
-        features are about a tenth of the image wide.
-      recall, precision: of detections per frame. confusion: share of labels that are another label of the capture.
+      frame_depth: sigma of each frame's depth factor.
+      pixel_depth: sigma of the field over the image, whose features are about a tenth of the image wide.
+      recall, precision: of detections per frame.
+      confusion: share of labels that are another label of the capture.
       mask: by what share of its size (square root of its area) a mask grows or shrinks.
     """
 
@@ -45,7 +46,8 @@ def inject(recording: Recording, folder: pathlib.Path, seed: int, errors: Errors
 
     Args:
       recording: with depth, masks and surfaces in every frame.
-      folder: of the copy. seed: of everything random.
+      folder: of the copy.
+      seed: of everything random.
     """
     errors = errors or Errors()
     rng = np.random.default_rng([seed, 17])

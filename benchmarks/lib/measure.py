@@ -21,9 +21,12 @@ class Run:
     """An environment under measurement and its compiled functions.
 
     Attributes:
-      env, case: of the measurement; batch: its auto-resetting batch.
-      first: states after a reset; actions: (T, n, action) of an untrained policy that drives forward.
-      state: states in the middle of episodes; sims: the engine's states up to there, (T, n, ...).
+      env, case: of the measurement.
+      batch: its auto-resetting batch.
+      first: states after a reset.
+      actions: (T, n, action) of an untrained policy that drives forward.
+      state: states in the middle of episodes.
+      sims: the engine's states up to there, (T, n, ...).
     """
 
     env: Any

@@ -13,7 +13,8 @@ class Poses:
 
     Attributes:
       scene: (n,) i32 rows of the bank.
-      position: (n, 3) f32 m on the ground; yaw: (n,) f32 rad, towards the nearest hull.
+      position: (n, 3) f32 m on the ground.
+      yaw: (n,) f32 rad, towards the nearest hull.
       in_reach: (n,) i32 hulls within circumradius + max_speed * control step of the position.
       distance: (n,) f32 m to the nearest hull's box.
     """

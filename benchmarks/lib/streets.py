@@ -209,7 +209,8 @@ def make_layout(
     """Layout `number` of a seed with between objects[0] and objects[1] objects, house fronts included.
 
     Args:
-      stock: its objects; default: those of the frozen benchmark banks. ground: its section; default: one of `SECTIONS`.
+      stock: its objects; default: those of the frozen benchmark banks.
+      ground: its section; default: one of `SECTIONS`.
 
     Raises:
       ValidationError: so many do not fit, or fewer are wanted than there are house fronts.

@@ -34,8 +34,8 @@ class Meaning:
     """The meaning of a file.
 
     Attributes:
-      digest: 16 hexadecimal digits. imports: (level, module, name) of each import but those for annotations alone;
-        `import a.b` is (0, "a.b", "").
+      digest: 16 hexadecimal digits.
+      imports: (level, module, name) of each import but those for annotations alone; `import a.b` is (0, "a.b", "").
     """
 
     digest: str

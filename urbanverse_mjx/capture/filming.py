@@ -28,7 +28,8 @@ class FilmOptions:
     """Options of a capture.
 
     Attributes:
-      width, height: pixels; fovy: rad, vertical field of view (50° and 16:9 see 79° wide, as an action camera does).
+      width, height: pixels.
+      fovy: rad, vertical field of view (50° and 16:9 see 79° wide, as an action camera does).
       samples: rays per pixel and side of the RGB image; depth and masks take the middle of each pixel.
       shadows: whether the sun casts shadows.
       rgb: False leaves the images black: enough where geometry alone is asked for.
@@ -59,7 +60,9 @@ def film_scene(
     """Films one scene; `truth.json` in the recording's folder holds the true graph of its objects and ground.
 
     Args:
-      bank, scene: to film. folder: of the recording. path: of the camera; options of `walk`, or the path itself.
+      bank, scene: to film.
+      folder: of the recording.
+      path: of the camera; options of `walk`, or the path itself.
       options: size, field of view and quality.
       progress: called with (frames done, frames in all).
 

@@ -16,11 +16,11 @@ class WalkOptions:
     """How near to objects a walker goes and how smoothly; chosen manually.
 
     Attributes:
-      min_clearance: m, least distance to objects: half a shoulder's width and a hand. comfort_clearance: m: paths
-        nearer than this to objects cost more.
+      min_clearance: m, least distance to objects: half a shoulder's width and a hand.
+      comfort_clearance: m: paths nearer than this to objects cost more.
       corner_window: m, window over which corners are rounded.
-      lookahead: m, distance along the path to the point that the walker heads for. turn_step: s, time step on which
-        turns are spread.
+      lookahead: m, distance along the path to the point that the walker heads for.
+      turn_step: s, time step on which turns are spread.
     """
 
     min_clearance: float = 0.35
@@ -41,10 +41,12 @@ class PathOptions:
       speed: m/s; 1.4 is a usual walking speed.
       rate: frames per second.
       height: m of the camera above the ground.
-      sway: rad, amplitude of the camera's yaw to both sides; sway_period: s of one oscillation. pitch: rad, upwards.
-        turn_time: s over which a change of direction is spread; a person that films turns about in some seconds (at 3 s
-        by 60° a second), not from one frame to the next. frames: their exact number, repeating the path where it is too
-        short; None = the path once.
+      sway: rad, amplitude of the camera's yaw to both sides.
+      sway_period: s of one oscillation.
+      pitch: rad, upwards.
+      turn_time: s over which a change of direction is spread; a person that films turns about in some seconds (at 3 s
+        by 60° a second), not from one frame to the next.
+      frames: their exact number, repeating the path where it is too short; None = the path once.
     """
 
     speed: float = 1.4

@@ -28,8 +28,11 @@ class Script(NamedTuple):
 
     Attributes:
       mode: `ROAM`, `GO` or `STAY`.
-      x, y: m, start. heading: rad. speed: m/s, preferred; 0 keeps the agent's own.
-      anchor_x, anchor_y: m, the point that it goes to or keeps. face: rad, heading while it stays.
+      x, y: m, start.
+      heading: rad.
+      speed: m/s, preferred; 0 keeps the agent's own.
+      anchor_x, anchor_y: m, the point that it goes to or keeps.
+      face: rad, heading while it stays.
     """
 
     mode: Any

@@ -14,7 +14,9 @@ class Bodies(NamedTuple):
     """Where bodies are; every array (B, E) f32.
 
     Attributes:
-      x, y: m. vx, vy: m/s. heading: rad.
+      x, y: m.
+      vx, vy: m/s.
+      heading: rad.
     """
 
     x: Any
@@ -45,7 +47,9 @@ class Traits(NamedTuple):
       present: bool; an absent body does not move and others ignore it.
       radius, half_length, margin: m.
       limit: m/s, this body's largest speed.
-      acceleration, braking, lateral: m/s². turn_radius: m. pivot, turn_rate: rad/s.
+      acceleration, braking, lateral: m/s².
+      turn_radius: m.
+      pivot, turn_rate: rad/s.
       horizon, wall_horizon: s.
       yielding: see `AgentKind`; 0 for a body that avoids no other (a robot, for example).
     """

@@ -52,7 +52,9 @@ class Crossings(NamedTuple):
     """Crosswalks of all scenes.
 
     Attributes:
-      number: (Z, X, Y) u8, 0 = none. origin: (Z, 2) f32 m. width: (Z, 256) f32 m, way across each.
+      number: (Z, X, Y) u8, 0 = none.
+      origin: (Z, 2) f32 m.
+      width: (Z, 256) f32 m, way across each.
     """
 
     number: Any
@@ -109,8 +111,11 @@ def give_way(
     stops before a crosswalk on or at which a walker is, if its braking distance allows.
 
     Args:
-      course: (A,) rad, where each is heading. speed: (A,) m/s, preferred. walks: (A,) bool, on foot or on the pavement.
-      front: (A,) m from centre to front. present: (A,) bool.
+      course: (A,) rad, where each is heading.
+      speed: (A,) m/s, preferred.
+      walks: (A,) bool, on foot or on the pavement.
+      front: (A,) m from centre to front.
+      present: (A,) bool.
     """
     here = crossing_at(table, scene, bodies.x, bodies.y)
     cos, sin = jnp.cos(course), jnp.sin(course)

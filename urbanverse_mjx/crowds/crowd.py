@@ -49,9 +49,13 @@ class Crowd(NamedTuple):
     """State of the A agents of one env.
 
     Attributes:
-      bodies: `Bodies` (A,). present: (A,) bool. speed: (A,) m/s, preferred. goal: (A,) i32, of its route.
+      bodies: `Bodies` (A,).
+      present: (A,) bool.
+      speed: (A,) m/s, preferred.
+      goal: (A,) i32, of its route.
       mode, anchor_x, anchor_y, face: (A,), see `behaviours.Script`.
-      blocked, side: (A,), see `deadlock`. still: (A,) s, how long an agent with a preferred velocity has hardly moved.
+      blocked, side: (A,), see `deadlock`.
+      still: (A,) s, how long an agent with a preferred velocity has hardly moved.
       backing: (A,) s, for which a vehicle still drives backwards.
       arrived: (A,) i32, goals reached so far.
     """
@@ -98,7 +102,8 @@ class Robot:
     """How agents see the robot: a disc that does, or does not, do its share.
 
     Attributes:
-      radius: m. yielding: see `AgentKind`; 0 = people expect it to keep its course.
+      radius: m.
+      yielding: see `AgentKind`; 0 = people expect it to keep its course.
     """
 
     radius: float = 0.45
@@ -120,9 +125,10 @@ class CrowdModel:
         """A crowd's rules.
 
         Args:
-          kinds: names in `KINDS`, one a slot; walkers first. reach: m; agents are placed nearer to the robot than this
-            where possible, and an agent farther than one and a half times this and out of its sight is placed
-            elsewhere, so that few agents fill the street around the robot. None: the whole scene.
+          kinds: names in `KINDS`, one a slot; walkers first.
+          reach: m; agents are placed nearer to the robot than this where possible, and an agent farther than one and a
+            half times this and out of its sight is placed elsewhere, so that few agents fill the street around the
+            robot. None: the whole scene.
 
         Raises:
           ValidationError: an unknown kind, or walkers after vehicles.
@@ -157,7 +163,8 @@ class CrowdModel:
         """A crowd at rest.
 
         Args:
-          scene: () i32, row of the tables. observer: where the robot is.
+          scene: () i32, row of the tables.
+          observer: where the robot is.
           count: () i32 or None: how many slots, chosen at random, are filled; the others are absent.
           script: rows for the first slots; rows whose mode is `ROAM` have no effect.
         """
@@ -239,7 +246,9 @@ class CrowdModel:
         """The crowd `dt` s later.
 
         Args:
-          scene: () i32. observer: the robot. robot_velocity: () m/s, x and y.
+          scene: () i32.
+          observer: the robot.
+          robot_velocity: () m/s, x and y.
         """
         keys = jax.random.split(key, 4)
         crowd = self._next_errands(crowd, scene, observer, keys[0])

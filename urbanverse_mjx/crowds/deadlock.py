@@ -36,9 +36,9 @@ class DeadlockOptions:
     """When a blocked walker steps aside; chosen manually.
 
     Attributes:
-      first_share: share of the preferred velocity that must be missing before an agent steps aside. full_share: share
-        at which it does so fully. min_speed: m/s, preferred velocities below it are those of agents that have arrived
-        or wait.
+      first_share: share of the preferred velocity that must be missing before an agent steps aside.
+      full_share: share at which it does so fully.
+      min_speed: m/s, preferred velocities below it are those of agents that have arrived or wait.
     """
 
     first_share: float = 0.35
@@ -60,7 +60,8 @@ def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple
     Args:
       blocked: (A,), the value one step before; 0 at the start.
       preferred_velocity, velocity: (A,) m/s, the input of `orca` (already turned) and its result: an agent that steps
-        aside freely is not blocked, and soon turns to its goal again. dt: s.
+        aside freely is not blocked, and soon turns to its goal again.
+      dt: s.
     """
     (wx, wy, _), (vx, vy) = preferred_velocity, velocity
     square = wx * wx + wy * wy

@@ -129,7 +129,10 @@ def walls_at(flats: Flats, scene: Any, x: Any, y: Any, radius: Any, horizon: Any
     """Permitted velocities (M, A) of discs in one env's scene; outside the map there is no wall.
 
     Args:
-      scene: () i32. x, y: (A,) m, centres. radius: (A,) m. horizon: (A,) s.
+      scene: () i32.
+      x, y: (A,) m, centres.
+      radius: (A,) m.
+      horizon: (A,) s.
     """
     side = POOL * CELL
     origin = flats.origin[scene]

@@ -27,7 +27,8 @@ class FreeSpace:
     """One scene as one surface's users see it.
 
     Attributes:
-      origin: (2,) m, lower corner. free: (X, Y) bool over cells of `CELL`: allowed ground without an obstacle.
+      origin: (2,) m, lower corner.
+      free: (X, Y) bool over cells of `CELL`: allowed ground without an obstacle.
       kind: (X, Y) u8, kind of ground at the cell's lower corner.
     """
 

@@ -54,9 +54,12 @@ class RouteRules:
     """How one group of road users finds its way.
 
     Attributes:
-      surface: row of `SURFACES`. pool: cells of the free space along a node.
-      clearance: m, kept free around the route. from_middle: m, kept to the middle of the road; None keeps to no side.
-      num_goals: goals a scene. left_hand: traffic keeps left.
+      surface: row of `SURFACES`.
+      pool: cells of the free space along a node.
+      clearance: m, kept free around the route.
+      from_middle: m, kept to the middle of the road; None keeps to no side.
+      num_goals: goals a scene.
+      left_hand: traffic keeps left.
     """
 
     surface: str
@@ -89,9 +92,12 @@ class GoalRoutes(NamedTuple):
 
     Attributes:
       direction: (Z, G, X, Y) u8, units of 2π/256, direction of travel; off the routes it leads back to them.
-      origin: (Z, 2) f32 m. goal: (Z, G, 2) f32 m. num_goals: (Z,) i32; 0 where the scene has no routes for the group.
-      place: (Z, S, 2) f32 m, places on routes that reach every goal. place_goal: (Z, S) i32, the goal whose route leads
-        through the place, for groups that keep to a side; -1 where any goal is possible.
+      origin: (Z, 2) f32 m.
+      goal: (Z, G, 2) f32 m.
+      num_goals: (Z,) i32; 0 where the scene has no routes for the group.
+      place: (Z, S, 2) f32 m, places on routes that reach every goal.
+      place_goal: (Z, S) i32, the goal whose route leads through the place, for groups that keep to a side; -1 where any
+        goal is possible.
     """
 
     direction: Any

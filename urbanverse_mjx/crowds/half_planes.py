@@ -35,13 +35,15 @@ def towards_neighbours(
 
     Args:
       apart: (K, ...) m, from the agent to each neighbour.
-      velocity: (...) m/s of the agent. other_velocity: (K, ...) m/s.
+      velocity: (...) m/s of the agent.
+      other_velocity: (K, ...) m/s.
       reach: (K, ...) m, sum of the two radii.
       share: (K, ...), part of the change that the agent takes on; the shares of a pair add up to 1.
       spare: (K, ...), the same for room to spare: how much of it the agent may use up.
       side: (K, ...) 1 or -1, opposite for the two of a pair: which way to part where they stand on each other.
       valid: (K, ...) bool, there is such a neighbour.
-      horizon: (...) s. dt: s, time in which bodies that overlap part.
+      horizon: (...) s.
+      dt: s, time in which bodies that overlap part.
 
     Returns:
       Lines (K, ...).
@@ -115,7 +117,8 @@ def towards_walls(outward: tuple[Any, Any], space: Any, radius: Any, horizon: An
     Args:
       outward: (M, ...) unit vector from the free side into the flat.
       space: (M, ...) m, from the disc's centre to the flat; infinite where there is none.
-      radius: (...) m. horizon: (...) s.
+      radius: (...) m.
+      horizon: (...) s.
 
     Returns:
       Lines (M, ...).

@@ -19,17 +19,24 @@ class AgentKind:
     """One kind of road user. Its body is a capsule: a disc drawn along a segment (a disc where half_length is 0).
 
     Attributes:
-      name: of the kind. surface: row of `SURFACES`.
-      radius: m. half_length: m, from the centre to the centre of the front disc.
+      name: of the kind.
+      surface: row of `SURFACES`.
+      radius: m.
+      half_length: m, from the centre to the centre of the front disc.
       margin: m, kept free around the body where there is room.
-      speed: m/s, mean of the preferred speed over people; spread: m/s, its standard deviation.
-      speed_limit: m/s, never exceeded; headroom: how much faster than preferred one may go to let others pass.
+      speed: m/s, mean of the preferred speed over people.
+      spread: m/s, its standard deviation.
+      speed_limit: m/s, never exceeded.
+      headroom: how much faster than preferred one may go to let others pass.
       acceleration, braking: m/s².
       wheeled: moves along its heading only; others move in any direction, as far as acceleration and braking allow. The
         rest concerns wheeled kinds:
-      turn_radius: m, least radius of its path; pivot: rad/s, how fast it turns on the spot; turn_rate: rad/s, largest;
+      turn_radius: m, least radius of its path.
+      pivot: rad/s, how fast it turns on the spot.
+      turn_rate: rad/s, largest.
       lateral: m/s², largest in a curve.
-      horizon: s, how far ahead it avoids others; wall_horizon: s, the same for what stands still.
+      horizon: s, how far ahead it avoids others.
+      wall_horizon: s, the same for what stands still.
       height: m, of the body that a robot runs into.
       yielding: how much of a pair's avoidance it takes on, relative to the other's number.
     """

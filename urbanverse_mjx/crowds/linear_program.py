@@ -58,7 +58,8 @@ def _on_line(lines: HalfPlanes, j: int, limit: Any, target: Any) -> tuple[Any, A
     Places on the line are counted from its point nearest to rest, along (y, -x) of its normal.
 
     Args:
-      limit: (...) m/s. target: (...) m/s along the line, may be infinite.
+      limit: (...) m/s.
+      target: (...) m/s along the line, may be infinite.
 
     Returns:
       (...) the x and y of the place, and bool: there is one.
@@ -196,7 +197,8 @@ def solve(lines: HalfPlanes, num_hard: int, limit: Any, preferred_x: Any, prefer
     chunks, as many as it takes.
 
     Args:
-      lines: of (N, B). num_hard: how many of them, the first, are never given up; together they must permit something.
+      lines: of (N, B).
+      num_hard: how many of them, the first, are never given up; together they must permit something.
       limit: (B,) m/s. wish_x, wish_y: (B,) m/s.
 
     Returns:

@@ -65,7 +65,10 @@ def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPla
     Where keeping to that would run into a wall within two steps, it does not apply: walkers stop at a wall.
 
     Args:
-      chosen: (A, E) m/s. bodies, traits: (A, E). walls: (M, A, E), which `chosen` keeps. dt: s.
+      chosen: (A, E) m/s.
+      bodies, traits: (A, E).
+      walls: (M, A, E), which `chosen` keeps.
+      dt: s.
     """
     dx, dy = chosen[0] - bodies.vx, chosen[1] - bodies.vy
     change = jnp.sqrt(dx * dx + dy * dy)
@@ -87,7 +90,9 @@ def step_on(velocity: tuple[Any, Any], face: Any, bodies: Bodies, traits: Traits
     """Walkers after a step with a velocity (m/s); they face their motion, and when they stand, their desired heading.
 
     Args:
-      velocity, face: (A, E) m/s and rad. bodies, traits: (A, E). dt: s.
+      velocity, face: (A, E) m/s and rad.
+      bodies, traits: (A, E).
+      dt: s.
     """
     vx, vy = velocity
     speed = jnp.sqrt(vx * vx + vy * vy)
@@ -140,7 +145,8 @@ def drive(
     """The best control of each vehicle.
 
     Args:
-      lines: (K, A, E) towards neighbours. place: (K, A, E), where on its axis the vehicle is nearest to each.
+      lines: (K, A, E) towards neighbours.
+      place: (K, A, E), where on its axis the vehicle is nearest to each.
       walls: (M, A, E) each, for the front and the rear disc of its capsule.
       preferred_velocity, bodies, traits: (A, E).
 

@@ -51,7 +51,9 @@ def all_pairs(x: Any, y: Any, size: Any, present: Any, agents: int, number: int)
     """The nearest bodies by comparing all.
 
     Args:
-      x, y: (B, E) f32 m. size: (B, E) m, circumscribed radius. present: (B, E) bool.
+      x, y: (B, E) f32 m.
+      size: (B, E) m, circumscribed radius.
+      present: (B, E) bool.
       agents: A, the first rows, whose neighbours are searched.
       number: K, at most B - 1.
     """
@@ -77,7 +79,8 @@ def in_grid(
     Args:
       x, y, size, present, agents, number: as in `all_pairs`.
       cell: m, side of a cell: bodies farther away than that may be missed.
-      cells: cells a side, at least 3. depth: bodies compared in a cell.
+      cells: cells a side, at least 3.
+      depth: bodies compared in a cell.
     """
     bodies, envs = x.shape
     bits = max(1, (bodies - 1).bit_length())

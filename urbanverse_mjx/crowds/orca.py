@@ -189,7 +189,8 @@ def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) 
     """Preferred velocities (A,) changed by at most twice `DISTURBANCE`, so that no two agents are mirror images.
 
     Args:
-      preferred_velocity: (A,). key: for this step.
+      preferred_velocity: (A,).
+      key: for this step.
       side: (A,), 1 for a preferred velocity drawn to the left, -1 to the right: it decides between the sides for agents
         that meet head on.
     """

@@ -47,7 +47,8 @@ def keeps_off(walls: HalfPlanes, rear: HalfPlanes, before: Bodies, after: Bodies
     Args:
       walls: (M, A, ...), see `half_planes.towards_walls`, for walkers' bodies and the front discs of vehicles.
       rear: (M, W, ...), the same for the rear discs of the W vehicles, the last bodies.
-      before, after: (A, ...). traits: (A, ...).
+      before, after: (A, ...).
+      traits: (A, ...).
     """
     wheeled = rear.offset.shape[1]
     walkers = walls.offset.shape[1] - wheeled
@@ -70,7 +71,8 @@ def apart(one: Bodies, other: Bodies, half: tuple[Any, Any], long: slice) -> Any
     """(B, A, E) m²: the square of the distance between the axes of bodies (A, E) and others (B, E).
 
     Args:
-      half: (A, E) and (B, E) m, half lengths of the axes. long: those of both whose axis is longer than a point.
+      half: (A, E) and (B, E) m, half lengths of the axes.
+      long: those of both whose axis is longer than a point.
     """
     dx, dy = other.x[:, None] - one.x, other.y[:, None] - one.y
     found = dx * dx + dy * dy
@@ -106,8 +108,8 @@ def who_goes(into_place: Any, into_step: Any, may: Any) -> Any:
 
     Args:
       into_place: (W, A, E) u32, see `packed`: the agent's step ends in the present places of these agents.
-      into_step: (W, A, E) u32: it ends in their steps (symmetric but for rounding). may: (A, E) bool: no other obstacle
-        prevents the step.
+      into_step: (W, A, E) u32: it ends in their steps (symmetric but for rounding).
+      may: (A, E) bool: no other obstacle prevents the step.
     """
     agents = may.shape[0]
     row = jnp.arange(agents)
@@ -127,7 +129,8 @@ def resolved(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: 
     Args:
       num_long: how many of the A, the last ones, are longer than wide; all others are discs.
       bodies, traits: (B, E) at its beginning; rows from A on are others that stay where they are (robots).
-      after: (A, E), where the first A would go. may: (A, E) bool, the ground there is free.
+      after: (A, E), where the first A would go.
+      may: (A, E) bool, the ground there is free.
     """
     agents = after.x.shape[0]
     here, like = Bodies(*(a[:agents] for a in bodies)), Traits(*(a[:agents] for a in traits))

@@ -52,8 +52,8 @@ def choose(
     """One of the places (S, 2) m at random among those that will do.
 
     Args:
-      size: () m, radius of the new agent; a place must be clear of the present bodies (B,) at x, y by a step (0.5 m);
-        their_size: m around each of them, with its braking distance.
+      size: () m, radius of the new agent; a place must be clear of the present bodies (B,) at x, y by a step (0.5 m).
+      their_size: m around each of them, with its braking distance.
       hidden: the place must be out of the observer's sight; at reset a body's length away from it suffices.
       reach: m; places nearer to the observer than this come first.
 

@@ -25,8 +25,10 @@ class Traversability:
     """Surfaces of the A agents of a crowd.
 
     Args:
-      walls: `Flats` by surface. ground: `OpenGround` by surface.
-      kinds: (A,), walkers first. traits: (A,).
+      walls: `Flats` by surface.
+      ground: `OpenGround` by surface.
+      kinds: (A,), walkers first.
+      traits: (A,).
     """
 
     def __init__(

@@ -99,8 +99,10 @@ class Episode:
 
     Attributes:
       task: the sentence that says what is to be done.
-      columns: name -> (T, ...) numbers of each feature that is no image. images: name -> T PNG files, of each "image".
-      videos: name -> H.264 bytes of T frames, of each "video". image_stats: name -> statistics of either.
+      columns: name -> (T, ...) numbers of each feature that is no image.
+      images: name -> T PNG files, of each "image".
+      videos: name -> H.264 bytes of T frames, of each "video".
+      image_stats: name -> statistics of either.
       record: what its row of meta/episodes says besides; the same keys in every episode.
     """
 

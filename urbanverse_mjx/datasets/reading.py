@@ -16,7 +16,9 @@ class StoredDataset:
     """A dataset on the disk.
 
     Attributes:
-      folder: of the dataset. info: meta/info.json. features: of it.
+      folder: of the dataset.
+      info: meta/info.json.
+      features: of it.
       episodes: the rows of meta/episodes that info counts, without statistics.
       unfinished: rows behind them, which an interrupted writing left.
     """

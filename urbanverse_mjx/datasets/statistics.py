@@ -24,7 +24,8 @@ class PixelCounts:
     """Collects the values of images of integers, and gives their statistics by channel.
 
     Args:
-      channels: of the images. values: number of values that a pixel can have.
+      channels: of the images.
+      values: number of values that a pixel can have.
     """
 
     def __init__(self, channels: int, values: int) -> None:

@@ -17,10 +17,16 @@ class DatasetSummary:
     """A dataset in numbers.
 
     Attributes:
-      folder: of the dataset. robot: its name. frames_per_second: of rows and videos.
-      episodes, frames: how many. hours: of driving. megabytes: of all files, 10^6 bytes.
+      folder: of the dataset.
+      robot: its name.
+      frames_per_second: of rows and videos.
+      episodes, frames: how many.
+      hours: of driving.
+      megabytes: of all files, 10^6 bytes.
       length: name -> frames of an episode: min, median, max.
-      results: how episodes ended -> how many. scenes: name -> number of episodes. tasks: sentences.
+      results: how episodes ended -> how many.
+      scenes: name -> number of episodes.
+      tasks: sentences.
       features: name -> dtype, shape and, of numbers, min, mean, max and std by component.
     """
 

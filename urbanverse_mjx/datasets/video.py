@@ -29,7 +29,8 @@ class Encoder:
     """Encodes frames of one size as they come; no B-frames, so that files can be joined by appending bytes.
 
     Args:
-      height, width: pixels. frames_per_second: of the video.
+      height, width: pixels.
+      frames_per_second: of the video.
     """
 
     def __init__(self, height: int, width: int, frames_per_second: int) -> None:

@@ -65,7 +65,8 @@ class DatasetWriter:
     Args:
       folder: new or empty.
       features: name -> `Feature`, without those that every dataset has.
-      frames_per_second: of all cameras and rows. robot: its name.
+      frames_per_second: of all cameras and rows.
+      robot: its name.
       origin: JSON object for meta/urbanverse.json.
 
     Raises:

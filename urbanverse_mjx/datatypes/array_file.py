@@ -31,7 +31,8 @@ def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
     """Every array by its name.
 
     Args:
-      kind: expected kind of file, for messages. hint: advice for a damaged one.
+      kind: expected kind of file, for messages.
+      hint: advice for a damaged one.
 
     Raises:
       ValidationError: the file cannot be read, is cut off, or any of its bytes changed since it was written.

@@ -24,11 +24,14 @@ class AssetRecord:
       description: one sentence.
       recipe, params: how to build the mesh (`assets.build_mesh(record)`).
       extent_xyz: (3,) m, size of the mesh's box in the asset frame.
-      length, width: m, the longer and the shorter ground side (length >= width); height: m.
-      volume: m^3 of solid material's outer shape; mass: kg.
+      length, width: m, the longer and the shorter ground side (length >= width).
+      height: m.
+      volume: m^3 of solid material's outer shape.
+      mass: kg.
       materials: dominant materials, most first.
       friction_coefficient: sliding friction.
-      movable: whether a person can move it; required_force: N to make it slide.
+      movable: whether a person can move it.
+      required_force: N to make it slide.
       licence, provenance: terms of use and source.
     """
 
@@ -136,7 +139,8 @@ class AgentAppearance:
     """An appearance of one kind of moving agent: its mesh stands on the ground, its front along +x.
 
     Attributes:
-      kind: row of `crowds.KINDS`. category: leaf of the ontology.
+      kind: row of `crowds.KINDS`.
+      category: leaf of the ontology.
     """
 
     kind: str

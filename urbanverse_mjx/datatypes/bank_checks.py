@@ -17,7 +17,8 @@ def check_bank(arrays: Mapping[str, np.ndarray], meta: Mapping[str, Any]) -> Non
     """Checks finite numbers, leading axes and every index of a bank.
 
     Args:
-      arrays: as `SceneBank` describes them. meta: as there.
+      arrays: as `SceneBank` describes them.
+      meta: as there.
 
     Raises:
       ValidationError: names the first array that is wrong.

@@ -17,8 +17,8 @@ def changed_groups(
     their replacements may differ.
 
     Args:
-      groups: name of a group -> its files. record: the JSON file with the checksums; where it cannot be read or written
-        no checksum is known.
+      groups: name of a group -> its files.
+      record: the JSON file with the checksums; where it cannot be read or written no checksum is known.
 
     Returns:
       group -> its first such file.

@@ -15,17 +15,21 @@ class EpisodeResult:
     """One evaluated episode.
 
     Attributes:
-      agent: name of the policy; scene: scene id; episode: row of the scene's episode table; seed.
+      agent: name of the policy.
+      scene: scene id.
+      episode: row of the scene's episode table; seed.
       result: one of `RESULTS`.
-      steps: control steps; duration: s.
+      steps: control steps.
+      duration: s.
       route_completion: share of the route reached, [0, 1].
       distance_to_goal: m at the end.
       hit_time: share of the episode's time in contact with an object, [0, 1].
-      path_length: m driven; route_length: m of the geodesic route.
+      path_length: m driven.
+      route_length: m of the geodesic route.
       slot_overflow: hulls within reach that found no slot, summed over the episode (0 = physics complete).
-      people_distance: m, least distance from the disc around the robot to a person's body; intimate_time: share of the
-        episode's time within 0.45 m, [0, 1]; speed_near_people: m/s, mean within 1.2 m, None where never so near.
-        All None in a street without people.
+      people_distance: m, least distance from the disc around the robot to a person's body.
+      intimate_time: share of the episode's time within 0.45 m, [0, 1].
+      speed_near_people: m/s, mean within 1.2 m, None where never so near. All None in a street without people.
       touches: how often contact with an object or an agent began; None in reports from before it was counted.
     """
 
@@ -96,7 +100,8 @@ class BenchmarkReport(JsonDatatype):
     """Results of several agents on the same episodes.
 
     Attributes:
-      title: of the report. summary: agent -> metric -> {"mean", "low", "high"} (95 % interval) or a number.
+      title: of the report.
+      summary: agent -> metric -> {"mean", "low", "high"} (95 % interval) or a number.
       episodes: every episode.
       record: everything that made them: versions, configs, hashes, seeds, command.
     """

@@ -11,7 +11,8 @@ def package(name: str, where: str, extra: str, instead: str = "") -> Any:
     """Imports a package that an extra of ours installs.
 
     Args:
-      where: the requesting option. instead: the alternative.
+      where: the requesting option.
+      instead: the alternative.
 
     Raises:
       ValidationError: it or a package that it needs is not installed, or cannot be imported.

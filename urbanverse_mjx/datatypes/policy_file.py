@@ -21,8 +21,11 @@ class TensorRecord:
     """One input or output.
 
     Attributes:
-      name: in the file. shape: axes, the first one `BATCH`. dtype: "uint8" or "float32".
-      unit: of its numbers, SI or "1". meaning: what they are.
+      name: in the file.
+      shape: axes, the first one `BATCH`.
+      dtype: "uint8" or "float32".
+      unit: of its numbers, SI or "1".
+      meaning: what they are.
       normalisation: scaling that the caller must apply to the numbers, or none.
     """
 
@@ -48,8 +51,10 @@ class PolicyRecord:
         then the output of the previous step.
       rate_hz: control steps per second.
       environment, env_config: the task it was trained for, as `registry.load` takes it.
-      steps: env-steps of its training. versions: of the packages that trained it.
-      largest_difference: of its outputs from JAX's at export; observations: over how many.
+      steps: env-steps of its training.
+      versions: of the packages that trained it.
+      largest_difference: of its outputs from JAX's at export.
+      observations: over how many.
     """
 
     inputs: tuple[TensorRecord, ...]

@@ -77,7 +77,8 @@ def most_objects_in_reach(bank: SceneBank, scene: int, reach: float, at_least: i
     about z alone. Reach is that of the robot's centre and at most the `grid_reach` of the bank.
 
     Args:
-      reach: m. at_least: returned where no more come within reach, which is found sooner.
+      reach: m.
+      at_least: returned where no more come within reach, which is found sooner.
 
     Returns:
       A bound: 1 or 2 more than there are where that many lie within 11 mm beyond the reach.

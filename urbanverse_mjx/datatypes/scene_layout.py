@@ -104,7 +104,8 @@ class SceneLayout(JsonDatatype):
       graph_id, graph_hash: the graph it was made from.
       seed, cousin: what chose among equally good assets.
       objects, ground: placed objects.
-      sky: id of a sky; sky_yaw: rad, its rotation about z.
+      sky: id of a sky.
+      sky_yaw: rad, its rotation about z.
       hashes: further inputs, name to hash (asset index, materialiser).
     """
 

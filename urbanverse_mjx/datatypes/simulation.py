@@ -38,7 +38,9 @@ class AgentShapes(NamedTuple):
     """Collision bodies of A agents: upright prisms over a disc extended along the heading; (A,) m.
 
     Attributes:
-      radius: of the disc. half_length: from the middle to the centre of the front disc. height: above the ground.
+      radius: of the disc.
+      half_length: from the middle to the centre of the front disc.
+      height: above the ground.
     """
 
     radius: Float[np.ndarray, " A"]
@@ -51,7 +53,8 @@ class AgentMotion(NamedTuple):
 
     Attributes:
       position: (A, 3) m of the middle of the footprint, heading: (A,) rad, both at the beginning.
-      velocity: (A, 3) m/s; turn_rate: (A,) rad/s.
+      velocity: (A, 3) m/s.
+      turn_rate: (A,) rad/s.
       present: (A,) bool.
     """
 
@@ -68,7 +71,8 @@ class Bodies(NamedTuple):
     Attributes:
       object_index: (M,) i32, object (visual slot) that the body is, -1 = none.
       position: (M, 3) m, quaternion: (M, 4) wxyz: T_world_object, the frame of the bank's slots.
-      velocity: (M, 3) m/s of the centre of mass; spin: (M, 3) rad/s; world frame.
+      velocity: (M, 3) m/s of the centre of mass.
+      spin: (M, 3) rad/s; world frame.
       warm: (M, 6) the acceleration of velocity and spin that the solver found last.
     """
 
@@ -84,7 +88,8 @@ class CameraMount(NamedTuple):
     """How a robot's camera differs from its description.
 
     Attributes:
-      offset: (3,) m, added to its position in the body's frame. rotation: (4,) wxyz, T_described_mounted.
+      offset: (3,) m, added to its position in the body's frame.
+      rotation: (4,) wxyz, T_described_mounted.
       fovy_scale: () factor on its vertical field of view.
     """
 
@@ -98,7 +103,8 @@ class SimState(NamedTuple):
 
     Attributes:
       scene: () i32, row of the bank.
-      qpos: (nq,) f32; qvel: (nv,) f32.
+      qpos: (nq,) f32.
+      qvel: (nv,) f32.
       xpos: (nbody, 3) f32 m, xquat: (nbody, 4) f32 wxyz: T_world_body of the robot's bodies, row 0 is the world.
       contacts: see `Contacts`.
       slot_overflow: () i32, hulls within reach that found no slot in the last step, and pairs of a robot's sphere and
@@ -177,9 +183,11 @@ class Renderer(Protocol):
         made for.
 
         Args:
-          scene: row of the bank. xpos: m, xquat: wxyz, T_world_body of the robot's bodies (`SimState`).
-          appearance_seed: 0 = that of the bank; other numbers select other appearances. agents: their poses; None
-            leaves them out. bodies: objects that moved from their places in the bank. mount: how the camera differs
-            from the robot's description.
+          scene: row of the bank.
+          xpos: m, xquat: wxyz, T_world_body of the robot's bodies (`SimState`).
+          appearance_seed: 0 = that of the bank; other numbers select other appearances.
+          agents: their poses; None leaves them out.
+          bodies: objects that moved from their places in the bank.
+          mount: how the camera differs from the robot's description.
         """
         ...

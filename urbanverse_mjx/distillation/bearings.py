@@ -37,12 +37,13 @@ class BearingOptions:
       max_misfit_ratio: poses are kept unless the median squared misfit of directions falls below this share of its
         former value.
       loose_noise: relative noise of depth that hardly constrains a position.
-      min_depth_views: fewest views to locate an object by directions. max_place_error: positions from directions with
-        at most this error, as a share of the distance, are used to estimate the depth error.
+      min_depth_views: fewest views to locate an object by directions.
+      max_place_error: positions from directions with at most this error, as a share of the distance, are used to
+        estimate the depth error.
       min_judging_views: fewest views of such objects.
-      min_depth_error: relative; distances differ by less where depth is perfect (0.8 % measured). depth_share: share of
-        the difference of distances that is due to depth: with 5 % injected and drifting poses 8.8 % was measured, from
-        the ground 4.2 %.
+      min_depth_error: relative; distances differ by less where depth is perfect (0.8 % measured).
+      depth_share: share of the difference of distances that is due to depth: with 5 % injected and drifting poses 8.8 %
+        was measured, from the ground 4.2 %.
     """
 
     max_size: float = 2.5
@@ -106,8 +107,9 @@ def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: D
     """(m, 4, 4) adjusted poses, or None where the views agree with these as well.
 
     Args:
-      views: of the trajectory. object: (n,) of each view. poses: (m, 4, 4) T_world_camera. depth: each frame's scale,
-        and the noise that remains.
+      views: of the trajectory. object: (n,) of each view.
+      poses: (m, 4, 4) T_world_camera.
+      depth: each frame's scale, and the noise that remains.
     """
     problem = _whole_objects(views, object_of_view, poses, depth, _OPTIONS.min_views)
     if problem is None:

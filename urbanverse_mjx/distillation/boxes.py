@@ -28,16 +28,17 @@ class BoxOptions:
 
     Attributes:
       side_ratio: known extents that differ by more than this factor decide which of two sides is the heading.
-        shape_blur: depth blurred by more than this share of an object's footprint hides its shape.
-      min_shown_side: m; the sides of objects at least as long are still visible then. heading_gain: another heading
-        than those of the sides is taken where its misfit from the known shapes is at most this share of theirs.
+      shape_blur: depth blurred by more than this share of an object's footprint hides its shape.
+      min_shown_side: m; the sides of objects at least as long are still visible then.
+      heading_gain: another heading than those of the sides is taken where its misfit from the known shapes is at most
+        this share of theirs.
       max_distance: objects farther (sum of log ratios of the sides) from every known size of their label keep the
         observed size.
       missing_weight: weights of the missing depth, width and height (log) relative to a known size.
-      roof_ratio: factor by which a roof is higher than its edge visible from below. side_share: a side of which less
-        than this share of the known one is visible is completed.
-      max_length_ratio: factor by which an object may be longer than every known one of its label. direction_points:
-        largest number of points for a direction.
+      roof_ratio: factor by which a roof is higher than its edge visible from below.
+      side_share: a side of which less than this share of the known one is visible is completed.
+      max_length_ratio: factor by which an object may be longer than every known one of its label.
+      direction_points: largest number of points for a direction.
       grazing_sine: sine of the flattest angle at which a face counts as visible (12°).
     """
 
@@ -86,7 +87,9 @@ def consensus(points: np.ndarray, viewpoints: np.ndarray, sigma: np.ndarray, noi
     where the lines of sight meet. Information of a view: 1 / sigma^2 along the line, 1 / across^2 across it.
 
     Args:
-      points: (v, P, 3) m, world. viewpoints: (v, 3) m. sigma: (v,) m along the line of sight.
+      points: (v, P, 3) m, world.
+      viewpoints: (v, 3) m.
+      sigma: (v,) m along the line of sight.
       noise: relative error of depth.
 
     Returns:
@@ -168,7 +171,9 @@ def fit(
     """The box around corrected points.
 
     Args:
-      points: (p, 3) m. viewpoints: (v, 3) m, camera positions. prior: of its label.
+      points: (p, 3) m.
+      viewpoints: (v, 3) m, camera positions.
+      prior: of its label.
       noise: relative error of depth.
       top: m, height of its top where some view was not cut off there; None hides the top.
       sigma: m, standard error of the centre.

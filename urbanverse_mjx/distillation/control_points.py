@@ -15,7 +15,8 @@ class DriftOptions:
     Attributes:
       spacing: frames from one control point to the next.
       shift_sigma: m, drift of the position from one control point to the next in addition to the effect of the turn.
-        turn_sigma: rad, change of the turn from one to the next. bend_sigma: rad, change of that change.
+      turn_sigma: rad, change of the turn from one to the next.
+      bend_sigma: rad, change of that change.
     """
 
     spacing: int = 8

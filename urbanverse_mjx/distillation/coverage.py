@@ -45,7 +45,8 @@ def areas(
       labels: (X, Y) u8; 0 = outside.
       known: (X, Y) bool, what was seen; borders between cells that were not seen are free to be straight.
       sort_of: (L, L), see `borders.strokes`.
-      origin: (2,) m of cell (0, 0)'s low corner; cell: m, its side.
+      origin: (2,) m of cell (0, 0)'s low corner.
+      cell: m, its side.
       min_area: m^2; what is smaller joins the neighbour that it shares most border with.
 
     Returns:

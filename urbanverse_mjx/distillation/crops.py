@@ -57,7 +57,8 @@ def collect(
     """Cuts the crops out, writes them (RGBA PNG, the mask as alpha) and describes them.
 
     Args:
-      object: (n,) which object each view shows. names: of the objects that are kept.
+      object: (n,) which object each view shows.
+      names: of the objects that are kept.
       describers: for any of "object", "ground", "sky".
       folder: gets objects/, ground/ and sky/; None: no files are written.
     """

@@ -17,8 +17,8 @@ class DepthScaleOptions:
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      max_range: m from the camera: nearer ground is steep enough in view to derive the camera's height. window: frames
-        to both sides over which ground of one kind counts as level.
+      max_range: m from the camera: nearer ground is steep enough in view to derive the camera's height.
+      window: frames to both sides over which ground of one kind counts as level.
       min_spread: scales that scatter less are left alone: slopes and kerbs, not noise, cause it.
       limits: least and greatest scale of a frame.
       rounds: of heights from scales and scales from heights.

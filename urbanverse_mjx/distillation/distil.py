@@ -43,10 +43,11 @@ class Evidence:
 
     Attributes:
       id: of the graph's object.
-      views: how many frames show it; first, last: numbers of the first and last of them in the recording.
+      views: how many frames show it.
+      first, last: numbers of the first and last of them in the recording.
       sigma: m, standard error of its centre.
-      completed: which of its sizes (along the heading, across, up) come from the label's prior. moved: m, displacement
-        by a placement prior.
+      completed: which of its sizes (along the heading, across, up) come from the label's prior.
+      moved: m, displacement by a placement prior.
       tracks: the detector's own tracks that it holds.
     """
 
@@ -73,7 +74,8 @@ class Distillation:
       kerbs: steps found between kinds of ground.
       depth: each registered frame's depth scale, and the noise that remains.
       poses: (m, 4, 4) T_world_camera of the registered frames after loops were closed.
-      views: how many views were fused; left_out: how many objects had too little confidence.
+      views: how many views were fused.
+      left_out: how many objects had too little confidence.
     """
 
     graph: SceneGraph
@@ -105,8 +107,10 @@ def distil(
 
     Args:
       recording: with depth, and masks and surfaces as far as known, in world coordinates with z up.
-      prior_of: prior of a label. similarity: of two labels, in [0, 1].
-      describe: descriptors of crops; crop_folder: where the crops go.
+      prior_of: prior of a label.
+      similarity: of two labels, in [0, 1].
+      describe: descriptors of crops.
+      crop_folder: where the crops go.
       options: see there.
       progress: called with (frames read, frames in all).
 

@@ -68,7 +68,8 @@ def close_loops(
     """(m, 4, 4) corrected poses, or None where no loop was found or none was open.
 
     Args:
-      views, placed: of the trajectory. object_of_view: (n,) object of each view, as found without loops.
+      views, placed: of the trajectory.
+      object_of_view: (n,) object of each view, as found without loops.
       poses: (m, 4, 4) T_world_camera.
       alike: (L, L) similarity of labels.
     """

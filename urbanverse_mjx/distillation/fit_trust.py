@@ -32,7 +32,8 @@ def right(seen: Decoded, kinds: np.ndarray, owner: np.ndarray) -> np.ndarray:
     """(n,) bool: which objects of a frame share half of their mask and theirs with a true object of their class.
 
     Args:
-      kinds: (h, w) true classes. owner: (h, w) which object a pixel belongs to, -1 = none.
+      kinds: (h, w) true classes.
+      owner: (h, w) which object a pixel belongs to, -1 = none.
     """
     out = np.zeros(len(seen.objects), bool)
     for number, obj in enumerate(seen.objects):

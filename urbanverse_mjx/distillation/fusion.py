@@ -26,8 +26,8 @@ class FusionOptions:
       min_view_score: a view joins an object whose score with it is at least this: half a box overlaps under one
         label, or places two standard errors apart.
       min_merge_score: from this score on two objects of the map are merged, unless many frames show both.
-        max_squared_distance: in squared standard errors, three dimensions; positions farther apart are not compared: 1
-        in 400.
+      max_squared_distance: in squared standard errors, three dimensions; positions farther apart are not compared: 1 in
+        400.
       information_kept: share of an object's information that remains when a view is added: poses drift, and errors of
         depth stay for some frames.
       max_shared_frames: share of the frames of the rarer of two objects that may show both if they are one.
@@ -193,7 +193,8 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
     """(n,) i32: the object each view shows.
 
     Args:
-      views, placed: the observations; frames in order. similarity: (L, L) in [0, 1], of two labels' meanings.
+      views, placed: the observations; frames in order.
+      similarity: (L, L) in [0, 1], of two labels' meanings.
     """
     object_of_view = np.full(len(views), -1, np.int32)
     known = _Map(len(views), len(views.labels))

@@ -19,8 +19,9 @@ class ObjectOptions:
 
     Attributes:
       missed_odds: factor on an object's odds for every frame that should show it and does not: detectors miss a quarter
-        to a half of the visible objects, and leaves and railings hide more than one ray indicates. size_penalty:
-        decrease of the log odds for every e-fold by which its size differs from any known one, beyond `size_spread`.
+        to a half of the visible objects, and leaves and railings hide more than one ray indicates.
+      size_penalty: decrease of the log odds for every e-fold by which its size differs from any known one, beyond
+        `size_spread`.
       size_spread: log ratio by which sizes of partly hidden objects differ.
       min_kinship: labels from this similarity on may mean one object.
       min_similarity: labels from this similarity on are one.
@@ -63,7 +64,8 @@ class Fused:
       views: the views; object_of_view (n,) i32, object of each; alike (L, L), similarity of their labels.
       coarse: (m, H / COARSE, W / COARSE) m, depth of the frames.
       placed, seen: where the views are in the world, and from above.
-      poses: (m, 4, 4) T_world_camera; depth: each frame's scale and the noise that remains.
+      poses: (m, 4, 4) T_world_camera.
+      depth: each frame's scale and the noise that remains.
       single_view: take each object from one view alone.
     """
 

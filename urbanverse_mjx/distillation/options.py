@@ -9,7 +9,8 @@ class DistilOptions:
 
     Attributes:
       min_pixels: smaller views are not used; 24 is a bollard of 5 x 5 pixels.
-      max_range: m, points farther away are not used. min_score: objects of less confidence are left out.
+      max_range: m, points farther away are not used.
+      min_score: objects of less confidence are left out.
       depth_scale: whether depth is made consistent over frames from the ground.
       close_loops: whether poses are made consistent where the trajectory comes by again.
       single_view: take each object from one view alone, that of median size (to measure what fusion is worth).

@@ -78,7 +78,8 @@ class GroundHeights:
     """The ground's height in all scenes of a bank, to half a millimetre at the cells' centres.
 
     Args:
-      bank: the scenes. cell: m, side of a cell.
+      bank: the scenes.
+      cell: m, side of a cell.
 
     Attributes:
       low, high: (Z, 2) m, the corners of each scene's ground.

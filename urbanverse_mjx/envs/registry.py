@@ -60,7 +60,8 @@ def register_environment(
       make: (config, bank) -> environment.
       make_config: preset name -> a fresh config.
       load_bank: -> the bank where the user gives none; default: the shipped streets.
-      default_preset: where the user names none. presets: all that both makers of configs take.
+      default_preset: where the user names none.
+      presets: all that both makers of configs take.
       make_ppo_config: preset name -> a fresh config of its training; default: navigation's.
     """
     if name in _REGISTRY:

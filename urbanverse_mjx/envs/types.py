@@ -35,7 +35,8 @@ class State[C]:
     Attributes:
       data: `NavState`, or what another environment carries.
       obs: dict of observations.
-      reward: () f32; done: () f32, 1 when the episode ended with this step.
+      reward: () f32.
+      done: () f32, 1 when the episode ended with this step.
       metrics: dict of () f32, the same keys from reset on.
       info: dict of further values: scene, episode, result, steps, truncation, time_out.
     """
@@ -187,7 +188,9 @@ class _NavFields(NamedTuple):
       key: typed PRNG key for the next episode.
       sim: the engine's `SimState`.
       episode: () i32, row of the scene's episode table.
-      start: (3,) m; goal: (3,) m; waypoints: (W, 3) m, the last real one is the goal, which then repeats.
+      start: (3,) m.
+      goal: (3,) m.
+      waypoints: (W, 3) m, the last real one is the goal, which then repeats.
       num_waypoints: () i32.
       waypoint: () i32, the next waypoint to pass.
       route_length: () f32 m along start, waypoints, goal.

@@ -65,7 +65,8 @@ def answer(
     """An agent's action in a state of one env, and its new memory.
 
     Args:
-      known: result of `told` for the env's episode. memory: of a `Recurrent`; () of the others.
+      known: result of `told` for the env's episode.
+      memory: of a `Recurrent`; () of the others.
     """
     if isinstance(agent, Recurrent):
         return agent.act(obs, memory, key)

@@ -42,7 +42,8 @@ class Outcome:
     """Results of a policy on a protocol.
 
     Attributes:
-      results: in the order of the episodes. trajectories: (T, 2) m of each, where the robot was at every control step.
+      results: in the order of the episodes.
+      trajectories: (T, 2) m of each, where the robot was at every control step.
     """
 
     results: tuple[EpisodeResult, ...]
@@ -98,7 +99,9 @@ def to_markdown(title: str, tables: Mapping[str, Mapping[str, Table]], by_scenes
     """The page of a benchmark.
 
     Args:
-      tables: contact rule -> policy -> summary. by_scenes: contact rule -> scene -> scores. how: what ± means.
+      tables: contact rule -> policy -> summary.
+      by_scenes: contact rule -> scene -> scores.
+      how: what ± means.
     """
     lines = [f"# {title}", "", how]
     for contact, rows in tables.items():

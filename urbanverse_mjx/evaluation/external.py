@@ -28,8 +28,9 @@ class ExternalPolicy:
 
     Attributes:
       agent: observations of n envs -> actions (n, 2).
-      observations: their names, of `OBSERVATIONS`. size: (height, width) of its images, None = that of the preset.
-        record: metadata of an ONNX file, None without metadata in our format.
+      observations: their names, of `OBSERVATIONS`.
+      size: (height, width) of its images, None = that of the preset.
+      record: metadata of an ONNX file, None without metadata in our format.
     """
 
     agent: BatchAgent

@@ -39,9 +39,11 @@ class FrozenEpisode:
     """One episode.
 
     Attributes:
-      start: x, y, z of the ground (m), yaw (rad). goal: x, y, z (m).
-      way: waypoints x, y, z (m) of the shortest path, every 5 m and the goal. length: m, of the route. seed: of the
-        episode's random draws.
+      start: x, y, z of the ground (m), yaw (rad).
+      goal: x, y, z (m).
+      way: waypoints x, y, z (m) of the shortest path, every 5 m and the goal.
+      length: m, of the route.
+      seed: of the episode's random draws.
     """
 
     start: tuple[float, ...]
@@ -84,7 +86,8 @@ class Protocol:
     """A benchmark.
 
     Attributes:
-      name: e.g. "craftbench". paper_scenes: ids of the scenes that the protocol `paper` drives.
+      name: e.g. "craftbench".
+      paper_scenes: ids of the scenes that the protocol `paper` drives.
       scenes: all of them, which the protocol `full` drives.
       version: of the benchmark: whatever changes its scenes or robots makes another one.
       robots: environment -> what `pins.robot_pin` says of its robot; others may drive, too.
@@ -238,7 +241,9 @@ class Runs:
     """A protocol in a bank, ready to be driven.
 
     Attributes:
-      kind: see `KINDS`. scenes: ids. bank: whose tables of these scenes are the frozen ones.
+      kind: see `KINDS`.
+      scenes: ids.
+      bank: whose tables of these scenes are the frozen ones.
       episodes: what to drive; under `paper` the run of an episode is its number in its scene.
     """
 

@@ -31,13 +31,16 @@ class Walk:
 
     Attributes:
       command: (N, T, 3) m/s, m/s, rad/s.
-      position: (N, T, 3) m of the trunk; yaw: (N, T) rad.
+      position: (N, T, 3) m of the trunk.
+      yaw: (N, T) rad.
       velocity: (N, T, 3) forward and left (m/s) and yaw rate (rad/s), at the end of the step.
       power: (N, T) W, sum over the joints of |torque x speed|, mean of the step's physics steps.
-      torque: (N, T) largest share of a motor's torque limit. speed: (N, T) largest share of its speed limit.
+      torque: (N, T) largest share of a motor's torque limit.
+      speed: (N, T) largest share of its speed limit.
       beyond: (N, T) rad, farthest that a joint is beyond its range.
       slip: (N, T) m/s, mean speed over ground of the feet that stand; NaN where none does.
-      touch: (N, T) bool, contact of a part other than a foot. fell: (N,) bool.
+      touch: (N, T) bool, contact of a part other than a foot.
+      fell: (N,) bool.
     """
 
     command: np.ndarray
@@ -158,8 +161,9 @@ def walk(
     """Walks N robots at once, each alone in its world.
 
     Args:
-      models: of grounds with the robot (`simulation.parity.c_mujoco.truth_model`); ground: (N,) row of each walk.
-        qpos: (N, nq) first positions, at rest.
+      models: of grounds with the robot (`simulation.parity.c_mujoco.truth_model`).
+      ground: (N,) row of each walk.
+      qpos: (N, nq) first positions, at rest.
       commander: gives the robots' commands at every control step.
       speed_limit: (J,) rad/s of the motors.
       kicks: control step -> (N, 2) m/s, world frame, by which the trunk's velocity changes at its beginning.

@@ -41,7 +41,8 @@ class Suite:
 
     Attributes:
       bank: all scenes, with the episode tables of the frozen benchmarks among them.
-      scenes: of each set, by its name. episodes: of each set.
+      scenes: of each set, by its name.
+      episodes: of each set.
     """
 
     bank: SceneBank

@@ -61,7 +61,8 @@ def mean_interval(values: Sequence[float | None], counts: np.ndarray | None) -> 
     """95 % percentile interval of the mean over the episodes that have a value; None without draws.
 
     Args:
-      values: (n,) one an episode, None where it has none. counts: see `drawn_counts`.
+      values: (n,) one an episode, None where it has none.
+      counts: see `drawn_counts`.
     """
     if counts is None:
         return None

@@ -13,7 +13,8 @@ class PeopleTally(NamedTuple):
     """Sums over the control steps of each env, see `envs.navigation.dynamic.PEOPLE_METRICS`.
 
     Attributes:
-      nearest: m, least distance to a person. intimate, personal: steps within these distances.
+      nearest: m, least distance to a person.
+      intimate, personal: steps within these distances.
       speed: m/s, summed over the steps within personal distance.
     """
 

@@ -44,8 +44,8 @@ class Motion:
       speed_lag, turn_lag: s, time constants; the second one's of a turn on the spot.
       eases: m/s, speed at which the turn's lag is half of that: a robot on wheels that roll turns in more easily.
       pivot: m, how far behind the root body's origin the point lies that moves straight ahead (the rear axle).
-      curvature: 1/m, of the tightest bend; infinite for a robot that turns on the spot. dead: m/s and rad/s, half axes
-        of the ellipse of commands (v, omega) at which it stands still; 0 for none.
+      curvature: 1/m, of the tightest bend; infinite for a robot that turns on the spot.
+      dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which it stands still; 0 for none.
     """
 
     speed_lag: float
@@ -89,7 +89,9 @@ class Footprint:
 
     Attributes:
       discs: (D, 3) x, y, radius (m) of the collision spheres that can be the outermost.
-      feet: (F, 2) m, ground contacts. half_width: m, largest distance from its heading line. reach: m, farthest point.
+      feet: (F, 2) m, ground contacts.
+      half_width: m, largest distance from its heading line.
+      reach: m, farthest point.
     """
 
     discs: np.ndarray
@@ -148,7 +150,8 @@ class Planner:
     """The policy; `act` takes the env's whole state.
 
     Args:
-      env: with the scenes. people: include moving agents.
+      env: with the scenes.
+      people: include moving agents.
     """
 
     def __init__(self, env: NavEnv, people: bool = True) -> None:
@@ -199,7 +202,8 @@ class Planner:
         """(first, after) cost of every command of the first phase with every one after it, held ones before followed.
 
         Args:
-          state: (5,) x, y, yaw, speed, yaw rate. agents: (A, 6), see `_agents`, or None.
+          state: (5,) x, y, yaw, speed, yaw rate.
+          agents: (A, 6), see `_agents`, or None.
         """
         zero = jnp.float32(0.0)
         start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0))
@@ -331,7 +335,10 @@ class _Field(NamedTuple):
     """Fields of scenes in half cells of the clearance maps, looked up without interpolation, with an error of 1 cm.
 
     Attributes:
-      values: (n,) i16 mm, scene after scene. row: (Z,) place of a scene among them. shape: (X, Y). origin: (Z, 2) m.
+      values: (n,) i16 mm, scene after scene.
+      row: (Z,) place of a scene among them.
+      shape: (X, Y).
+      origin: (Z, 2) m.
     """
 
     values: Any

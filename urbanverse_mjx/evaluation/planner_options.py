@@ -23,13 +23,15 @@ class PlannerOptions:
       nose: m ahead of the robot of further samples of the field, which make its heading count.
       nose_angle: rad to both sides of it.
       touch_distance: m; nearer than this counts as touching.
-      margin: m, distance below which nearness has a cost. margin_time: m more per m/s. margin_cost: of a second at
-        distance 0 at 2 m/s (the cost per metre is the same at lower speed).
+      margin: m, distance below which nearness has a cost.
+      margin_time: m more per m/s.
+      margin_cost: of a second at distance 0 at 2 m/s (the cost per metre is the same at lower speed).
       touch_cost: of touching at once.
       goal_distance: m of route left that still count as arrived.
       edge_distance: m that wheels keep from an edge.
-      agent_distance: m to keep from agents. agent_drift: m more per second ahead, for the uncertainty of their motion.
-        mean_weight: share of the mean distance left in the cost: of two commands with equal ends the faster one is
+      agent_distance: m to keep from agents.
+      agent_drift: m more per second ahead, for the uncertainty of their motion.
+      mean_weight: share of the mean distance left in the cost: of two commands with equal ends the faster one is
         better.
     """
 

@@ -19,9 +19,10 @@ class EpisodeSet:
     """Fixed episodes.
 
     Attributes:
-      scenes: (n,) i32 rows of the bank; episodes: (n,) i32 rows of the episode tables.
-      seed: of random agents and streets. seeds: (n,) of each episode, independent of the others; None = all from
-        `seed`.
+      scenes: (n,) i32 rows of the bank.
+      episodes: (n,) i32 rows of the episode tables.
+      seed: of random agents and streets.
+      seeds: (n,) of each episode, independent of the others; None = all from `seed`.
     """
 
     scenes: np.ndarray
@@ -115,8 +116,9 @@ class Rollout:
     All agents share one batch and one compilation; each env asks every agent and follows its own.
 
     Args:
-      chunk: number of agent calls in one compiled call. hold: control steps for which an action is kept, so that agents
-        act at their own rate in an env with shorter control steps, whose poses make a smooth video.
+      chunk: number of agent calls in one compiled call.
+      hold: control steps for which an action is kept, so that agents act at their own rate in an env with shorter
+        control steps, whose poses make a smooth video.
     """
 
     def __init__(self, env: NavEnv, chunk: int = 20, hold: int = 1):

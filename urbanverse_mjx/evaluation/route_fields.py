@@ -71,8 +71,10 @@ def build_route_fields(
     """Fields to the goals of n episodes.
 
     Args:
-      scenes: (n,) rows of the maps; goals: (n, 2) m.
-      routes: (n, W, 2) m, points of the routes, which the windows enclose; lengths: (n,) m.
+      scenes: (n,) rows of the maps.
+      goals: (n, 2) m.
+      routes: (n, W, 2) m, points of the routes, which the windows enclose.
+      lengths: (n,) m.
       half_width: m, of the robot across its heading.
     """
     low = routes.min(1) - _OPTIONS.window_margin

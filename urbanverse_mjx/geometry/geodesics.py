@@ -44,7 +44,8 @@ class GridGraph:
       steps: see `STEPS`.
 
     Attributes:
-      cells: (n, 2), of each node. number: (X, Y) the node of each cell, -1 where it is not passable.
+      cells: (n, 2), of each node.
+      number: (X, Y) the node of each cell, -1 where it is not passable.
       edges: (n, n), what going from one node to the next costs.
     """
 

@@ -14,7 +14,8 @@ def cell_of(points: Any, origin: Any, side: float, shape: tuple[int, ...] | None
 
     Args:
       points: (..., 2) m, or (...) m along one axis.
-      origin: (2,) or () m. side: m.
+      origin: (2,) or () m.
+      side: m.
       shape: (X, Y) cells; those of points outside are then the nearest ones.
     """
     xp = points.__array_namespace__()
@@ -27,7 +28,9 @@ class Grid:
     """The cells of one scene, on the host.
 
     Attributes:
-      origin: (2,) m, lower corner. side: m, of a cell. shape: (X, Y) cells.
+      origin: (2,) m, lower corner.
+      side: m, of a cell.
+      shape: (X, Y) cells.
     """
 
     origin: np.ndarray

@@ -15,7 +15,9 @@ def rectangle(along: float, across: float, yaw: float, x: float, y: float, ahead
     """A box from above, counter-clockwise from the right corner of its front.
 
     Args:
-      along, across: m, its sides along and across its heading. yaw: rad. x, y: m, the centre that it is turned about.
+      along, across: m, its sides along and across its heading.
+      yaw: rad.
+      x, y: m, the centre that it is turned about.
       ahead: m that its middle lies before that centre.
     """
     flat = shapely.box(ahead - along / 2, -across / 2, ahead + along / 2, across / 2)

@@ -25,8 +25,10 @@ class Transition[C](NamedTuple):
     Attributes:
       carried: states after the step, of the next episode where one began.
       obs: dict of (n, ...) observations of `carried`.
-      reward: (n,) f32; terminated, truncated: (n,) bool.
-      info: of `carried`; final_info: of the step itself, dicts of (n,).
+      reward: (n,) f32.
+      terminated, truncated: (n,) bool.
+      info: of `carried`.
+      final_info: of the step itself, dicts of (n,).
       final_obs: observations before new episodes began; None where they were not asked for.
     """
 

@@ -16,8 +16,10 @@ class BatchRenderer:
     """Draws each env of a batch for `render`.
 
     Args:
-      env: the environment. mode: None or "rgb_array".
-      height, width: pixels; camera: see `StagedBase.render`.
+      env: the environment.
+      mode: None or "rgb_array".
+      height, width: pixels.
+      camera: see `StagedBase.render`.
 
     Raises:
       ValidationError: another mode.

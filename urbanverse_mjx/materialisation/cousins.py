@@ -49,12 +49,14 @@ class Cousin:
     """A layout and how it came about.
 
     Attributes:
-      layout: the placed objects. left_out: omitted nodes with the reason. moved: (object id, m) of objects moved to end
-        a penetration.
+      layout: the placed objects.
+      left_out: omitted nodes with the reason.
+      moved: (object id, m) of objects moved to end a penetration.
       unresolved: pairs of ids of fixed objects that still penetrate.
       chosen: object id -> the asset and the quality of its fit.
       raised: ids of ground regions that got a kerb.
-      materials: the pieces of ground with all cousins' materials. sky: this cousin's.
+      materials: the pieces of ground with all cousins' materials.
+      sky: this cousin's.
     """
 
     layout: SceneLayout
@@ -78,8 +80,9 @@ def materialise_cousins(
     """The first cousins of a graph; the same inputs give the same layouts, and more of them begin with the same ones.
 
     Args:
-      graph: of the scene; descriptors, where it has them, select the appearance (see `describe`). count: cousins, 1 to
-        `MOST`. seed: selects among equal fits.
+      graph: of the scene; descriptors, where it has them, select the appearance (see `describe`).
+      count: cousins, 1 to `MOST`.
+      seed: selects among equal fits.
       kerb: m, of sidewalks whose step to the road the graph does not show; 0 leaves them.
       objects: the catalogue; default: the packaged one.
       hulls_of: collision hulls of a record.

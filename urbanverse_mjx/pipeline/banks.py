@@ -26,7 +26,8 @@ def build_bank(
     """Compiles the graphs, `cousins` of each, in parallel processes and packs them.
 
     Args:
-      graphs: graph.json files. splits: the split of each, "train" or "test".
+      graphs: graph.json files.
+      splits: the split of each, "train" or "test".
       seed: chooses among equally good assets, materials and skies, and the episodes.
       quiet: draw no progress bar on standard error.
       cousins: digital cousins of each graph: the same places, other assets, materials and sky.

@@ -50,8 +50,9 @@ class _Entrants:
     Attributes:
       name: of the one that the evaluation is about.
       environment: registered name.
-      env: with a renderer if any policy needs images. groups: environments with their agents by name, simulated
-        together. record: origin of the policy.
+      env: with a renderer if any policy needs images.
+      groups: environments with their agents by name, simulated together.
+      record: origin of the policy.
     """
 
     name: str

@@ -22,8 +22,8 @@ def plan_routes(
     """Plans routes over a scene's map for a robot and writes them as CraftBench-Nav does.
 
     Args:
-      scene: folder with map.json and layers.npz: a compiled scene, or a map of the authors' tools. out: folder to
-        write: maps/<scene>/, routes/<scene>.json and routes/<scene>/.
+      scene: folder with map.json and layers.npz: a compiled scene, or a map of the authors' tools.
+      out: folder to write: maps/<scene>/, routes/<scene>.json and routes/<scene>/.
       robot: kind of robot for the routes: delivery, quadruped or wheelchair.
       annotations: folder of <scene>.json files, starts and goals to plan; None: twelve routes are chosen.
       seed: chooses among equally good starts.

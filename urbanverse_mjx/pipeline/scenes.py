@@ -81,9 +81,13 @@ def compile_layout(
     """Compiles a layout; COCO with the differential drive drives its episodes.
 
     Args:
-      layout: of the scene. index: holds its assets. out: folder to write or to replace.
-      rules: of the episodes. freeze_unstable: whether objects that do not stay in place for two seconds of C MuJoCo are
-        fixed. place: the scene's model city, for its metadata. movable: as of `compile_graph`.
+      layout: of the scene.
+      index: holds its assets.
+      out: folder to write or to replace.
+      rules: of the episodes.
+      freeze_unstable: whether objects that do not stay in place for two seconds of C MuJoCo are fixed.
+      place: the scene's model city, for its metadata.
+      movable: as of `compile_graph`.
 
     Raises:
       ValidationError: see `scene.compile_scene`.

@@ -80,8 +80,8 @@ def view(
     Args:
       scene: a shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank;
         None for the first shipped street kept for tests.
-      on_ready: called with the page's address once it can be opened. until: called between two frames; the page is
-        closed when it returns True.
+      on_ready: called with the page's address once it can be opened.
+      until: called between two frames; the page is closed when it returns True.
 
     Raises:
       ValidationError: no such scene or policy, or the port is in use.

@@ -33,9 +33,12 @@ class Fit:
     """The spheres that replace a geom.
 
     Attributes:
-      geom, body: names. shape: "box", "capsule", "cylinder", "ellipsoid" or "mesh".
-      points: (n, 3) m, corners of the shape in its body's frame. rolls: a wheel, see `sphere_fit.wheel`.
-      spheres: names of the geoms in its place. cover: those spheres in the body's frame, and their error.
+      geom, body: names.
+      shape: "box", "capsule", "cylinder", "ellipsoid" or "mesh".
+      points: (n, 3) m, corners of the shape in its body's frame.
+      rolls: a wheel, see `sphere_fit.wheel`.
+      spheres: names of the geoms in its place.
+      cover: those spheres in the body's frame, and their error.
     """
 
     geom: str
@@ -57,7 +60,9 @@ def replace_by_spheres(
     collide; where the MJCF has no visual geoms, they become the visual ones.
 
     Args:
-      model: what `spec` compiles to. feet: names of the geoms that may touch the ground. where: begins an error.
+      model: what `spec` compiles to.
+      feet: names of the geoms that may touch the ground.
+      where: begins an error.
 
     Returns:
       the feet, those replaced by their spheres; the fits.

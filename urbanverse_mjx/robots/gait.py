@@ -29,8 +29,10 @@ def sensor_frame(xp: Any, angular: Any, gravity: Any, bend: Any, joint_speed: An
     Args:
       xp: numpy or jax.numpy.
       angular: (..., 3) rad/s and gravity: (..., 3) unit, both in the body frame.
-      bend: (..., J) rad, joint angles less those of the standing pose; joint_speed: (..., J) rad/s.
-      command: (..., 3) m/s forward, m/s left, rad/s; action: (..., J), the last one.
+      bend: (..., J) rad, joint angles less those of the standing pose.
+      joint_speed: (..., J) rad/s.
+      command: (..., 3) m/s forward, m/s left, rad/s.
+      action: (..., J), the last one.
     """
     parts = [RATE_UNIT * angular, gravity, bend, JOINT_RATE_UNIT * joint_speed, command, action]
     return xp.concatenate(parts, axis=-1)
@@ -48,8 +50,11 @@ class Gait:
 
     Attributes:
       kernels, biases: of its dense layers, (n_in, n_out) and (n_out,) f32; ELU between them, tanh behind the last.
-      stand: (J,) rad; scale: (J,) rad, offset of a joint from there for an action of 1. history: control steps of its
-        observation; control_dt: s. meta: robot, and its training (command, seed, steps, versions).
+      stand: (J,) rad.
+      scale: (J,) rad, offset of a joint from there for an action of 1.
+      history: control steps of its observation.
+      control_dt: s.
+      meta: robot, and its training (command, seed, steps, versions).
     """
 
     kernels: tuple[np.ndarray, ...]

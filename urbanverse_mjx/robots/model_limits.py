@@ -29,7 +29,8 @@ def check_size(path: pathlib.Path, where: str) -> None:
     """Whether an MJCF asks for no more than a robot needs.
 
     Args:
-      path: an existing file; MuJoCo reports one that is not XML. where: of the field that names it, in messages.
+      path: an existing file; MuJoCo reports one that is not XML.
+      where: of the field that names it, in messages.
 
     Raises:
       ValidationError: it asks for more, or includes itself.

@@ -41,7 +41,8 @@ class Cover:
     """Spheres in place of a shape.
 
     Attributes:
-      centre: (k, 3) m; radius: (k,) m.
+      centre: (k, 3) m.
+      radius: (k,) m.
       protrudes: m, by how much a sphere stands out of the shape at most.
       falls_short: m, how far a point of the surface lies outside all spheres at most.
     """
@@ -155,7 +156,9 @@ def wheel(points: np.ndarray, axis: np.ndarray, anchor: np.ndarray) -> Cover:
     """Spheres that roll as a shape does that turns about an axis: centred on it, as large as the shape's reach from it.
 
     Args:
-      points: (n, 3) m of the shape. axis: (3,) unit. anchor: (3,) m, a point of the axis.
+      points: (n, 3) m of the shape.
+      axis: (3,) unit.
+      anchor: (3,) m, a point of the axis.
     """
     arm = np.asarray(points, np.float64) - anchor
     along = arm @ axis

@@ -36,7 +36,8 @@ def pd_velocity(waypoint: Any, control_period: float, max_speed: float, max_yaw_
     Args:
       waypoint: (2,) m, x forward and y left, in the body frame.
       control_period: s.
-      max_speed: m/s; max_yaw_rate: rad/s.
+      max_speed: m/s.
+      max_yaw_rate: rad/s.
 
     Returns:
       v () m/s in [0, max_speed] and omega () rad/s in [-max_yaw_rate, max_yaw_rate].

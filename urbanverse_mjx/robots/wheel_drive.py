@@ -20,11 +20,13 @@ class WheelDrive:
 
     Attributes:
       left, right: numbers of the actuators of both sides, which take wheel speeds (rad/s).
-      wheel_radius: m; track: m between the sides.
+      wheel_radius: m.
+      track: m between the sides.
       size: number of all actuators.
       max_speed: m/s, max_yaw_rate: rad/s.
       steer: number of the actuator that takes the front axle's angle (rad); None = the sides alone turn the robot.
-      wheelbase: m between the axles; max_steer: rad.
+      wheelbase: m between the axles.
+      max_steer: rad.
     """
 
     left: tuple[int, ...]

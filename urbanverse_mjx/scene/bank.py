@@ -69,7 +69,8 @@ def pack(
     """One bank of all scenes.
 
     Args:
-      scenes: at least one, ids unique. splits: of each, one of `SPLITS`.
+      scenes: at least one, ids unique.
+      splits: of each, one of `SPLITS`.
       skies: by id, every sky a scene names, all of one image size.
       hashes: recorded in the bank's meta.
 

@@ -40,7 +40,8 @@ class CompiledScene:
       folder: `scene.xml`, `meshes/`, `textures/`, `episodes.npz`, `layout.json`, `metadata.json`, `geometry.npz`, and
         in the files of CraftBench-Nav `map.json`, `layers.npz`, `annotations.json`, `routes.json`, `routes.txt` and
         the waypoints `<route>.npy` of its delivery robot.
-      layout, geometry: its inputs. metadata: the content of `metadata.json`.
+      layout, geometry: its inputs.
+      metadata: the content of `metadata.json`.
     """
 
     folder: pathlib.Path
@@ -87,11 +88,12 @@ def compile_scene(
 
     Args:
       controller: drives every episode once over the ground.
-      size: of the robot for route planning. rules: of the episode table.
+      size: of the robot for route planning.
+      rules: of the episode table.
       source: builds meshes and hulls of records; default: the packaged recipes and hull store.
       freeze_unstable: whether objects that do not keep their place for two seconds at rest (`stability.displacements`:
-        a bicycle without its stand) become fixed in the compiled scene and in the folder's `layout.json`. place: the
-        city and country for `metadata.json`: the `source` of the layout's graph.
+        a bicycle without its stand) become fixed in the compiled scene and in the folder's `layout.json`.
+      place: the city and country for `metadata.json`: the `source` of the layout's graph.
       movable: whether movable objects are free bodies in `scene.xml` (`resting.resting`); else they are fixed there, as
         all objects. All other files are the same.
 

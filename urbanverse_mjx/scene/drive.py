@@ -30,8 +30,8 @@ class Controller:
     """A robot and its own waypoint controller over a batch.
 
     Attributes:
-      robot: that drives. command: waypoints (n, 2) m in the body frame -> actuator commands (n, nu), for steps of
-        `CONTROL_PERIOD`.
+      robot: that drives.
+      command: waypoints (n, 2) m in the body frame -> actuator commands (n, nu), for steps of `CONTROL_PERIOD`.
     """
 
     robot: RobotSpec

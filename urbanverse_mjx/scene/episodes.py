@@ -44,8 +44,10 @@ class EpisodeRules:
     """Rules of an episode table (paper: goals 10-30 m away; here 256 rows, 32 goals, waypoints every 5 m).
 
     Attributes:
-      rows, goals: their numbers. distance: (low, high) m, straight from start to goal.
-      detour: longest path in straight distances. spacing: m between waypoints.
+      rows, goals: their numbers.
+      distance: (low, high) m, straight from start to goal.
+      detour: longest path in straight distances.
+      spacing: m between waypoints.
       yaw: rad, largest deviation of the start's yaw from its first segment.
       line_share, crossing_share: wanted shares of rows with a free straight line, and of rows over a crosswalk.
     """

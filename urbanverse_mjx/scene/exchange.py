@@ -29,9 +29,10 @@ class ExchangeMap:
     """A scene's map with all that CraftBench-Nav's files hold.
 
     Attributes:
-      scene: id. map: ground height, kind and clearance.
-      top: (X, Y) float32 m, height of the highest object in a cell, NaN without ground. info: further fields of
-        `map.json`: how the map was made.
+      scene: id.
+      map: ground height, kind and clearance.
+      top: (X, Y) float32 m, height of the highest object in a cell, NaN without ground.
+      info: further fields of `map.json`: how the map was made.
     """
 
     scene: str

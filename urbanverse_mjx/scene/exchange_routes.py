@@ -31,7 +31,10 @@ class PlannedRoutes:
     """Contents of a folder of planned routes.
 
     Attributes:
-      scene: id. robot: its name. size: of the robot. grid: the map's place, as in `map.json`.
+      scene: id.
+      robot: its name.
+      size: of the robot.
+      grid: the map's place, as in `map.json`.
       routes: planned ones and failures, in the file's order.
     """
 

@@ -40,7 +40,8 @@ class SceneMap:
     """5 cm map of one scene; cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells.
 
     Attributes:
-      origin: (2,) m, lower corner; resolution: m.
+      origin: (2,) m, lower corner.
+      resolution: m.
       height: (X, Y) float32 m of the ground's top at the cell's centre, NaN where there is none.
       kind: (X, Y) uint8 over `ground.GROUND_KINDS`, paint included.
       clearance: (X, Y) float32 m of free height above the ground, `FREE` where no hull hangs below 6.4 m.
@@ -64,11 +65,14 @@ class EpisodeTable:
     """E episodes with at most W waypoints.
 
     Attributes:
-      start: (E, 4) x, y, z of the ground, yaw; goal: (E, 3).
+      start: (E, 4) x, y, z of the ground, yaw.
+      goal: (E, 3).
       waypoints: (E, W, 3) every 5 m along the geodesic, the last is the goal and repeats.
-      num_waypoints: (E,) i32; length: (E,) geodesic m.
-      line_free: (E,) bool, the straight line from start to goal is free. crosses_road: (E,) bool, the path uses a
-        crosswalk. drive_time: (E,) s of the controller without obstacles, -1 where it was not driven.
+      num_waypoints: (E,) i32.
+      length: (E,) geodesic m.
+      line_free: (E,) bool, the straight line from start to goal is free.
+      crosses_road: (E,) bool, the path uses a crosswalk.
+      drive_time: (E,) s of the controller without obstacles, -1 where it was not driven.
     """
 
     start: np.ndarray
@@ -91,16 +95,26 @@ class SceneGeometry:
     Attributes:
       scene_id: unique in a bank.
       object_ids, object_categories: one each per object, in visual-slot order (along x).
-      object_position: (O, 3) m; object_quaternion: (O, 4) wxyz; object_mesh: (O,) index into `meshes`;
-        object_mass: (O,) kg; object_friction: (O,); object_movable: (O,) bool.
+      object_position: (O, 3) m.
+      object_quaternion: (O, 4) wxyz.
+      object_mesh: (O,) index into `meshes`.
+      object_mass: (O,) kg.
+      object_friction: (O,).
+      object_movable: (O,) bool.
       hulls: distinct hulls, (n, 3) float32 corners in the frame of the object or prism they belong to.
       inst_hull, inst_object: (Q,) i32: hull of an instance and the object that carries it.
-      prism_hull: (P,) i32; prism_position: (P, 3) m; prism_kind: (P,) i32; prism_friction: (P,).
+      prism_hull: (P,) i32.
+      prism_position: (P, 3) m.
+      prism_kind: (P,) i32.
+      prism_friction: (P,).
       prism_region: (P,) i32, the ground region a prism belongs to.
-      region_ids: one per ground region; region_kind: (R,) i32; region_mesh: (R,) index into `meshes`;
-        region_position: (R, 3) m.
+      region_ids: one per ground region.
+      region_kind: (R,) i32.
+      region_mesh: (R,) index into `meshes`.
+      region_position: (R, 3) m.
       meshes: distinct visual meshes.
-      sky: id of the sky; sky_yaw: rad.
+      sky: id of the sky.
+      sky_yaw: rad.
       map, episodes: see there.
     """
 

@@ -31,9 +31,13 @@ def build_grid(
     """For every cell the numbers of the boxes within `reach` of any point of it, nearest to the centre first.
 
     Args:
-      origin: (2,) m; shape: cells in x and y.
-      centres: (n, 3) world centres; rotations: (n, 3, 3) turned about z alone; halves: (n, 3) m.
-      reach: m; ceiling: boxes whose lower side is above it are left out.
+      origin: (2,) m.
+      shape: cells in x and y.
+      centres: (n, 3) world centres.
+      rotations: (n, 3, 3) turned about z alone.
+      halves: (n, 3) m.
+      reach: m.
+      ceiling: boxes whose lower side is above it are left out.
     """
     grid, limit = Grid(origin, CELL, shape), reach + CELL * np.sqrt(0.5)
     found: list[list[list[tuple[float, int]]]] = [[[] for _ in range(shape[1])] for _ in range(shape[0])]

@@ -26,7 +26,9 @@ class SceneSet:
 
     Attributes:
       name: of its folder below `scenes/` and in the cache.
-      cousins: of each layout. split: one of `SPLITS`. seed: of materialisation and episodes.
+      cousins: of each layout.
+      split: one of `SPLITS`.
+      seed: of materialisation and episodes.
       validation: layouts that are held out of `split` for validation, with all their cousins.
       numbered: whether scene ids end in _Cousin_<k>, as the authors' do.
       builder: "" where graphs are files, else the generator that makes them: one of `GENERATORS`.

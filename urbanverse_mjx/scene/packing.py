@@ -15,7 +15,8 @@ def pack_bank(folders: Sequence[str | os.PathLike[str]], splits: Sequence[str]) 
     """The bank of compiled scenes.
 
     Args:
-      folders: what `compile_scene` wrote. splits: of each, one of `SPLITS`.
+      folders: what `compile_scene` wrote.
+      splits: of each, one of `SPLITS`.
 
     Raises:
       ValidationError: a folder is no compiled scene, or an id comes twice.

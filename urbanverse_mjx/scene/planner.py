@@ -35,9 +35,11 @@ class RobotSize:
     b.2).
 
     Attributes:
-      radius: m, half of the width that it needs; margin: m, kept free beyond it while driving.
+      radius: m, half of the width that it needs.
+      margin: m, kept free beyond it while driving.
       end_margin: m, kept free beyond the radius at starts and goals.
-      height: m; step: m, the highest edge it may roll over.
+      height: m.
+      step: m, the highest edge it may roll over.
     """
 
     radius: float = 0.35
@@ -80,8 +82,8 @@ class FreeSpace:
     """The 5 cm map for a robot's size.
 
     Attributes:
-      map: its input. distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken
-        off.
+      map: its input.
+      distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken off.
       free: (X, Y) bool, its centre may be there.
       cost: (X // pool, Y // pool) per metre, -1 = not passable.
       pool: cells of the map along a side of a planning cell.

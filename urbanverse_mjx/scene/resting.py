@@ -27,7 +27,8 @@ class RestingScene:
     Attributes:
       geometry: with those objects alone movable that rest, and the laid ones where they come to rest; for writing MJCF
         (maps and episodes are as they were).
-      laid: ids of the objects that were laid where they come to rest. unstable: of those that do not and are fixed.
+      laid: ids of the objects that were laid where they come to rest.
+      unstable: of those that do not and are fixed.
     """
 
     geometry: SceneGeometry

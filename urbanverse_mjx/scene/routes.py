@@ -54,7 +54,8 @@ class Route:
     Attributes:
       id, note: of the `Wanted` one.
       points: start, via points and goal as planned from, moved off blocked ground.
-      path: (n, 2) m, its corners. waypoints: (N, 4) x, y, z, yaw every 0.5 m.
+      path: (n, 2) m, its corners.
+      waypoints: (N, 4) x, y, z, yaw every 0.5 m.
       facts: its numbers in `routes.json`.
     """
 

@@ -59,7 +59,8 @@ class PavementWidths:
     """Cross-sections of all pavements of a scene, every half metre along their middle lines.
 
     Attributes:
-      full: (n,) m between kerb and house. clear: (n,) m, the widest gap that the objects standing there leave.
+      full: (n,) m between kerb and house.
+      clear: (n,) m, the widest gap that the objects standing there leave.
     """
 
     full: np.ndarray

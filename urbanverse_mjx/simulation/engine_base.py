@@ -21,7 +21,8 @@ class Substeps(NamedTuple):
     """Records of the S physics steps of one control step.
 
     Attributes:
-      qpos: (S, nq) after the step. hit: (S,) bool, see `Contacts`.
+      qpos: (S, nq) after the step.
+      hit: (S,) bool, see `Contacts`.
     """
 
     qpos: Any

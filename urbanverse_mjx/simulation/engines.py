@@ -32,7 +32,8 @@ def make_engine(
     Args:
       bank, robot: what to simulate.
       impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), or "auto": "warp" on CUDA, else "jax".
-      control_dt: s, one control step; physics_dt: s, one physics step, default the robot's.
+      control_dt: s, one control step.
+      physics_dt: s, one physics step, default the robot's.
       num_slots: object hulls streamed per control step, more where the bank's streets need more; 0 = none.
       agents: shapes of moving agents; None = none.
       movable: how many objects can be pushed; None = none.

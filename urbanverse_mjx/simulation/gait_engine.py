@@ -24,7 +24,8 @@ class GaitMemory(NamedTuple):
 
     Attributes:
       engine: the `carry` of the engine below.
-      action: (J,) the last one; history: (H, 9 + 3 J), see `sensor_frame`, newest first.
+      action: (J,) the last one.
+      history: (H, 9 + 3 J), see `sensor_frame`, newest first.
     """
 
     engine: Any

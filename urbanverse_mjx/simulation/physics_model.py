@@ -29,11 +29,13 @@ class SphereTable:
 
     Attributes:
       name: (n,) names of the geoms.
-      geom: (n,) geom numbers; body: (n,) body numbers.
+      geom: (n,) geom numbers.
+      body: (n,) body numbers.
       radius: (n,) m.
       foot: (n,) which of `RobotSpec.foot_geoms`, which may touch the ground, it is; -1 = none.
-      friction: (n,) of the sphere; own_friction: (n,) bool, the sphere's counts alone (it has the higher priority),
-        else the larger of both; slippery: (n,) bool, no friction at all (condim 1 counts).
+      friction: (n,) of the sphere.
+      own_friction: (n,) bool, the sphere's counts alone (it has the higher priority), else the larger of both.
+      slippery: (n,) bool, no friction at all (condim 1 counts).
       solref: (n, 2), solimp: (n, 5), mixed with the world's.
       invweight: (n,) 1/kg of the body.
       dof_mask: (n, nv) 1 where the joint moves the sphere.
@@ -79,7 +81,8 @@ class PhysicsModel:
       spec: the robot.
       model: MuJoCo's model of the robot alone, without visual geoms.
       mjx_model: the same for MJX.
-      spheres: see `SphereTable`; limits: see `LimitTable`.
+      spheres: see `SphereTable`.
+      limits: see `LimitTable`.
       root: number of the free body.
     """
 

@@ -10,8 +10,10 @@ def missing(package: str, needed: str, purpose: str, error: ImportError) -> Vali
     """The error for a private module or name of a package that cannot be imported.
 
     Args:
-      package: its distribution's name. needed: versions of it that have the imported names, in pip's notation. purpose:
-        their use, a plural. error: of the import.
+      package: its distribution's name.
+      needed: versions of it that have the imported names, in pip's notation.
+      purpose: their use, a plural.
+      error: of the import.
     """
     try:
         found = f"version {metadata.version(package)}"

@@ -55,9 +55,13 @@ class DaggerState(NamedTuple):
     """The training state between iterations.
 
     Attributes:
-      params, optimizer: of the student. env: `State` of all envs.
-      memory: (n, memory). begins: (n,) bool, the present observation is the first of an episode.
-      mirrored: (n,) bool. key: typed. steps: () i32 iterations done.
+      params, optimizer: of the student.
+      env: `State` of all envs.
+      memory: (n, memory).
+      begins: (n,) bool, the present observation is the first of an episode.
+      mirrored: (n,) bool.
+      key: typed.
+      steps: () i32 iterations done.
     """
 
     params: Any
@@ -74,7 +78,10 @@ class Batch(NamedTuple):
     """The data of an iteration; all (T, n, ...).
 
     Attributes:
-      obs: `SEEN`. label: the teacher's actions. target: the map to predict. begins: bool.
+      obs: `SEEN`.
+      label: the teacher's actions.
+      target: the map to predict.
+      begins: bool.
     """
 
     obs: Any
@@ -87,9 +94,10 @@ class Dagger:
     """The algorithm over a wrapped env (`wrap_for_training`).
 
     Args:
-      env: batched and auto-resetting; its observations hold `SEEN`, `privileged_map` and those of the teacher. teacher:
-        (parameters, state of the envs, key) -> actions. config: see `default_dagger_config`. teacher_params: its
-        parameters; may be set later with the same shapes.
+      env: batched and auto-resetting; its observations hold `SEEN`, `privileged_map` and those of the teacher.
+      teacher: (parameters, state of the envs, key) -> actions.
+      config: see `default_dagger_config`.
+      teacher_params: its parameters; may be set later with the same shapes.
     """
 
     def __init__(self, env: Any, teacher: Teacher, config: ConfigDict, teacher_params: Any = None) -> None:

@@ -34,7 +34,8 @@ class _Step:
 
     Attributes:
       function: arrays in the order of `inputs` -> tuple in the order of `outputs`.
-      inputs: name -> (shape without the leading axis, dtype). outputs: name -> shape.
+      inputs: name -> (shape without the leading axis, dtype).
+      outputs: name -> shape.
     """
 
     function: Callable[..., tuple[jax.Array, ...]]

@@ -44,9 +44,14 @@ class FinetuneState(NamedTuple):
     """The training state between iterations.
 
     Attributes:
-      params: {"actor": of the student, "critic"}. optimizer: of both. env: `State` of all envs.
-      memory: (n, memory). begins: (n,) bool, the present observation is the first of an episode.
-      mirrored: (n,) bool. key: typed. steps: () i32 iterations done.
+      params: {"actor": of the student, "critic"}.
+      optimizer: of both.
+      env: `State` of all envs.
+      memory: (n, memory).
+      begins: (n,) bool, the present observation is the first of an episode.
+      mirrored: (n,) bool.
+      key: typed.
+      steps: () i32 iterations done.
     """
 
     params: Any
@@ -63,9 +68,13 @@ class Batch(NamedTuple):
     """The data of an iteration; all (T, n, ...).
 
     Attributes:
-      obs: `SEEN`, mirrored where the env is. privileged: the critic's observation, never mirrored. action: of the
-        student, not clipped. mean: of the distribution that it was drawn from.
-      label: the teacher's action. target: the map to predict. begins: bool.
+      obs: `SEEN`, mirrored where the env is.
+      privileged: the critic's observation, never mirrored.
+      action: of the student, not clipped.
+      mean: of the distribution that it was drawn from.
+      label: the teacher's action.
+      target: the map to predict.
+      begins: bool.
       advantage, returns: f32, in scaled rewards.
     """
 
@@ -86,7 +95,8 @@ def advantages(
     """Generalized advantage estimates (Schulman et al., 2016, equation 16).
 
     Args:
-      reward, done, value: (T, n), of the step taken in each state. last: (n,) value of the state after them.
+      reward, done, value: (T, n), of the step taken in each state.
+      last: (n,) value of the state after them.
       discount, trace: gamma and lambda.
 
     Returns:
@@ -114,9 +124,11 @@ class Finetune:
 
     Args:
       env: batched and auto-resetting; its observations hold `student.SEEN`, `privileged`, `privileged_map` and those of
-        the teacher. teacher: (parameters, state of the envs, key) -> actions. dagger_config: of the student's training,
-        with its network. config: see `default_finetune_config`. teacher_params: its parameters; may be set later with
-        the same shapes.
+        the teacher.
+      teacher: (parameters, state of the envs, key) -> actions.
+      dagger_config: of the student's training, with its network.
+      config: see `default_finetune_config`.
+      teacher_params: its parameters; may be set later with the same shapes.
     """
 
     def __init__(

@@ -31,9 +31,9 @@ def distil(
       env: not wrapped; its observations hold `student.SEEN` and `privileged_map`.
       config: see `dagger.default_dagger_config`, with `num_timesteps` and `num_checkpoints`.
       folder: run folder; checkpoints/<steps>/, state.npz, state-before.npz, log.jsonl and TensorBoard events go there.
-      teacher: labels every visited state. resume: continue from the newest checkpoint there, bit-equal to an
-        uninterrupted run if `num_timesteps` is unchanged. Where that checkpoint is damaged, from the one before it,
-        with a line on standard error.
+      teacher: labels every visited state.
+      resume: continue from the newest checkpoint there, bit-equal to an uninterrupted run if `num_timesteps` is
+        unchanged. Where that checkpoint is damaged, from the one before it, with a line on standard error.
 
     Raises:
       ValidationError: a folder in use, no run to resume or one that is complete, or a resumed run with another

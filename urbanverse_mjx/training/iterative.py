@@ -33,12 +33,14 @@ class Iterations:
     """How a learner becomes a run folder.
 
     Attributes:
-      learner: has `iterate` and `steps_per_iteration`. begin: its state before the first iteration.
+      learner: has `iterate` and `steps_per_iteration`.
+      begin: its state before the first iteration.
       actor_of: the parameters of the actor in a state.
       save: (parameters of the actor, env-steps of this learner) -> the policy folder that it wrote, named by its steps
         in checkpoints/.
       folder: log.jsonl, TensorBoard's events, state.npz, state-before.npz and validation.json go there.
-      iterations: of the whole training. num_checkpoints: evenly over it.
+      iterations: of the whole training.
+      num_checkpoints: evenly over it.
       validate: where given, only checkpoints that are at least as good as all before them become policies.
       steps_before: env-steps of the stages before this one, for the log.
     """

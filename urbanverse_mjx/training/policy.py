@@ -35,7 +35,9 @@ class PolicySpec:
       environment, env_config: name and full config of the environment it was trained in.
       ppo_config: full training config, networks included.
       observations: name to shape; action_size.
-      scene_ids, bank_hashes: of its training. steps: env-steps of training; versions: packages.
+      scene_ids, bank_hashes: of its training.
+      steps: env-steps of training.
+      versions: packages.
     """
 
     environment: str

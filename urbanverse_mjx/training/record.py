@@ -26,7 +26,8 @@ class RunRequest:
     """A caller's settings of a run; None and missing keys mean not given.
 
     Attributes:
-      environment: registered name; preset: of the environment and of PPO.
+      environment: registered name.
+      preset: of the environment and of PPO.
       env_overrides, ppo_overrides: flat dotted keys, e.g. {"reward_config.scales.hit": -50}.
       num_timesteps, num_envs, seed: the PPO fields that have command-line options of their own; they win over
         `ppo_overrides`.

@@ -25,7 +25,8 @@ class TrainingResult:
 
     Attributes:
       policy: folder of the last policy; None in all processes of a training over several hosts but the first.
-      steps: env-steps in all segments; seconds: wall time of this segment, compilation included.
+      steps: env-steps in all segments.
+      seconds: wall time of this segment, compilation included.
       steps_per_second: median over the run's logging intervals, compilation left out.
     """
 
@@ -160,7 +161,7 @@ def join_processes(coordinator: str, num_processes: int | None, process_id: int 
 
     Args:
       coordinator: "host:port" of the first process; "auto" where JAX detects the cluster (Slurm, Open MPI, Kubernetes).
-        num_processes, process_id: their number, and that of this one; needed unless "auto".
+      num_processes, process_id: their number, and that of this one; needed unless "auto".
 
     Raises:
       ValidationError: a coordinator without numbers, or a number outside its range.

@@ -56,8 +56,9 @@ def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float, blur: f
     """Images (T, n, H, W, 3) u8 with another exposure, contrast, colour and sharpness for each of the n sequences.
 
     Args:
-      light: share by which brightness and colour differ at most. noise: standard deviation of each pixel, of the full
-        range. blur: the strongest `blurred`.
+      light: share by which brightness and colour differ at most.
+      noise: standard deviation of each pixel, of the full range.
+      blur: the strongest `blurred`.
     """
     if light == 0.0 and noise == 0.0 and blur == 0.0:
         return pixels
@@ -93,9 +94,12 @@ def epochs(
     """Passes over the sequences of a rollout, each cut at random into minibatches of whole sequences.
 
     Args:
-      start: (parameters, optimizer state). batch: a pytree of (T, n, ...). memory: (n, memory) at its first step.
+      start: (parameters, optimizer state).
+      batch: a pytree of (T, n, ...).
+      memory: (n, memory) at its first step.
       rate: factor of the optimizer's update: a number, or a prefix pytree of the parameters.
-      count: passes. parts: minibatches of a pass; divides n.
+      count: passes.
+      parts: minibatches of a pass; divides n.
 
     Returns:
       (parameters, optimizer state), and the mean of the loss's metrics.

@@ -36,7 +36,8 @@ class Student(nn.Module):
     """A deterministic policy.
 
     Attributes:
-      layers: (depth, kernel, stride) of the conv layers. hidden: units of the dense layers.
+      layers: (depth, kernel, stride) of the conv layers.
+      hidden: units of the dense layers.
       memory: units of the GRU; 0 = none.
       dtype: of the convolutions' arithmetic.
       single_step: sequences have one step, without a scan: ONNX has no scan over a batch of unknown size.
@@ -57,7 +58,8 @@ class Student(nn.Module):
         """A batch of sequences.
 
         Args:
-          obs: `SEEN`, each (T, n, ...). memory: (n, memory) before the first step.
+          obs: `SEEN`, each (T, n, ...).
+          memory: (n, memory) before the first step.
           begins: (T, n) bool, the observation is the first of an episode.
 
         Returns:

@@ -42,8 +42,8 @@ class TeacherStudent:
 
     Attributes:
       environment: the name the envs are registered under.
-      env: not wrapped; its observations hold `student.SEEN`, `privileged` and `privileged_map`. make_teacher_env: the
-        same environment without a camera, which is made for the first stage and dropped after it.
+      env: not wrapped; its observations hold `student.SEEN`, `privileged` and `privileged_map`.
+      make_teacher_env: the same environment without a camera, which is made for the first stage and dropped after it.
       config: of the student (`dagger.default_dagger_config`), with `num_timesteps` of all stages together, `shares` of
         the stages in them, `num_checkpoints` of each, `teacher` (PPO as in `config.default_ppo_config`) and
         `finetune` (`finetune.default_finetune_config`), both without `num_envs` and `seed`, which are the student's.

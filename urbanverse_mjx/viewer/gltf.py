@@ -20,7 +20,8 @@ class Surface:
     """The parts of a mesh.
 
     Attributes:
-      rgba: (4,) in [0, 1], linear. texture: (H, W, 3) u8 sRGB, or None.
+      rgba: (4,) in [0, 1], linear.
+      texture: (H, W, 3) u8 sRGB, or None.
       roughness, metallic: as in glTF, in [0, 1].
       unlit: shown as it is, whatever light falls on it.
     """
@@ -37,7 +38,9 @@ class Part:
     """A mesh and where it stands.
 
     Attributes:
-      vertices: (V, 3) m; faces: (F, 3); uv: (V, 2) from the lower left corner of the texture, or None.
+      vertices: (V, 3) m.
+      faces: (F, 3).
+      uv: (V, 2) from the lower left corner of the texture, or None.
       normals: (V, 3) unit, or None: from the faces around each vertex.
       poses: (n, 4, 4), T_root_mesh of each copy.
     """

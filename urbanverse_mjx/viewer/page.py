@@ -59,8 +59,11 @@ class Page:
     """One page on a port.
 
     Args:
-      server: viser's. choices: what can be chosen.
-      scene, policy: shown first. robots: how many drive at once. people: whether the street is full of them.
+      server: viser's.
+      choices: what can be chosen.
+      scene, policy: shown first.
+      robots: how many drive at once.
+      people: whether the street is full of them.
     """
 
     def __init__(

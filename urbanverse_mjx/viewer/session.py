@@ -26,8 +26,8 @@ class Driver:
 
     Attributes:
       name: shown to people.
-      agent: called inside jit, see `evaluation.agents`; a `BatchAgent` where `outside`. outside: whether it is called
-        outside jit, as an ONNX file is.
+      agent: called inside jit, see `evaluation.agents`; a `BatchAgent` where `outside`.
+      outside: whether it is called outside jit, as an ONNX file is.
     """
 
     name: str
@@ -53,7 +53,8 @@ class Machine:
     """An environment and a driver, compiled once for as many sessions as are wanted.
 
     Args:
-      env: drives and draws. driver: answers.
+      env: drives and draws.
+      driver: answers.
     """
 
     def __init__(self, env: NavEnv, driver: Driver) -> None:
@@ -93,9 +94,11 @@ class Session:
     """Episodes of one scene under way, all by one driver.
 
     Args:
-      machine: the environment and its drivers. scene: row of the bank. rows: (n,) of the scene's episode table, one for
-        each robot; robots do not interact. seed: of random drivers and streets. keys: (n,) of the episodes in its
-        place, as `EpisodeSet.keys`.
+      machine: the environment and its drivers.
+      scene: row of the bank.
+      rows: (n,) of the scene's episode table, one for each robot; robots do not interact.
+      seed: of random drivers and streets.
+      keys: (n,) of the episodes in its place, as `EpisodeSet.keys`.
 
     Raises:
       ValidationError: no such scene or row, or no robot.

@@ -41,7 +41,9 @@ class Stage:
     """Draws a session.
 
     Args:
-      server: viser's. session: to show. street: its scene's meshes.
+      server: viser's.
+      session: to show.
+      street: its scene's meshes.
     """
 
     def __init__(self, server: viser.ViserServer, session: Session, street: StreetMeshes) -> None:

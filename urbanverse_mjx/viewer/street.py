@@ -23,8 +23,10 @@ class Light:
     """Light of a scene, as three.js takes it.
 
     Attributes:
-      sun: (3,) unit, towards the sun. sun_colour, sky_colour, ground_colour: (3,) u8 sRGB.
-      sun_intensity: irradiance; sky_intensity: of a white surface that faces up, from the sky alone.
+      sun: (3,) unit, towards the sun.
+      sun_colour, sky_colour, ground_colour: (3,) u8 sRGB.
+      sun_intensity: irradiance.
+      sky_intensity: of a white surface that faces up, from the sky alone.
     """
 
     sun: np.ndarray
@@ -39,7 +41,8 @@ class StreetMeshes:
     """Meshes of one scene of a bank.
 
     Args:
-      bank: the scenes. scene: a row of it.
+      bank: the scenes.
+      scene: a row of it.
     """
 
     def __init__(self, bank: SceneBank, scene: int) -> None:

@@ -36,8 +36,11 @@ class Studio:
     """Takes images of one bank at one size.
 
     Args:
-      bank: the scenes; robot: to be in the images, or None.
-      width, height: pixels; samples: rays per pixel along each side; shading: see `Renderer`.
+      bank: the scenes.
+      robot: to be in the images, or None.
+      width, height: pixels.
+      samples: rays per pixel along each side.
+      shading: see `Renderer`.
     """
 
     def __init__(

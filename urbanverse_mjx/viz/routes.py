@@ -36,7 +36,9 @@ def route_image(
     """(H, W, 3) uint8, north (y) up.
 
     Args:
-      trajectories: (T, 2) m each; ends: result of each; goals: (n, 2) m, drawn as rings of the success radius.
+      trajectories: (T, 2) m each.
+      ends: result of each.
+      goals: (n, 2) m, drawn as rings of the success radius.
     """
     low, high = _extent(bank, scene, trajectories)
     scale = min(_MAX_RESOLUTION, _MAX_SIDE / float((high - low).max()))

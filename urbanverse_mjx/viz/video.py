@@ -96,12 +96,17 @@ def write_rollout_video(
 
     Args:
       path: .mp4 to write.
-      bank, robot: of the simulation. trajectory: an `evaluation.Trajectory`.
-      columns: which envs of it; scenes: their rows of the bank; goals: their (3,) m goals.
+      bank, robot: of the simulation.
+      trajectory: an `evaluation.Trajectory`.
+      columns: which envs of it.
+      scenes: their rows of the bank.
+      goals: their (3,) m goals.
       outcomes: how each episode ended, of `datatypes.RESULTS`; it stands in every frame of the episode.
       frames_per_second: the control rate shows it in real time.
       appearances: row of the bank's agents for each moving agent of the trajectory.
-      size: height and width of each of the two images; samples: rays a pixel. quality: see `write_video`.
+      size: height and width of each of the two images.
+      samples: rays a pixel.
+      quality: see `write_video`.
     """
     renderer = Renderer(bank, robot, *size, shadows=True, agents=appearances, samples=samples)
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))

@@ -30,8 +30,11 @@ class Mutant:
     """One change.
 
     Attributes:
-      file: path from the repository's root. line: first line of what changes; statement: of the statement it is in.
-      before, after: its code. source: the whole changed module.
+      file: path from the repository's root.
+      line: first line of what changes.
+      statement: of the statement it is in.
+      before, after: its code.
+      source: the whole changed module.
     """
 
     file: str

@@ -57,9 +57,12 @@ class Collection[R: Record]:
     """Records in a fixed order with filters, a text query, and thumbnails.
 
     Args:
-      kind: name of one record, for messages. records: at least one. levels: fields that classify the records, the wider
-        first. filters: by name. meanings: field -> its meaning, of the fields without a filter. thumbnails: their
-        source.
+      kind: name of one record, for messages.
+      records: at least one.
+      levels: fields that classify the records, the wider first.
+      filters: by name.
+      meanings: field -> its meaning, of the fields without a filter.
+      thumbnails: their source.
 
     Raises:
       ValidationError: a field of the records that neither a filter nor a meaning explains.

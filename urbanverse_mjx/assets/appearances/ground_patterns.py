@@ -104,8 +104,10 @@ def paved(
     """(256, 256, 3): units that differ in brightness, and the joints between them.
 
     Args:
-      pattern: of `bricks`, `herringbone` or `setts`. varied: by what share units differ.
-      grain: slope of the noise on them and its share. filled: how much of a joint has its own colour.
+      pattern: of `bricks`, `herringbone` or `setts`.
+      varied: by what share units differ.
+      grain: slope of the noise on them and its share.
+      filled: how much of a joint has its own colour.
     """
     joint, value = pattern
     image = tone(colour, value * varied, noise.periodic_noise(rng, SIZE, grain[0]) * grain[1])

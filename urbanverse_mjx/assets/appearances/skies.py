@@ -231,7 +231,9 @@ def _clear(directions: np.ndarray, sun: np.ndarray, beta_mie: float) -> tuple[np
     """Radiance of a cloudless sky and the sunlight at the ground, for sunlight 1 above the air.
 
     Args:
-      directions: (n, 3) unit, upper half; sun: (3,) unit; beta_mie: 1/m.
+      directions: (n, 3) unit, upper half.
+      sun: (3,) unit.
+      beta_mie: 1/m.
 
     Returns:
       ((n, 3), (3,)).

@@ -65,9 +65,12 @@ class Physical:
     Attributes:
       extent: (n, 3) m, box in the asset frame.
       length, width, height: m; length >= width.
-      volume: m^3 inside the outer surface; solid: m^3 of it that is matter.
+      volume: m^3 inside the outer surface.
+      solid: m^3 of it that is matter.
       make: index into the prior's makes.
-      mass: kg; friction: of what touches the ground, on pavement; force: N that moves it.
+      mass: kg.
+      friction: of what touches the ground, on pavement.
+      force: N that moves it.
       movable: one person can move it.
     """
 

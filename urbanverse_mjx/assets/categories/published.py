@@ -24,7 +24,9 @@ class Published:
     """One object of a leaf as a page describes it: m and kg, None where the page is silent.
 
     Attributes:
-      leaf: exact leaf name; item: the object of the page. source: key of sources.csv, one that has an address.
+      leaf: exact leaf name.
+      item: the object of the page.
+      source: key of sources.csv, one that has an address.
     """
 
     leaf: str

@@ -41,7 +41,8 @@ class Placement:
     """How a file becomes an asset.
 
     Attributes:
-      rotation: (3, 3), file frame to asset frame; scale: metres per unit of the file.
+      rotation: (3, 3), file frame to asset frame.
+      scale: metres per unit of the file.
       misfit: log of the factor by which a side still lies beyond the leaf's sizes.
       scaled, steps: the changes, in words; `scaled` is empty where the file was in metres.
     """

@@ -31,7 +31,8 @@ class Part:
     """Triangles with one material, in the file's own frame and unit.
 
     Attributes:
-      vertices: (V, 3); faces: (F, 3).
+      vertices: (V, 3).
+      faces: (F, 3).
       uv: (V, 2) from the texture's lower left corner, or None.
       texture: (H, W, 3) uint8, or None.
       color: (3,) sRGB 0-255, factor of the texture, or the colour itself.
@@ -54,7 +55,8 @@ class Source:
       parts: at least one.
       y_up: whether y is up and the front along +z, as in glTF; None for other files without that information.
       names: of its nodes, meshes and materials, outermost first.
-      generator, copyright: texts of the file; extras: its `asset.extras`.
+      generator, copyright: texts of the file.
+      extras: its `asset.extras`.
       roughness, metallic: of its largest part.
       colourless: whether it is of a format without colours (STL, or PLY that holds none) and drawn grey.
       notes: parts that could not be read.

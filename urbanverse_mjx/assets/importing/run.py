@@ -74,7 +74,8 @@ class Entry:
     """One line of the journal: what came of a file.
 
     Attributes:
-      file: path below the imported folder; key: hash of content, annotation and options.
+      file: path below the imported folder.
+      key: hash of content, annotation and options.
       uid: of the asset, or None where the file was rejected for `reason` (one of a few words) and `why` (a sentence).
       findings: (name, evidence, fixed) of each corruption.
       notes: changes and omissions.

@@ -15,7 +15,8 @@ class Shape:
     """A welded mesh, z up, scaled to a diagonal of 1 and standing on z = 0.
 
     Attributes:
-      vertices: (V, 3); faces: (F, 3), none with two equal corners.
+      vertices: (V, 3).
+      faces: (F, 3), none with two equal corners.
       degenerate: share of the file's faces that had two equal corners or no area.
     """
 

@@ -34,7 +34,8 @@ class Task:
     """One file to import.
 
     Attributes:
-      path: the file; folder: the imported folder around it.
+      path: the file.
+      folder: the imported folder around it.
       staging: folder to write into.
       name: path below the folder, with forward slashes.
       sha256: of the file.

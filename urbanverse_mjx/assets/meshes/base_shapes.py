@@ -60,10 +60,13 @@ class BaseShape:
 
     Attributes:
       uid: of its record in the base index.
-      extent: (3,) m, exact box of the mesh; volume: m^3, `enclosed_volume`.
+      extent: (3,) m, exact box of the mesh.
+      volume: m^3, `enclosed_volume`.
       make_known: whether the recipe gives material or mass; else they were drawn from the leaf's prior.
-      colors: (C, 3) uint8 visible colours, most frequent first; share: (C,) of the visible area, sums to 1.
-      light: (C,) brightness of the renderer's light on it; paint: (C,) colours that take a tint in full.
+      colors: (C, 3) uint8 visible colours, most frequent first.
+      share: (C,) of the visible area, sums to 1.
+      light: (C,) brightness of the renderer's light on it.
+      paint: (C,) colours that take a tint in full.
       layouts: (V, 16) uint8 filled share of the silhouette's 4x4 cells, row by row from the top, per view of `YAWS`.
       aspects: (V,) width over height of the silhouettes.
     """

@@ -13,7 +13,8 @@ def read_rows(path: pathlib.Path, kind: str, cure: str) -> list[dict[str, Any]]:
     """The rows of a table.
 
     Args:
-      kind: expected kind of file, for messages. cure: advice in the error for an invalid file.
+      kind: expected kind of file, for messages.
+      cure: advice in the error for an invalid file.
 
     Raises:
       ValidationError: a file that is cut off or damaged. Files without checksums may be damaged unnoticed.

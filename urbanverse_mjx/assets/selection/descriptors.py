@@ -130,7 +130,8 @@ def of_records(
       leaf_free: (n,) whether the record's leaf takes tints in full.
       shapes: base shapes.
       which: (n,) index of each record's base shape.
-      tint: (n, 3); scale: (n, 3); ones and no turn for a base shape itself.
+      tint: (n, 3).
+      scale: (n, 3); ones and no turn for a base shape itself.
     """
     most = max(len(s.share) for s in shapes)
     colors, share, light, paint = (np.zeros((len(shapes), most, k)) for k in (3, 1, 1, 1))

@@ -202,7 +202,8 @@ class Canvas(Stage):
         Args:
           x, y: m, where its stem or else its middle stands.
           degrees: heading, counter-clockwise from +x.
-          variant: row of the label's sizes; size: m (along, across, up) instead of one of them.
+          variant: row of the label's sizes.
+          size: m (along, across, up) instead of one of them.
           above: m over the ground; from 0.3 on it hangs, or stands on another object.
         """
         self.lay_ground()

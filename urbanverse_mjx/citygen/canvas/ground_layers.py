@@ -169,7 +169,8 @@ def dropped_kerb(
     """A ramp from the road up to the pavement and its two flares, and the cuts that part the pavement beside it.
 
     Args:
-      foot: on the kerb, middle of the ramp's lower edge. degrees: uphill, counter-clockwise from +x.
+      foot: on the kerb, middle of the ramp's lower edge.
+      degrees: uphill, counter-clockwise from +x.
       half_width, run, flare: m, half the ramp's width, its length uphill, and how long the kerb tapers beside it.
 
     The flares' planes meet the ramp's and the pavement's along whole edges, so only the kerb itself is a step.

@@ -122,8 +122,9 @@ class Filler:
         """Adds an object if its place is free.
 
         Args:
-          foot: m above the ground where it hangs; None: it stands. free: without any check. lane: it may stand in the
-            lane.
+          foot: m above the ground where it hangs; None: it stands.
+          free: without any check.
+          lane: it may stand in the lane.
         """
         x, y = self.at(s, side, v)
         yaw = clearance.heading(self.degrees(facing, side, s))

@@ -36,19 +36,34 @@ class CityProfile:
     Attributes:
       continent, country, city, travel: of the scene's id; the trajectory walks or drives.
       drives: side of the road for traffic.
-      road: width between the kerbs. left, right: widths of the pavements; below 1 m they are not walked on.
-      kerb: height. verge: green strip between kerb and pavement. yard: front gardens between pavement and houses.
+      road: width between the kerbs.
+      left, right: widths of the pavements; below 1 m they are not walked on.
+      kerb: height.
+      verge: green strip between kerb and pavement.
+      yard: front gardens between pavement and houses.
       bends: degrees by which the street turns at equal distances, positive to the left.
-      side_streets: how many open to either side. crosswalks: how many, spread evenly.
+      side_streets: how many open to either side.
+      crosswalks: how many, spread evenly.
       lane: width kept free for walking, except at `blocked` places per pavement.
-      houses: leaves of the fronts. height, frontage: their range. gaps: share of fronts with a gap (fence) after it.
-      parked_left, parked_right: share of the kerb taken by parked vehicles. parked: which.
-      on_pavement: vehicles parked on the pavement. traffic: moving vehicles; moving: their number. kerbside, wallside:
-        objects along the kerb and along the houses; furniture, clutter: their numbers. people: which; crowd: their
-        number. groups: cafes, stalls, works ... (`groups.GROUPS`), with the number of each on the whole street. hung:
-        objects on the fronts; hangings: their number.
-      trees: growths (`stock.GROWTHS`). spacing: between them; 0 for none.
-      asphalt, paving, open_ground: materials of road, pavement, and verges and yards. skies: names of skies.
+      houses: leaves of the fronts.
+      height, frontage: their range.
+      gaps: share of fronts with a gap (fence) after it.
+      parked_left, parked_right: share of the kerb taken by parked vehicles.
+      parked: which.
+      on_pavement: vehicles parked on the pavement.
+      traffic: moving vehicles.
+      moving: their number.
+      kerbside, wallside: objects along the kerb and along the houses.
+      furniture, clutter: their numbers.
+      people: which.
+      crowd: their number.
+      groups: cafes, stalls, works ... (`groups.GROUPS`), with the number of each on the whole street.
+      hung: objects on the fronts.
+      hangings: their number.
+      trees: growths (`stock.GROWTHS`).
+      spacing: between them; 0 for none.
+      asphalt, paving, open_ground: materials of road, pavement, and verges and yards.
+      skies: names of skies.
       reason: the reason for these values.
     """
 

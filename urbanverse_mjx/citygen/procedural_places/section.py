@@ -20,8 +20,11 @@ class Street:
     """A straight street along +x from 0 to `length`, everything in metres.
 
     Attributes:
-      half: of the carriageway. left, right: ground between kerb and fronts at +y and -y. kerb: height.
-      crossings: x of the crosswalks. yards: how much of the ground on the left and right is front yards.
+      half: of the carriageway.
+      left, right: ground between kerb and fronts at +y and -y.
+      kerb: height.
+      crossings: x of the crosswalks.
+      yards: how much of the ground on the left and right is front yards.
     """
 
     length: float
@@ -68,7 +71,8 @@ def lay(
     beside the kerb, dropped kerbs; returns the outline.
 
     Args:
-      side_street: x of one that joins from the left, or 0. labels: of the houses; none: a dozen of all.
+      side_street: x of one that joins from the left, or 0.
+      labels: of the houses; none: a dozen of all.
     """
     c, half, length = site.canvas, street.half, street.length
     outline = street.outline

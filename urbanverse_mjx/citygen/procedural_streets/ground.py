@@ -68,7 +68,8 @@ def lay(arms: Sequence[Arm], half: float, pavement: float, plaza: shapely.Polygo
     """The ground of a scene.
 
     Args:
-      half: m, half a carriageway; pavement: m, width of the pavements.
+      half: m, half a carriageway.
+      pavement: m, width of the pavements.
       plaza: paved ground level with the pavements, outside them.
     """
     road = _snap(_band(arms, half))

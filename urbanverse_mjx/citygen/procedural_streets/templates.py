@@ -15,7 +15,9 @@ class Plan:
     """Where streets run.
 
     Attributes:
-      arms: stretches of street; half: m, half a carriageway; pavement: m, width of the pavements.
+      arms: stretches of street.
+      half: m, half a carriageway.
+      pavement: m, width of the pavements.
       plaza: open ground beside a street, or None.
     """
 

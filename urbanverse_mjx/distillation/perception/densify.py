@@ -24,15 +24,17 @@ class DepthOptions:
     Chosen manually; docs/decisions/gen_perception.md measures their effect on depth.
 
     Attributes:
-      ground_range: m: beyond it the viewing angle is too flat to derive distance from the ground's height. level_range:
-        m: ground points within this distance of the camera give the height of their kind of ground.
+      ground_range: m: beyond it the viewing angle is too flat to derive distance from the ground's height.
+      level_range: m: ground points within this distance of the camera give the height of their kind of ground.
       min_level_points: fewest of them.
       point_error: relative error (1 sigma) of a single point's depth.
       foot_error: relative error of the depth of an object's foot.
       guess_error: relative error of the network's depth after scaling.
       shared_point_error: relative error that points of one mask share (they are on one side of the object), a lower
-        limit of the mean's error. foot_share: share of a mask's height within which its lowest pixels are on the
-        ground; above are the gaps between wheels. min_points: fewest points of an object for its depth.
+        limit of the mean's error.
+      foot_share: share of a mask's height within which its lowest pixels are on the ground; above are the gaps between
+        wheels.
+      min_points: fewest points of an object for its depth.
     """
 
     ground_range: float = 40.0
@@ -78,7 +80,8 @@ def dense_depth(
     """(H, W) f32 m along the axis of a registered frame's camera; 0 where unknown.
 
     Args:
-      row: of the registered frames. observation: what the straightened frame shows.
+      row: of the registered frames.
+      observation: what the straightened frame shows.
     """
     flat = _ground_depth(structure.camera, metric.poses[row], observation.surfaces, ground.z[row])
     mine = structure.frame == row

@@ -27,8 +27,8 @@ class SamplingOptions:
     """How frames are taken.
 
     Attributes:
-      rate: frames per second; of a folder's images, images per second. candidates: images of a video that are compared
-        for each frame; the sharpest is taken.
+      rate: frames per second; of a folder's images, images per second.
+      candidates: images of a video that are compared for each frame; the sharpest is taken.
       short_side: pixels; larger images are scaled down to it.
       max_frames: longer videos are sampled at a lower rate; longer folders are refused.
       limits: of the screen.
@@ -52,7 +52,9 @@ class Frames:
     """Frames on disk.
 
     Attributes:
-      folder: of the images. names: PNG files in it. time_s: s of each since the video's beginning.
+      folder: of the images.
+      names: PNG files in it.
+      time_s: s of each since the video's beginning.
       width, height: pixels of all.
       dropped: time (s) and reason of each frame left out.
       blur: name of the detector of blurred regions, or None without blurring.

@@ -45,8 +45,9 @@ class Metric:
       kept: (n,) rows of the structure's frames, rising.
       scale: (n,) f64 metres per unit of the structure at each.
       poses: (n, 4, 4) f64 T_world_camera, z up, z = 0 on the ground under the first camera.
-      points: (p, 3) f64 m, world. ground: (p,) u8 codes of `GROUND_KINDS` that most views of the point saw; 0 = none,
-        or a point that no kept frame saw.
+      points: (p, 3) f64 m, world.
+      ground: (p,) u8 codes of `GROUND_KINDS` that most views of the point saw; 0 = none, or a point that no kept frame
+        saw.
       heights: (n,) f64 m: of each camera above the ground near it, NaN where none is seen.
       pieces: in so many the structure was joined.
     """

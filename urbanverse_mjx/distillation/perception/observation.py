@@ -14,7 +14,8 @@ class FrameObservation:
 
     Attributes:
       surfaces: (H, W) u8, see `Frame.surfaces`.
-      masks: (H, W) i32 row of `detections`, -1 = none. detections: objects with their labels and scores.
+      masks: (H, W) i32 row of `detections`, -1 = none.
+      detections: objects with their labels and scores.
       depth: (H, W) f32 m along the camera's axis, predicted from one image; None for models without depth.
     """
 

@@ -51,8 +51,8 @@ def perceive(
 
     Args:
       folder: of the recording.
-      source: source of the video for the recording. name: becomes the recording's id; characters that an id cannot hold
-        become "_".
+      source: source of the video for the recording.
+      name: becomes the recording's id; characters that an id cannot hold become "_".
       progress: called with (steps done, steps in all): three for a frame's pose, one for its perception, one for
         writing it.
 

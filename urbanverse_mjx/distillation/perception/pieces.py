@@ -25,9 +25,10 @@ class CutOptions:
       window: steps on either side for the walker's speed.
       min_frames: fewest frames of a piece.
       jump_ratio: a step so many times as long as those around it is a jump to a place that looks similar.
-      break_ratio: where steps grow or shrink by this factor at once the unit has changed. max_range: m; points nearer
-        to where two pieces meet are compared. max_below: m below the cameras, their lower limit. max_above: m above the
-        cameras, their upper limit.
+      break_ratio: where steps grow or shrink by this factor at once the unit has changed.
+      max_range: m; points nearer to where two pieces meet are compared.
+      max_below: m below the cameras, their lower limit.
+      max_above: m above the cameras, their upper limit.
       coarse_search: rad from one turn to the next, rad to either side, m of a cell, m from one shift to the next.
       fine_search: the same around the best of the coarse ones.
       meeting_error: m, by which the place where two pieces meet may be off.
@@ -81,10 +82,12 @@ class Piece:
     """Some frames of a trajectory, upright and in metres, at a place of their own.
 
     Attributes:
-      rows: (k,) of the structure's registered frames. frames: (k,) their numbers, rising.
+      rows: (k,) of the structure's registered frames.
+      frames: (k,) their numbers, rising.
       model: pieces of one model also have a relative rotation, with a larger error.
-      poses: (k, 4, 4) T_piece_camera, z up. points: (p, 3) m, its structure. T_unit: (4, 4) from the structure's unit
-        and axes, with the scale in it.
+      poses: (k, 4, 4) T_piece_camera, z up.
+      points: (p, 3) m, its structure.
+      T_unit: (4, 4) from the structure's unit and axes, with the scale in it.
     """
 
     rows: np.ndarray

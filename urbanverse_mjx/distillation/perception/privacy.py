@@ -25,8 +25,9 @@ class Blur:
     """Blurs what a detector finds.
 
     Attributes:
-      detector: finds faces and plates. name: for the records. margin: share of a box's size added to each side;
-        detectors leave out ears and frames of plates.
+      detector: finds faces and plates.
+      name: for the records.
+      margin: share of a box's size added to each side; detectors leave out ears and frames of plates.
     """
 
     detector: FindsPrivate

@@ -74,7 +74,8 @@ def screen(frames: Sequence[Measures], turns: Sequence[float], limits: ScreenLim
     """Why each frame is unusable, or None.
 
     Args:
-      frames: in order. turns: share of the width that went out of sight before each.
+      frames: in order.
+      turns: share of the width that went out of sight before each.
     """
     sharp = np.array([f.sharpness for f in frames])
     usual = ndimage.median_filter(sharp, min(15, 2 * (len(sharp) // 2) + 1), mode="nearest") if len(sharp) else sharp

@@ -36,8 +36,8 @@ class MappingOptions:
         wide).
       min_focal: the least that a street camera has: an action camera, 120° wide.
       max_focal: the most: a phone's second lens.
-      max_distortion: k1; no camera lens has more: a larger result means that the structure collapsed. min_model:
-        frames; smaller models next to a larger one cannot be located reliably.
+      max_distortion: k1; no camera lens has more: a larger result means that the structure collapsed.
+      min_model: frames; smaller models next to a larger one cannot be located reliably.
       min_shared_points: models that share a frame are one if at least so many points that it shows are in both.
       contrast: SIFT's least contrast, COLMAP's own. With less, matches on the bricks of a near wall outnumber all
         others, and matches on a single plane fit two poses: on three of twelve captures the trajectory then bent by 50
@@ -96,10 +96,13 @@ class Structure:
     """m registered frames, p points and o observations; each model's lengths in a unit and axes of its own.
 
     Attributes:
-      camera: pinhole of the straightened frames. distortion: k1 of COLMAP's SIMPLE_RADIAL.
-      registered: (m,) i32 numbers of the frames. poses: (m, 4, 4) f64 T_structure_camera, OpenCV axes.
+      camera: pinhole of the straightened frames.
+      distortion: k1 of COLMAP's SIMPLE_RADIAL.
+      registered: (m,) i32 numbers of the frames.
+      poses: (m, 4, 4) f64 T_structure_camera, OpenCV axes.
       points: (p, 3) f64.
-      frame, point: (o,) i32 row of `registered` and of `points`; pixel: (o, 2) f32 u, v in the straightened frame.
+      frame, point: (o,) i32 row of `registered` and of `points`.
+      pixel: (o, 2) f32 u, v in the straightened frame.
       error: pixels, mean reprojection error.
       model: (m,) i32 which model each frame belongs to; points are seen by the frames of one model alone.
     """

@@ -11,8 +11,9 @@ class TrajectoryError:
 
     Attributes:
       T: (4, 4) that takes estimated places to true ones, rigid.
-      rmse, worst: m. turn: degrees, middle error of the direction. scale: true length over estimated length, as the
-        best similarity has it; 1 where the metric scale is right.
+      rmse, worst: m.
+      turn: degrees, middle error of the direction.
+      scale: true length over estimated length, as the best similarity has it; 1 where the metric scale is right.
     """
 
     T: np.ndarray

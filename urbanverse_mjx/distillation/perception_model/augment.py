@@ -33,7 +33,8 @@ def jpeg(image: jax.Array, quality: jax.Array) -> jax.Array:
     """The block artefacts of JPEG: every 8 x 8 block rounded in frequency, each colour alike.
 
     Args:
-      image: (H, W, 3) in [0, 1], sides multiples of 8; quality: () 1 to 100 as libjpeg counts it.
+      image: (H, W, 3) in [0, 1], sides multiples of 8.
+      quality: () 1 to 100 as libjpeg counts it.
     """
     h, w, _ = image.shape
     scale = jnp.where(quality < 50.0, 50.0 / quality, 2.0 - quality / 50.0)

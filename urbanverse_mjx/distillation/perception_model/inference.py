@@ -24,7 +24,8 @@ class PerceptionModel:
     """`Predictor` by the small network. Make it with `PerceptionModel.load`.
 
     Attributes:
-      variables: of the network. record: how they were trained.
+      variables: of the network.
+      record: how they were trained.
     """
 
     variables: Any

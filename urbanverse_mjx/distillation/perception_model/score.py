@@ -32,8 +32,10 @@ class Score:
         """One frame.
 
         Args:
-          kinds: (h, w) true classes; owner: (h, w) which object a pixel belongs to, -1 = none; depth: (h, w) true m,
-            0 where unknown; leaves: (h, w) true leaf's number, -1 = none.
+          kinds: (h, w) true classes.
+          owner: (h, w) which object a pixel belongs to, -1 = none.
+          depth: (h, w) true m, 0 where unknown.
+          leaves: (h, w) true leaf's number, -1 = none.
         """
         for kind in range(classes.FIRST_OBJECT):
             a, b = seen.kinds == kind, kinds == kind

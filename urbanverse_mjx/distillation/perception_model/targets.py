@@ -78,8 +78,11 @@ def ground_truth(
     """Of one frame.
 
     Args:
-      category, slot: (H, W) i32 as rendered, -1 = sky; depth: (H, W) m; focal: () pixels of the full image.
-      table: `classes.class_table` of the bank; slots: how many visual slots its scenes have.
+      category, slot: (H, W) i32 as rendered, -1 = sky.
+      depth: (H, W) m.
+      focal: () pixels of the full image.
+      table: `classes.class_table` of the bank.
+      slots: how many visual slots its scenes have.
     """
     # Of each output pixel's four the one below and right: its first ray is the one nearest to their middle.
     category, slot, depth = (x[1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE] for x in (category, slot, depth))
@@ -137,7 +140,8 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
     """Of a batch: () and its parts.
 
     Args:
-      seen, wanted: with a leading axis n; counts: (n,) 0 for frames without objects, such as a wall's inside.
+      seen, wanted: with a leading axis n.
+      counts: (n,) 0 for frames without objects, such as a wall's inside.
     """
     weight = counts[:, None, None] * jnp.ones_like(seen.centre)
     total = jnp.maximum(weight.sum(), 1.0)

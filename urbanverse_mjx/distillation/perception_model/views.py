@@ -55,7 +55,8 @@ class Views:
     """Draws random frames of a bank with their ground truth.
 
     Attributes:
-      places: (Z, K, places, 3) f32 m, points on the ground by scene and kind of `ground_shares`; weights: (Z, K) f32.
+      places: (Z, K, places, 3) f32 m, points on the ground by scene and kind of `ground_shares`.
+      weights: (Z, K) f32.
       table: (A + 1, 2) `classes.class_table` of the bank.
     """
 
@@ -77,9 +78,10 @@ class Views:
         """Views of a bank.
 
         Args:
-          appearance: range of random colours and light, see `Renderer`. mixed: share of the roads, pavements and
-            grounds with another kind's material, so that paving alone does not identify the road. samples: rays per
-            pixel and side, as in `capture`: with one, thin objects break into dots.
+          appearance: range of random colours and light, see `Renderer`.
+          mixed: share of the roads, pavements and grounds with another kind's material, so that paving alone does not
+            identify the road.
+          samples: rays per pixel and side, as in `capture`: with one, thin objects break into dots.
         """
         bank = _with_mixed_ground(bank, mixed, np.random.default_rng([seed, 1]))
         renderer = Renderer(

@@ -46,9 +46,11 @@ def read_authors_tree(
     """Writes a recording of the authors' output folder.
 
     Args:
-      root: the folder above. folder: of the recording.
+      root: the folder above.
+      folder: of the recording.
       predictor: finds objects and surfaces in the frames.
-      rate: frames per second. images: the frames' folder; default: `images` in the root.
+      rate: frames per second.
+      images: the frames' folder; default: `images` in the root.
 
     Raises:
       ValidationError: a part is missing, parts of different number, or numbers that are no pose, depth or lens.

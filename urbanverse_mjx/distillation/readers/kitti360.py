@@ -36,7 +36,9 @@ class Kitti360Options:
     """The part of the data to read.
 
     Attributes:
-      sequence: such as "2013_05_28_drive_0000_sync". first, last: frames, both included; step: every so many of them.
+      sequence: such as "2013_05_28_drive_0000_sync".
+      first, last: frames, both included.
+      step: every so many of them.
       depth: "scan" takes the laser's points, "boxes" the annotated boxes and the road's level; "auto" the laser where
         its scans are there.
       camera: 0 or 1, of the perspective pair.

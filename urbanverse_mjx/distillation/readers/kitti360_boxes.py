@@ -22,8 +22,11 @@ class Kitti360Box:
     """One annotated object, at one time if it moves.
 
     Attributes:
-      kind: its class; instance: its number within the class; timestamp: the frame it is meant for, -1 = all.
-      corners: (n, 3) m in KITTI-360's world, z up. heading: rad, of its own x axis seen from above.
+      kind: its class.
+      instance: its number within the class.
+      timestamp: the frame it is meant for, -1 = all.
+      corners: (n, 3) m in KITTI-360's world, z up.
+      heading: rad, of its own x axis seen from above.
     """
 
     kind: Kitti360Class

@@ -59,7 +59,8 @@ def boxes_depth(
 
     Args:
       masks, detections, surfaces: of the frame; tracks are the boxes' ids.
-      boxes: that hold at the frame; origin: (3,) m, of the recording's world in KITTI-360's.
+      boxes: that hold at the frame.
+      origin: (3,) m, of the recording's world in KITTI-360's.
     """
     rays = camera.rays() @ T_world_camera[:3, :3].T
     camera_position = T_world_camera[:3, 3]

@@ -11,7 +11,8 @@ class Kitti360Class:
     """One class.
 
     Attributes:
-      name, id: as label images have them; box_id: its number in the 3D boxes' files, -1 = has none.
+      name, id: as label images have them.
+      box_id: its number in the 3D boxes' files, -1 = has none.
       label: our leaf for its instances; None where it has none that stand for an object.
       surface: code of a recording's surface images; 0 where it is no ground and no sky.
     """

@@ -14,8 +14,8 @@ class Body(NamedTuple):
     Attributes:
       friction_scale, mass_scale: (), see `SimState`.
       strength: () factor on the servos' stiffness.
-      joint_bias: (12,) rad, error of each encoder. delay: () f32, 1 where commands reach the servos one control step
-        late.
+      joint_bias: (12,) rad, error of each encoder.
+      delay: () f32, 1 where commands reach the servos one control step late.
     """
 
     friction_scale: Float[Array, ""]

@@ -43,15 +43,22 @@ class _GaitFields(NamedTuple):
     """Everything one env carries from step to step; J joints, F feet, T terrain kinds, H steps of history.
 
     Attributes:
-      key: typed PRNG key. sim: the engine's `SimState`. body: see `Body`.
-      kind: () i32, row of the terrain kinds; levels: (T,) i32, the env's level of each, which outlives an episode.
-      command: (3,) m/s, m/s, rad/s; hold: () s until the next one.
-      target: (J,) rad, targets of the servos from the last action; action: (J,) the action itself.
+      key: typed PRNG key.
+      sim: the engine's `SimState`.
+      body: see `Body`.
+      kind: () i32, row of the terrain kinds.
+      levels: (T,) i32, the env's level of each, which outlives an episode.
+      command: (3,) m/s, m/s, rad/s.
+      hold: () s until the next one.
+      target: (J,) rad, targets of the servos from the last action.
+      action: (J,) the action itself.
       joint_speed: (J,) rad/s at the end of the last step.
       history: (H, 9 + 3 J) sensor readings, newest first.
-      feet: (F, 3) m; air_time: (F,) s.
+      feet: (F, 3) m.
+      air_time: (F,) s.
       distance, distance_asked: () m along the commands, covered and commanded.
-      steps: () i32; result: () i32, see `Result`.
+      steps: () i32.
+      result: () i32, see `Result`.
     """
 
     key: Key[Array, ""]

@@ -16,7 +16,8 @@ class TerrainLevels:
     """Scenes "<kind>-<level>" of a bank, by `config.terrain` of a walking task.
 
     Attributes:
-      kinds: T names. scenes: (T, L) i32 rows of the bank.
+      kinds: T names.
+      scenes: (T, L) i32 rows of the bank.
 
     Raises:
       ValidationError: scenes of other names, or kinds with different levels.
@@ -50,7 +51,8 @@ class TerrainLevels:
         """(T,) levels after an episode on `kind`: harder where it went well, easier where it did not.
 
         Args:
-          lasted: () bool, it ended by its time alone. distance, asked: () m along the commands, covered and commanded.
+          lasted: () bool, it ended by its time alone.
+          distance, asked: () m along the commands, covered and commanded.
         """
         count = self.scenes.shape[1]
         share, long = distance / jnp.maximum(asked, 1e-3), asked > _MIN_REQUEST

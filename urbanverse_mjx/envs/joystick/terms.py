@@ -27,14 +27,23 @@ class Motion(NamedTuple):
     """The robot after a control step; J joints, F feet.
 
     Attributes:
-      linear: (3,) m/s of the trunk, heading frame; angular: (3,) rad/s, body frame.
+      linear: (3,) m/s of the trunk, heading frame.
+      angular: (3,) rad/s, body frame.
       up: (3,) the world's up in the body frame.
       height: () m, trunk above the ground under the feet.
-      joints: (J,) rad; joint_speed: (J,) rad/s; joint_acceleration: (J,) rad/s²; torque: (J,) N m.
-      foot_height: (F,) m of the soles above the ground; foot_speed: (F,) m/s over ground.
-      contact: (F,) bool; air_time: (F,) s that each foot was in the air before this step; landed: (F,) bool.
+      joints: (J,) rad.
+      joint_speed: (J,) rad/s.
+      joint_acceleration: (J,) rad/s².
+      torque: (J,) N m.
+      foot_height: (F,) m of the soles above the ground.
+      foot_speed: (F,) m/s over ground.
+      contact: (F,) bool.
+      air_time: (F,) s that each foot was in the air before this step.
+      landed: (F,) bool.
       touch: () share of the step with contact of a part other than a foot.
-      action, last_action: (J,). fell: () bool. command: (3,).
+      action, last_action: (J,).
+      fell: () bool.
+      command: (3,).
     """
 
     linear: Float[Array, "3"]

@@ -61,7 +61,10 @@ class Clutter:
     """Chooses and places objects.
 
     Args:
-      bank: the scenes. row: (Z, N) i32, -1 for fixed objects. number: M, objects of an env. robot: that drives there.
+      bank: the scenes.
+      row: (Z, N) i32, -1 for fixed objects.
+      number: M, objects of an env.
+      robot: that drives there.
       surroundings: distances in the street as the bank has it.
     """
 

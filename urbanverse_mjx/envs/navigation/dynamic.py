@@ -98,9 +98,11 @@ class DynamicStreet:
     """A crowd in every env.
 
     Args:
-      bank: the scenes; scenes: (n,) rows of it in use.
+      bank: the scenes.
+      scenes: (n,) rows of it in use.
       config: `config.crowd` of an environment.
-      ctrl_dt: s, the control step. robot: avoided by the agents.
+      ctrl_dt: s, the control step.
+      robot: avoided by the agents.
 
     Raises:
       ValidationError: see `slot_kinds`; a share outside [0, 1].
@@ -131,7 +133,9 @@ class DynamicStreet:
         """The crowd of a new episode.
 
         Args:
-          key: typed, not used up. start: (4,) x, y, z, yaw; waypoints: (W, 3) m.
+          key: typed, not used up.
+          start: (4,) x, y, z, yaw.
+          waypoints: (W, 3) m.
           clearance: (scene, (n, 2) m) -> (n, 2) m to the next hull and the walkable edge.
         """
         keys = jax.random.split(jax.random.fold_in(key, _BEGIN), 3)

@@ -123,7 +123,9 @@ class Encounters:
         probability 0.
 
         Args:
-          key: typed, used up. start: (3+,) m; waypoints: (W, 3) m.
+          key: typed, used up.
+          start: (3+,) m.
+          waypoints: (W, 3) m.
           clearance: (n, 2) m -> (n, 2) m to the next hull and the walkable edge.
         """
         length = jnp.linalg.norm(jnp.diff(jnp.concatenate([start[None, :2], waypoints[:, :2]]), axis=0), axis=-1).sum()

@@ -26,7 +26,8 @@ class Learnability:
     """The tables' shape, and how a mean becomes weights.
 
     Args:
-      bank: the scenes; scenes: (n,) rows of it in use.
+      bank: the scenes.
+      scenes: (n,) rows of it in use.
     """
 
     def __init__(self, bank: SceneBank, scenes: Int[np.ndarray, " n"]) -> None:

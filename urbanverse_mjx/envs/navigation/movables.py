@@ -52,7 +52,9 @@ class Movables:
     """The objects of every scene that can be pushed.
 
     Args:
-      bank: the scenes. row: (Z, N) i32, -1 for fixed objects. number: M, objects of an env.
+      bank: the scenes.
+      row: (Z, N) i32, -1 for fixed objects.
+      number: M, objects of an env.
     """
 
     def __init__(self, bank: SceneBank, row: Int[np.ndarray, "Z N"], number: int) -> None:

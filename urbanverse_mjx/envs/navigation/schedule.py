@@ -28,7 +28,8 @@ class EpisodeSchedule:
 
     Args:
       config: `config.schedule` of an environment.
-      bank: the scenes; scenes: (n,) i32, the rows of the bank in use.
+      bank: the scenes.
+      scenes: (n,) i32, the rows of the bank in use.
 
     Raises:
       ValidationError: a negative value, no episodes between swaps, a limit without a ramp, or a share outside [0, 1] or

@@ -32,7 +32,9 @@ class RandomStarts:
     """Draws starts.
 
     Args:
-      share: of the episodes that begin so, in (0, 1]. surroundings: distances in the streets. robot: that drives there.
+      share: of the episodes that begin so, in (0, 1].
+      surroundings: distances in the streets.
+      robot: that drives there.
     """
 
     def __init__(self, share: float, surroundings: Surroundings, robot: RobotSpec) -> None:

@@ -131,7 +131,8 @@ class Surroundings:
         """(..., 2) m to the next hull and to the edge of the walkable ground, at most `FAR`.
 
         Args:
-          scene: () i32; p_xy: (..., 2) m in the world's frame. Outside the map both are 0.
+          scene: () i32.
+          p_xy: (..., 2) m in the world's frame. Outside the map both are 0.
         """
         cell = cell_of(p_xy, self._origin[scene], CELL)
         size = jnp.array(self._fields.shape[1:3])

@@ -44,7 +44,8 @@ def beside_route(
     """Points (T, D) m beside the line through corners (W, D), D 2 or 3, and (T,) i32 the piece each stands beside.
 
     Args:
-      along: m of arc length on the ground plane. aside: m to the left; the height is that of the line.
+      along: m of arc length on the ground plane.
+      aside: m to the left; the height is that of the line.
     """
     span = jnp.diff(corners, axis=0)
     length = jnp.linalg.norm(span[:, :2], axis=-1)
@@ -93,7 +94,8 @@ def route_completed(
     completed one at most the distance driven.
 
     Args:
-      left: () m, straight to the goal. driven: () m.
+      left: () m, straight to the goal.
+      driven: () m.
     """
     return jnp.clip(jnp.minimum(route_position(p_xy, start, waypoints), length - left), 0.0, driven)
 

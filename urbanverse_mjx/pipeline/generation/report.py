@@ -40,8 +40,11 @@ def write_report(
     """Draws the report's images into a folder (that will be `report/`) and returns the page.
 
     Args:
-      run: the run's folder, all stages before done. given: its source. recorded: the recording's folder.
-      seconds: by stage. progress: called with (images done, images in all).
+      run: the run's folder, all stages before done.
+      given: its source.
+      recorded: the recording's folder.
+      seconds: by stage.
+      progress: called with (images done, images in all).
     """
     graph = SceneGraph.load(run / "graph" / "graph.json")
     record = json.loads((run / "materialisation.json").read_text(encoding="utf-8"))

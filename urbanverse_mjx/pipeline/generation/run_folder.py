@@ -40,7 +40,8 @@ class RunFolder:
     """A run's folder and its record.
 
     Attributes:
-      path: the folder. record: the content of `run.json`.
+      path: the folder.
+      record: the content of `run.json`.
     """
 
     path: pathlib.Path

@@ -26,11 +26,13 @@ class GenerationOptions:
     """How cousins are made.
 
     Attributes:
-      cousins: their number, 1 to 64. seed: selects among equal fits.
+      cousins: their number, 1 to 64.
+      seed: selects among equal fits.
       kerb: m, of sidewalks whose step to the road the source does not show.
-      usd: whether to write each scene as USD too. pictures: whether the report has rendered images.
-      workers: processes that compile; None for one per core. video: metadata of a video or folder of frames, and
-        options of its perception.
+      usd: whether to write each scene as USD too.
+      pictures: whether the report has rendered images.
+      workers: processes that compile; None for one per core.
+      video: metadata of a video or folder of frames, and options of its perception.
     """
 
     cousins: int = 5

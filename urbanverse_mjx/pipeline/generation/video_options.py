@@ -10,9 +10,10 @@ class VideoOptions:
     Attributes:
       rate: frames taken per second.
       camera_height: m above the ground that is walked on: it gives the metric scale.
-      perception: model that finds objects: "eye", the built-in one, or "foundation"; models: folder of the latter.
-      blur: detector of faces and plates that are made unreadable before a frame is stored; None: no blurring. licence,
-        city, country: of the video, for the records.
+      perception: model that finds objects: "eye", the built-in one, or "foundation".
+      models: folder of the latter.
+      blur: detector of faces and plates that are made unreadable before a frame is stored; None: no blurring.
+      licence, city, country: of the video, for the records.
     """
 
     rate: float = 2.0

@@ -47,8 +47,10 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
     """Makes, films and distils one block.
 
     Args:
-      profile, seed: of the block. name: id of the layout.
-      folder: of the recording, some 30 MB. length: m of street.
+      profile, seed: of the block.
+      name: id of the layout.
+      folder: of the recording, some 30 MB.
+      length: m of street.
 
     Raises:
       ValidationError: a profile with records that are not in the asset index, or a capture without ground.

@@ -83,7 +83,9 @@ class Camera:
     """The robot's camera as the environment's config has it, but for size and outputs.
 
     Args:
-      env: whose episodes are drawn. height, width: pixels. sensors: of `SENSORS`, besides colour.
+      env: whose episodes are drawn.
+      height, width: pixels.
+      sensors: of `SENSORS`, besides colour.
     """
 
     def __init__(self, env: "NavEnv", height: int, width: int, sensors: Sequence[str]) -> None:

@@ -32,8 +32,12 @@ class Steps(NamedTuple):
     """Steps of envs, fields (T, n, ...); before the action but where said otherwise.
 
     Attributes:
-      running: bool, the episode had not ended. goal: (2,) m as the policy is told. proprio: (3 + A,), see `NavEnv`.
-      action: (A,) as applied. reward: of the step. result: () i32 after the step, see `Result`.
+      running: bool, the episode had not ended.
+      goal: (2,) m as the policy is told.
+      proprio: (3 + A,), see `NavEnv`.
+      action: (A,) as applied.
+      reward: of the step.
+      result: () i32 after the step, see `Result`.
       hit: bool, the robot touched something during the step. xpos (nbody, 3), xquat (nbody, 4), agents, bodies,
         appearance_seed: what the renderer takes.
       route_share: () share of the route done after the step.
@@ -68,9 +72,11 @@ class Driven:
     """One episode.
 
     Attributes:
-      scene, row: of the bank and of the scene's episode table. seed: of the episode.
+      scene, row: of the bank and of the scene's episode table.
+      seed: of the episode.
       steps: fields (T, ...) of its T steps.
-      result: how it ended, of `datatypes.RESULTS`. route_completion: share of the route.
+      result: how it ended, of `datatypes.RESULTS`.
+      route_completion: share of the route.
     """
 
     scene: int
@@ -106,7 +112,8 @@ class _Slots:
     """Which episode each env drives, its steps so far, and ended episodes that wait for earlier ones.
 
     Args:
-      count: of episodes. envs: as many or fewer.
+      count: of episodes.
+      envs: as many or fewer.
     """
 
     def __init__(self, count: int, envs: int) -> None:

@@ -70,7 +70,9 @@ def with_agents(
     """Contacts and slots with the agents behind them; at most `max_contacts` spheres touch an agent at once.
 
     Args:
-      found: with the hulls in `nearby`; centres: (S, 3) m, radii: (S,) m. motion: at this physics step.
+      found: with the hulls in `nearby`.
+      centres: (S, 3) m, radii: (S,) m.
+      motion: at this physics step.
     """
     offset = centres[:, None] - motion.position
     gap, normal = prism_distance(offset, motion.heading, shapes)
@@ -108,7 +110,9 @@ def noted(touch: Any, met: Any, owner: Any, force: Any) -> Any:
     """The sums of a control step (fields agent, agent_force) with the touches of one physics step.
 
     Args:
-      met: (n,) bool, contacts with an agent. owner: (n,) i32, see `FIRST_OWNER`. force: (n,) N.
+      met: (n,) bool, contacts with an agent.
+      owner: (n,) i32, see `FIRST_OWNER`.
+      force: (n,) N.
     """
     strength = jnp.where(met, force, -1.0)
     best = jnp.argmax(strength)

@@ -30,9 +30,11 @@ class BodyContacts(NamedTuple):
     """n contacts of bodies.
 
     Attributes:
-      body: (n,) i32, whose point it is; other: (n,) i32, body that it touches, -1 = what does not move.
+      body: (n,) i32, whose point it is.
+      other: (n,) i32, body that it touches, -1 = what does not move.
       distance: (n,) m, negative where they overlap, else infinite.
-      normal: (n, 3) unit, towards `body`; position: (n, 3) m, half-way between the surfaces; world frame.
+      normal: (n, 3) unit, towards `body`.
+      position: (n, 3) m, half-way between the surfaces; world frame.
       friction: (n,).
     """
 
@@ -48,9 +50,10 @@ def ground_contacts(places: Any, centre: Any, prisms: Slots, planes: Any, fricti
     """Contacts of all bodies with the ground.
 
     Args:
-      places: (W, P, 3) m, points in the world. centre: (W, 3) m, of mass.
-      prisms: Q prisms near each body, leading axis W; planes: (T, 4, F) of the hull table, in the prisms' frames, which
-        are not turned.
+      places: (W, P, 3) m, points in the world.
+      centre: (W, 3) m, of mass.
+      prisms: Q prisms near each body, leading axis W.
+      planes: (T, 4, F) of the hull table, in the prisms' frames, which are not turned.
       friction: (W,) of the bodies.
     """
     local = places[:, :, None] - prisms.position[:, None]
@@ -89,8 +92,10 @@ def other_contacts(places: Any, targets: Slots, other: Any, table: HullTable, bo
     """Contacts of all bodies with static hulls and with each other's hulls.
 
     Args:
-      places: (W, P, 3) m. targets: T hulls for each body, leading axis W; other: (W, T) i32, the body whose hull it is,
-        -1 = static. box: (hulls, 2, 3) m, boxes around the table's hulls.
+      places: (W, P, 3) m.
+      targets: T hulls for each body, leading axis W.
+      other: (W, T) i32, the body whose hull it is, -1 = static.
+      box: (hulls, 2, 3) m, boxes around the table's hulls.
       friction: (W,) of the bodies.
     """
     number = targets.hull.shape[1]

@@ -60,8 +60,11 @@ class Awake(NamedTuple):
     """W bodies that move, in the terms of the physics.
 
     Attributes:
-      row: (W,) i32 of the body table, -1 = empty. object_index: (W,) i32, object, -1 = none.
-      place: (W, 3) m, of the centre of mass. quaternion: (W, 4): T_world_object. velocity, spin, warm: see `Bodies`.
+      row: (W,) i32 of the body table, -1 = empty.
+      object_index: (W,) i32, object, -1 = none.
+      place: (W, 3) m, of the centre of mass.
+      quaternion: (W, 4): T_world_object.
+      velocity, spin, warm: see `Bodies`.
     """
 
     row: Any
@@ -129,7 +132,8 @@ def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: fl
     """Which bodies move in this control step.
 
     Args:
-      robot: (3,) m; reach: m around it within which it may touch something.
+      robot: (3,) m.
+      reach: m around it within which it may touch something.
 
     Returns:
       slots (W,) i32 of `bodies`, the `Awake` in them, and () i32, how many should move and may not.

@@ -36,11 +36,16 @@ class BodyTable(NamedTuple):
 
     Attributes:
       row: (Z, N) i32, which of the B an object (visual slot) is; -1 = it stands still for ever.
-      shape: (B,) i32; mass: (B,) kg; friction: (B,); home: (B, 3) m, home_quaternion: (B, 4): where the scene has it.
-      centre: (S, 3) m, of mass; inertia: (S, 3) m^2, principal moments of 1 kg about it; axes: (S, 3, 3), their axes as
-        columns.
+      shape: (B,) i32.
+      mass: (B,) kg.
+      friction: (B,).
+      home: (B, 3) m, home_quaternion: (B, 4): where the scene has it.
+      centre: (S, 3) m, of mass.
+      inertia: (S, 3) m^2, principal moments of 1 kg about it.
+      axes: (S, 3, 3), their axes as columns.
       radius: (S,) m, of the ball around the centre of mass that holds the shape.
-      hull: (S, H) i32, rows of the hull table, -1 = none; points: (S, P, 3) m from the centre of mass.
+      hull: (S, H) i32, rows of the hull table, -1 = none.
+      points: (S, P, 3) m from the centre of mass.
     """
 
     row: np.ndarray

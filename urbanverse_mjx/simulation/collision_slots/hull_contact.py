@@ -51,7 +51,8 @@ class SphereContacts(NamedTuple):
     """The contacts of one robot, `num_contacts` of them.
 
     Attributes:
-      sphere: (n,) i32; slot: (n,) i32.
+      sphere: (n,) i32.
+      slot: (n,) i32.
       distance: (n,) m, negative where they overlap; infinite for an empty slot.
       normal: (n, 3) unit, from the hull to the sphere, world frame.
       position: (n, 3) m, half-way between the surfaces, world frame.
@@ -170,7 +171,8 @@ def find_contacts(
     never too large.
 
     Args:
-      centres: (S, 3) m, world frame. radii: (S,) m.
+      centres: (S, 3) m, world frame.
+      radii: (S,) m.
       slots: C hulls; S * C must be at least `num_contacts` and the spare ones.
       spare: pairs of the third pass beyond the contacts, for grounds of small pieces: beside a corner of one, a sphere
         is nearer to its planes than to itself.

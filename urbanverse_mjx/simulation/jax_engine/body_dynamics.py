@@ -31,7 +31,8 @@ class Scenery(NamedTuple):
 
     Attributes:
       prisms: Q ground prisms, hulls: S static hulls near each, leading axis W.
-      planes: (T, 4, F) of the prisms' rows of the hull table. box: (T, 2, 3) m, boxes around the table's hulls.
+      planes: (T, 4, F) of the prisms' rows of the hull table.
+      box: (T, 2, 3) m, boxes around the table's hulls.
       table: see `HullTable`.
     """
 

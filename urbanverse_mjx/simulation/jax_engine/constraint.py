@@ -79,7 +79,8 @@ def contact_rows(
 
     Args:
       pushed: what the contacts do to bodies, whose 6 W velocities then follow the robot's in qvel; None = no bodies.
-      slot_friction: (C,) of the hulls; friction_scale: () factor on the friction of each contact.
+      slot_friction: (C,) of the hulls.
+      friction_scale: () factor on the friction of each contact.
       motion: (nv, 6) MJX's cdof, angular then linear, about `centre` (3,).
       qvel: (nv,).
     """
@@ -123,7 +124,9 @@ def pyramid_rows(
 
     Args:
       relative: (n, 3, nv) velocity of the first surface against the second along the normal and both tangents.
-      friction: (n, 1). slippery, acts: (n,) bool, without friction; touching. depth: (n,) m, negative where it acts.
+      friction: (n, 1).
+      slippery, acts: (n,) bool, without friction; touching.
+      depth: (n,) m, negative where it acts.
       solref: (n, 2), solimp: (n, 5), weight: (n,) 1/kg.
     """
     along, side, up = jnp.moveaxis(relative, 1, 0)
@@ -169,7 +172,9 @@ class Pushed(NamedTuple):
     """What n contacts do to W bodies.
 
     Attributes:
-      body: (n,) i32 body that each contact pushes, -1 = none. place: (W, 3) m, centres of mass; inverse: (W,) 1/kg.
+      body: (n,) i32 body that each contact pushes, -1 = none.
+      place: (W, 3) m, centres of mass.
+      inverse: (W,) 1/kg.
     """
 
     body: Any
@@ -193,8 +198,11 @@ class _Search(NamedTuple):
     """Newton's state.
 
     Attributes:
-      a: (nv,) acceleration; gap: (n,) J a - aref; pushing: (n,) bool, gap < 0.
-      done: () bool, a is the minimum; steps: () i32.
+      a: (nv,) acceleration.
+      gap: (n,) J a - aref.
+      pushing: (n,) bool, gap < 0.
+      done: () bool, a is the minimum.
+      steps: () i32.
     """
 
     a: Any
@@ -211,7 +219,8 @@ def solve(mass: Any, free: Any, start: Any, rows: Rows, iterations: int, line_st
 
     Args:
       mass: (nv, nv), free: (nv,) unconstrained acceleration, start: (nv,) acceleration of the step before.
-      iterations: at most so many Newton steps; line_steps: each with so many in its line search.
+      iterations: at most so many Newton steps.
+      line_steps: each with so many in its line search.
 
     Returns:
       acceleration (nv,) and row forces (n,), not negative.
@@ -260,7 +269,8 @@ def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: A
     """Where along the step the cost is least: the root of its slope, which rises piecewise linearly.
 
     Args:
-      slope, curvature: () of the smooth part at 0. gap, change, stiffness: (n,) of the rows.
+      slope, curvature: () of the smooth part at 0.
+      gap, change, stiffness: (n,) of the rows.
       steps: at most so many evaluations.
     """
 

@@ -27,8 +27,10 @@ class EngineTables(NamedTuple):
     """The bank on the device.
 
     Attributes:
-      hulls: see `HullTable`; objects, prisms: see `InstanceTable`.
-      grid_origin: (Z, 2) m; grid_cell: () m.
+      hulls: see `HullTable`.
+      objects, prisms: see `InstanceTable`.
+      grid_origin: (Z, 2) m.
+      grid_cell: () m.
     """
 
     hulls: hull_contact.HullTable

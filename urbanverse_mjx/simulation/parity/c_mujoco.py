@@ -47,8 +47,8 @@ class Trace:
       qpos: (N, S, nq) after each physics step.
       hit: (N, S) bool: the robot touched an object, or a part other than a foot touched the ground.
       objects: N sets of the ids of the objects touched.
-      ground: (N,) bool, whether a part other than a foot touched the ground. met: (N, S) bool, hit, or a foot against a
-        kerb; None if only hits were recorded.
+      ground: (N,) bool, whether a part other than a foot touched the ground.
+      met: (N, S) bool, hit, or a foot against a kerb; None if only hits were recorded.
     """
 
     qpos: np.ndarray

@@ -14,7 +14,8 @@ class RenderMeshes:
     """Triangles of M meshes in the frames in which they were authored (the compiler moves each to its inertial frame).
 
     Attributes:
-      vertices (ΣV, 3) m, normals (ΣVn, 3), uv (ΣVt, 2): f32. count: (M,) triangles of each mesh.
+      vertices (ΣV, 3) m, normals (ΣVn, 3), uv (ΣVt, 2): f32.
+      count: (M,) triangles of each mesh.
       face, face_normal, face_uv: (ΣF, 3) i32, rows of these tables; -1 in face_uv where a mesh has no UV.
     """
 

@@ -74,9 +74,9 @@ class Renderer:
       shading: "pbr" (glTF materials, mirrored sky, tone mapping) or "matte" (the same light without highlights,
         a third more frames on a CPU).
       appearance: range of random appearances: a frame with an `appearance_seed` other than 0 changes brightness and hue
-        of every object, and of the light, by up to this share. 0 disables it. agents: row of the bank's agents
-        (`SceneBank.agents`) for each moving agent. bodies: largest number of objects moved from their places in the
-        bank, see `Bodies`.
+        of every object, and of the light, by up to this share. 0 disables it.
+      agents: row of the bank's agents (`SceneBank.agents`) for each moving agent.
+      bodies: largest number of objects moved from their places in the bank, see `Bodies`.
 
     Raises:
       ValidationError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
@@ -143,8 +143,8 @@ class Renderer:
         Args:
           scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
           appearance_seed: () i32, 0 = that of the bank; other numbers select other appearances, see `appearance`.
-            agents: their poses (position, heading, present); None leaves them out. bodies: moved objects; None = all in
-            their places of the bank.
+          agents: their poses (position, heading, present); None leaves them out.
+          bodies: moved objects; None = all in their places of the bank.
           mount: how the camera differs from the robot's description; None = not at all.
 
         Returns:
@@ -235,8 +235,8 @@ class Renderer:
         Args:
           inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
             quaternions (n,) vec4, vertical fields of view (n,) float and seeds of appearances (n,) int; slots of moved
-            objects (n, bodies) int, -1 = none, if `bodies` is above 0. outputs: of `OUTPUTS`, with a leading axis of n;
-            without pixels where not requested.
+            objects (n, bodies) int, -1 = none, if `bodies` is above 0.
+          outputs: of `OUTPUTS`, with a leading axis of n; without pixels where not requested.
         """
         scene = inputs[0]
         if scene.shape[0] == 0:

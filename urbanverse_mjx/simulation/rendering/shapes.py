@@ -17,7 +17,8 @@ def _revolve(profile: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.n
     """A surface around z from strips of its outline.
 
     Args:
-      profile: (strips, n, 2) radius and height, upwards; normals: the same, of the surface there.
+      profile: (strips, n, 2) radius and height, upwards.
+      normals: the same, of the surface there.
 
     Returns:
       (V, 3) vertices, (V, 3) normals, (F, 3) faces that point outwards.
@@ -60,7 +61,8 @@ def primitive_mesh(kind: int, size: np.ndarray) -> tuple[np.ndarray, np.ndarray,
     """(V, 3) vertices, m, (V, 3) normals and (F, 3) faces of a geom in its own frame.
 
     Args:
-      kind: mujoco.mjtGeom; size: (3,) as in `MjModel.geom_size`.
+      kind: mujoco.mjtGeom.
+      size: (3,) as in `MjModel.geom_size`.
 
     Raises:
       ValidationError: a kind without a surface of its own, such as a plane.

@@ -226,8 +226,10 @@ def _batch_function(function: Any, number: int, sizes: tuple[int, int, int, int]
     """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number.
 
     Args:
-      function: of `_call_into_warp`. sizes: nq, nv, nbody and feet.
-      recorded: physics steps that are told of. awake: bodies that may move; 0 = there are none.
+      function: of `_call_into_warp`.
+      sizes: nq, nv, nbody and feet.
+      recorded: physics steps that are told of.
+      awake: bodies that may move; 0 = there are none.
     """
     nq, nv, nbody, feet = sizes
 

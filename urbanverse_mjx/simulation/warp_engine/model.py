@@ -77,7 +77,8 @@ def build_robot_model(
     """Compiles the robot for MuJoCo Warp.
 
     Args:
-      awake: free bodies beside it; table: the objects that they may be.
+      awake: free bodies beside it.
+      table: the objects that they may be.
 
     Raises:
       ValidationError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry,

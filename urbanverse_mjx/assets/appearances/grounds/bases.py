@@ -76,11 +76,13 @@ class Matter:
     """Materials of units and their joints.
 
     Attributes:
-      colours: sRGB, drawn per unit; weights: how often each.
+      colours: sRGB, drawn per unit.
+      weights: how often each.
       spread, hue: brightness and warmth that differ from unit to unit.
       mottling, speckle: soft clouds inside a unit; grains of rock (granite 0.15).
       joint_m, joint: width and colour of the joint; joint_depth m below the top.
-      chamfer_m: width of the worn or bevelled rim; dome_m: how much higher the middle is.
+      chamfer_m: width of the worn or bevelled rim.
+      dome_m: how much higher the middle is.
       uneven_m: how much units stand above or below each other.
       roughness: of the top.
     """

@@ -25,11 +25,13 @@ class GroundRecord:
       family: asphalt, concrete, slabs, brick, blocks, stone, setts, tiles, tactile, gravel or wood.
       matter: row of the table of materials.
       colour: of the dry surface, in words.
-      condition: name of the condition; condition_group: the wider word (dry, worn, cracked, patched, wet, snowy, icy,
-        leaf-strewn, sandy, overgrown, painted).
+      condition: name of the condition.
+      condition_group: the wider word (dry, worn, cracked, patched, wet, snowy, icy, leaf-strewn, sandy, overgrown,
+        painted).
       tile_size_m: m covered by one tile.
       unit_m: spacing of bricks, slabs ... along u and v, m; None without units or where lengths vary.
-      friction: static, of a dry hard sole or tyre on the surface as it is; friction_reason: how it was got.
+      friction: static, of a dry hard sole or tyre on the surface as it is.
+      friction_reason: how it was got.
     """
 
     uid: str

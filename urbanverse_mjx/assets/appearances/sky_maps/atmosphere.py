@@ -77,7 +77,8 @@ def clear_sky(air: Air, sines: np.ndarray, turns: np.ndarray, sun_sine: float) -
     """Radiance of the cloudless sky, (elevations, azimuths, 3).
 
     Args:
-      sines: (elevations,) sines of elevation, > 0; turns: (azimuths,) rad away from the sun's azimuth.
+      sines: (elevations,) sines of elevation, > 0.
+      turns: (azimuths,) rad away from the sun's azimuth.
       sun_sine: sine of the sun's elevation; may be below 0.
     """
     # The three parts vary slowly; only the phase functions are sharp. So they are integrated on a coarse grid.

@@ -142,7 +142,8 @@ def heap_clouds(
     """Draws heaps over an image.
 
     Args:
-      image: (rows, columns, 3) radiance behind; directions: (rows, columns, 3) unit, above the horizon.
+      image: (rows, columns, 3) radiance behind.
+      directions: (rows, columns, 3) unit, above the horizon.
 
     Returns:
       the image with clouds, and (rows, columns) share of light that passes.

@@ -83,11 +83,13 @@ class SkyRecord:
       uid: "moment-weather".
       description: one sentence.
       season, time: spring ... winter; dawn, morning, noon, afternoon, evening, dusk or night.
-      kind: clear, hazy, cumulus, cirrus, stratus or overcast; weather: the narrower name.
+      kind: clear, hazy, cumulus, cirrus, stratus or overcast.
+      weather: the narrower name.
       sun_elevation, sun_azimuth: of the sun (at night the moon), degrees; azimuth counter-clockwise from +x.
       turbidity: 1 for pure air, 1.6 clear (optical depth of haze 0.065 at 550 nm), 6 smog.
       cover: share of the sky under clouds.
-      horizon: distant silhouette: plain, hills, trees, town or towers; snow: whether the land is white.
+      horizon: distant silhouette: plain, hills, trees, town or towers.
+      snow: whether the land is white.
       exposure: brightness of a white surface on the image.
     """
 

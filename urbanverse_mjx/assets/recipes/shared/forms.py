@@ -103,7 +103,8 @@ def vessel(profile: Sequence[Point2], wall: float, floor: float) -> list[Point2]
 
     Args:
       profile: the outside from the foot to the rim.
-      wall: thickness of the side; floor: height of the inner ground.
+      wall: thickness of the side.
+      floor: height of the inner ground.
     """
     inside = [(r - wall, max(z, floor)) for r, z in reversed(profile) if z > floor and r > wall]
     return [(0.0, profile[0][1]), *profile, *inside, (0.0, floor)]

@@ -31,8 +31,11 @@ class BodyShape:
       width: over all.
       section: (z, share of the half width) from bottom to top.
       taper: (rear, front): share of the half width lost at the ends, over the last `taper_length` metres.
-      axles: x of the wheels; wheel_radius; arch: gap above the tyre; sill: height of the lower edge.
-      belt: height of the windows' lower edge; rounding: radius of the edge between top and flank.
+      axles: x of the wheels; wheel_radius.
+      arch: gap above the tyre.
+      sill: height of the lower edge.
+      belt: height of the windows' lower edge.
+      rounding: radius of the edge between top and flank.
     """
 
     upper: tuple[tuple[float, float, float], ...]

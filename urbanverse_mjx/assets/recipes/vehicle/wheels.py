@@ -83,7 +83,9 @@ def two_legged_stand(b: MeshBuilder, top: Point3, foot: Point2, radius: float) -
     """What a parked two-wheeler stands on, a leg at each side: upright on one leg it would fall to the other side.
 
     Args:
-      top: m, upper end of the left leg. foot: m, where it meets the ground. radius: m, of a leg.
+      top: m, upper end of the left leg.
+      foot: m, where it meets the ground.
+      radius: m, of a leg.
     """
     x, y, z = (float(t) for t in top)
     aside = np.hypot(foot[0] - x, foot[1] - y)

@@ -19,9 +19,11 @@ def decode_owl(logits: np.ndarray, boxes: np.ndarray, height: int, width: int, l
     """OWLv2's answer (Minderer et al., NeurIPS 2023).
 
     Args:
-      logits: (p, q) of every patch for every query. boxes: (p, 4) centre, width and height in shares of the square that
-        the image was padded to at its right and bottom.
-      height, width: of the image. least: smallest score.
+      logits: (p, q) of every patch for every query.
+      boxes: (p, 4) centre, width and height in shares of the square that the image was padded to at its right and
+        bottom.
+      height, width: of the image.
+      least: smallest score.
     """
     score = 1.0 / (1.0 + np.exp(-logits.astype(np.float64)))
     label = score.argmax(1)
@@ -65,7 +67,8 @@ def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple
     """One image of masks: small objects are drawn over large ones, since they are usually in front.
 
     Args:
-      masks: (k, H, W) bool. score: (k,).
+      masks: (k, H, W) bool.
+      score: (k,).
 
     Returns:
       (H, W) i32 row of the kept detection, -1 = none; and (n,) the numbers of the kept ones, highest score first.

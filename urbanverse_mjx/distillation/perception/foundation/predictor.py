@@ -23,7 +23,9 @@ class FoundationPredictor:
     """`Predictor` by four models. Make it with `load`.
 
     Attributes:
-      labels: to search for; detector, segmenter, ground, depth: the models; codes: surfaces of ground's classes.
+      labels: to search for.
+      detector, segmenter, ground, depth: the models.
+      codes: surfaces of ground's classes.
     """
 
     labels: tuple[str, ...]

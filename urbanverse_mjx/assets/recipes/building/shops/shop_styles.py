@@ -12,10 +12,17 @@ class Shop:
     """One variant of a shop.
 
     Attributes:
-      name: on the sign; back, ink: the sign's colours.
-      wall: kind and colour of the upper floors' wall; trim: of sills and cornices; base: of the shop front.
-      floors: above the shop; width: m; goods: in the window; window: style.
-      awning: its one or two colours, or none; roof: "flat", "mansard", "gable".
+      name: on the sign.
+      back, ink: the sign's colours.
+      wall: kind and colour of the upper floors' wall.
+      trim: of sills and cornices.
+      base: of the shop front.
+      floors: above the shop.
+      width: m.
+      goods: in the window.
+      window: style.
+      awning: its one or two colours, or none.
+      roof: "flat", "mansard", "gable".
       blade: words of a projecting sign.
     """
 

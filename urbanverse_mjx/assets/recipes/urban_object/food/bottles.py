@@ -23,8 +23,11 @@ class Bottle:
 
     Attributes:
       profile: (radius, z) of the body, cm.
-      color: of the body; fill: of what shows inside above the body's own colour, from the ground to `level`.
-      cap: colour, radius, height; paper: words, ground, ink of the label; band: its heights from and to.
+      color: of the body.
+      fill: of what shows inside above the body's own colour, from the ground to `level`.
+      cap: colour, radius, height.
+      paper: words, ground, ink of the label.
+      band: its heights from and to.
       neck: colour and lower edge of a capsule round the neck.
     """
 
