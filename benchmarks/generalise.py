@@ -11,7 +11,6 @@ folders to `--out`.
 """
 
 import argparse
-import concurrent.futures
 import json
 import pathlib
 import sys
@@ -23,8 +22,7 @@ import jax
 from ml_collections import ConfigDict
 
 from benchmarks.lib.caching import keep_compiled
-from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import SceneBank, bank_join
+from benchmarks.lib.unseen import Log, brief, load
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
@@ -36,20 +34,6 @@ SAVED_AS = {"student": "student", "finetune": "finetuned"}
 
 class TimeUp(Exception):
     """The seconds of a stage are over."""
-
-
-class Log:
-    """Lines of log.jsonl in a folder, with the seconds since this began."""
-
-    def __init__(self, folder: pathlib.Path) -> None:
-        self.folder, self.begin = folder, time.monotonic()
-        folder.mkdir(parents=True, exist_ok=True)
-
-    def __call__(self, **values: Any) -> None:
-        line = json.dumps({"t": round(time.monotonic() - self.begin, 1), **values})
-        with (self.folder / "log.jsonl").open("a", encoding="utf-8") as file:
-            file.write(line + "\n")
-        print(line, file=sys.stderr, flush=True)
 
 
 def teacher_config(args: argparse.Namespace) -> ConfigDict:
@@ -262,33 +246,12 @@ def arguments() -> argparse.Namespace:
     return cli.parse_args()
 
 
-def load(args: argparse.Namespace, log: Log) -> tuple[SceneBank, list[str], Suite]:
-    """All scenes, ids of those to train on, and the unseen ones."""
-    with concurrent.futures.ThreadPoolExecutor() as pool:  # unpacking runs in several threads
-        banks = list(pool.map(SceneBank.load, [*args.train, *args.test]))
-    train, tests = banks[: len(args.train)], banks[len(args.train) :]
-    test = dict(zip((path.parent.name for path in args.test), tests, strict=True))
-    bank = bank_join.join([*train, *test.values()]) if len(train) + len(test) > 1 else train[0]
-    ids = [name for part in train for name in part.scene_ids]
-    held = {
-        f"validation_{path.parent.name}": list(part.scene_ids)[-count:]
-        for path, part, count in zip(args.train, train, args.holdout, strict=False)
-        if count > 0
-    }
-    chosen = [name for name in ids if not any(name in names for names in held.values())]
-    if "validation" in test:
-        held["validation_composed"] = list(test.pop("validation").scene_ids)
-    frozen = [name for name in test if (settings.protocol_root() / f"{name}.json").is_file()]
-    log(loaded=bank.num_scenes, trained=len(chosen), held={k: len(x) for k, x in held.items()}, frozen=frozen)
-    return bank, chosen, Suite.of(bank, held, args.validation_episodes, frozen)
-
-
 def main() -> int:
     args = arguments()
     tables_as_arguments()
     keep_compiled()
     log = Log(args.out)
-    bank, chosen, suite = load(args, log)
+    bank, chosen, suite = load(args.train, args.test, args.holdout, args.validation_episodes, log)
     height, width = (int(n) for n in args.size.split("x"))
     overrides = {
         "preset": "fast",
@@ -324,12 +287,6 @@ def main() -> int:
         (args.out / "result.json").write_text(json.dumps(result))
     log(done=True)
     return 0
-
-
-def brief(scores: dict[str, Any]) -> dict[str, Any]:
-    """Success rate with its interval, and how episodes ended."""
-    rate = scores["summary"]["SR"]
-    return {k: round(rate[k], 1) for k in ("mean", "low", "high") if rate.get(k) is not None} | scores["ends"]
 
 
 def _rounded(values: dict[str, float]) -> dict[str, float]:

@@ -1,15 +1,19 @@
 """The table and the figure of all policies on CraftBench and AutoBench, from the rows in `benchmarks/scores`.
 
     python -m benchmarks.results
+    python -m benchmarks.results --add runs/student/result.json --agent student --policy student --robot COCO --seed 0
 
-`by_scene.csv` has a row per policy, training seed and scene; `totals.csv` policies whose scenes are not kept, with the
-standard error over scenes. Writes the table between the marks in docs/results.md, and docs/results.png. Intervals are
-those of a bootstrap that draws seeds (where there are several) and scenes.
+The second first adds the rows of an agent in a result.json of `benchmarks.generalise` or `benchmarks.comparison`, in
+place of those of the same policy, robot and seed. `by_scene.csv` has a row per policy, training seed and scene;
+`totals.csv` policies whose scenes are not kept, with the standard error over scenes. Writes the table between the marks
+in docs/results.md, and docs/results.png. Intervals are those of a bootstrap that draws seeds (where there are several)
+and scenes.
 """
 
 import argparse
 import collections
 import csv
+import json
 import pathlib
 import sys
 from typing import NamedTuple
@@ -108,8 +112,37 @@ def draw(scores: dict[tuple[str, str], dict[str, Score]], path: pathlib.Path) ->
     plt.close(figure)
 
 
+def add(folder: pathlib.Path, result: pathlib.Path, agent: str, policy: str, robot: str, seed: int) -> None:
+    """Writes an agent's rows of result.json into by_scene.csv, in place of those of this policy, robot and seed."""
+    body = json.loads(result.read_text(encoding="utf-8"))
+    if agent not in body:
+        raise SystemExit(f"error: {result}: found no agent {agent!r}, needed one of {sorted(set(body) - {'steps'})}.")
+    path = folder / "by_scene.csv"
+    with path.open(encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(file)
+        key, columns = (policy, robot, str(seed)), list(reader.fieldnames or ())
+        rows = [row for row in reader if (row["policy"], row["robot"], row["seed"]) != key]
+    for benchmark in BENCHMARKS:
+        for scene, score in sorted(body[agent][benchmark]["by_scene"].items()):
+            values = {k: round(score[k], 6) for k in ("SR", "RC", "hit_episodes")}
+            about = {"policy": policy, "robot": robot, "seed": seed, "env_steps": body.get("steps", "")}
+            rows.append({**about, "benchmark": benchmark, "scene": scene, **values})
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def main() -> int:
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    cli.add_argument("--add", type=pathlib.Path, help="result.json whose rows are added")
+    cli.add_argument("--agent", default="student", help="its key there")
+    cli.add_argument("--policy", help="name in the table; default: that of the agent")
+    cli.add_argument("--robot", default="COCO")
+    cli.add_argument("--seed", type=int, default=0)
+    args = cli.parse_args()
+    if args.add is not None:
+        add(SCORES, args.add, args.agent, args.policy or args.agent, args.robot, args.seed)
     scores = read(SCORES)
     PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), table(scores)), encoding="utf-8")
     draw(scores, FIGURE)

@@ -1,5 +1,6 @@
 """The table of docs/results.md is that of the rows, and its intervals draw seeds and scenes."""
 
+import json
 import pathlib
 import shutil
 
@@ -39,3 +40,24 @@ def test_a_missing_scene_is_refused_by_name(tmp_path: pathlib.Path) -> None:
 def test_a_policy_is_drawn_for_each_benchmark(tmp_path: pathlib.Path) -> None:
     results.draw(results.read(results.SCORES), tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_added_rows_stand_in_place_of_those_of_the_same_policy_robot_and_seed(tmp_path: pathlib.Path) -> None:
+    for name in ("totals.csv", "by_scene.csv"):
+        shutil.copy(results.SCORES / name, tmp_path)
+    before = (tmp_path / "by_scene.csv").read_text(encoding="utf-8").splitlines()
+    scenes = {
+        name: [row.split(",")[5] for row in before if row.startswith(f"student,COCO,1,20971520,{name},")]
+        for name in results.BENCHMARKS
+    }
+    score = {"SR": 12.5, "RC": 50.0, "hit_episodes": 87.5}
+    body = {"steps": 7, "student": {name: {"by_scene": dict.fromkeys(ids, score)} for name, ids in scenes.items()}}
+    (tmp_path / "result.json").write_text(json.dumps(body))
+    results.add(tmp_path, tmp_path / "result.json", "student", "student", "COCO", 1)
+    after = (tmp_path / "by_scene.csv").read_text(encoding="utf-8").splitlines()
+    others = [row for row in before if not row.startswith("student,COCO,1,")]
+    assert len(after) == len(before)
+    assert after[: len(others)] == others
+    assert after[-1] == f"student,COCO,1,7,autobench,{max(scenes['autobench'])},12.5,50.0,87.5"
+    with pytest.raises(SystemExit, match=r"found no agent 'teacher', needed one of \['student'\]"):
+        results.add(tmp_path, tmp_path / "result.json", "teacher", "teacher", "COCO", 1)

@@ -1,0 +1,70 @@
+"""Banks to train on and to test on as one, and the log of a training that is scored on unseen streets."""
+
+import concurrent.futures
+import json
+import pathlib
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from urbanverse_mjx import settings
+from urbanverse_mjx.datatypes import SceneBank, bank_join
+from urbanverse_mjx.evaluation.held_out import Suite
+
+
+class Log:
+    """Lines of log.jsonl in a folder, with the seconds since this began."""
+
+    def __init__(self, folder: pathlib.Path) -> None:
+        self.folder, self.begin = folder, time.monotonic()
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def __call__(self, **values: Any) -> None:
+        line = json.dumps({"t": round(time.monotonic() - self.begin, 1), **values})
+        with (self.folder / "log.jsonl").open("a", encoding="utf-8") as file:
+            file.write(line + "\n")
+        print(line, file=sys.stderr, flush=True)
+
+
+class Streets(NamedTuple):
+    """bank: of all scenes. train: ids of those to train on. suite: episodes on the others."""
+
+    bank: SceneBank
+    train: list[str]
+    suite: Suite
+
+
+def load(
+    train: Sequence[pathlib.Path], test: Sequence[pathlib.Path], holdout: Sequence[int], episodes: int, log: Log
+) -> Streets:
+    """Joins banks; a bank's name is that of its folder.
+
+    Args:
+      train: banks to train on, without the last `holdout[i]` scenes of bank i, which are driven for validation.
+      test: a bank named validation is driven for validation, others by their frozen protocols.
+      episodes: of each validation set.
+    """
+    with concurrent.futures.ThreadPoolExecutor() as pool:  # unpacking runs in several threads
+        banks = list(pool.map(SceneBank.load, [*train, *test]))
+    trained, tests = banks[: len(train)], banks[len(train) :]
+    by_name = dict(zip((path.parent.name for path in test), tests, strict=True))
+    bank = bank_join.join([*trained, *by_name.values()]) if len(trained) + len(by_name) > 1 else trained[0]
+    ids = [name for part in trained for name in part.scene_ids]
+    held = {
+        f"validation_{path.parent.name}": list(part.scene_ids)[-count:]
+        for path, part, count in zip(train, trained, holdout, strict=False)
+        if count > 0
+    }
+    chosen = [name for name in ids if not any(name in names for names in held.values())]
+    if "validation" in by_name:
+        held["validation_composed"] = list(by_name.pop("validation").scene_ids)
+    frozen = [name for name in by_name if (settings.protocol_root() / f"{name}.json").is_file()]
+    log(loaded=bank.num_scenes, trained=len(chosen), held={k: len(x) for k, x in held.items()}, frozen=frozen)
+    return Streets(bank, chosen, Suite.of(bank, held, episodes, frozen))
+
+
+def brief(scores: dict[str, Any]) -> dict[str, Any]:
+    """Success rate with its interval, and how episodes ended."""
+    rate = scores["summary"]["SR"]
+    return {k: round(rate[k], 1) for k in ("mean", "low", "high") if rate.get(k) is not None} | scores["ends"]
