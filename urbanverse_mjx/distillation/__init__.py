@@ -1,4 +1,4 @@
-"""A `Recording` becomes a `SceneGraph`: lifting, fusion over frames, ground, sky, placement."""
+"""Converts a `Recording` to a `SceneGraph`: lifting, fusion over frames, ground, sky, placement."""
 
 from .distil import Describe, Distillation, Evidence, distil
 from .options import DistilOptions

@@ -1,12 +1,11 @@
-"""Poses and objects adjusted together: directions in which objects are seen from frame to frame tell how a trajectory
-bends.
+"""Joint adjustment of poses and object positions from the directions in which frames see the objects.
 
-Odometry that turns a little too far with every step leads the lines of sight to one object past each other. So poses
-(shifts and turns at control points, `control_points`) and the places of objects are found together that minimise the
-errors of every view's direction and distance: a bundle adjustment (Triggs et al., "Bundle Adjustment - A Modern
-Synthesis", 2000) whose points are whole objects. What faces the camera is nearer than an object's middle; by how much
-is unknown for each object and found with it, or distances would shrink the path. Outliers (views of another object,
-half hidden ones) are outvoted as in `drift`.
+If odometry turns slightly too far with every step, the lines of sight to one object do not intersect. The adjustment
+therefore solves for poses (shifts and turns at control points, see `control_points`) and object positions together and
+minimises the errors of every view's direction and distance: a bundle adjustment (Triggs et al., "Bundle Adjustment - A
+Modern Synthesis", 2000) whose points are whole objects. The visible surface is nearer to the camera than the object's
+centre; this offset is estimated for each object, because ignoring it would shrink the path. Outliers (views of another
+object, half-hidden objects) are down-weighted as in `drift`.
 """
 
 import dataclasses
@@ -29,21 +28,22 @@ class BearingOptions:
       max_size: m; larger objects are not used, because their apparent centre depends on the visible side.
       min_views: fewest views of an object that is used to adjust poses.
       min_objects: fewest such objects.
-      middle_error: share of its width by which a view's centre may be off the object's.
+      middle_error: error of a view's centre relative to the object's centre, as a share of the view's width.
       direction_sigma: rad, standard error of a direction.
-      front_share: share of its width by which a view is nearer than the object's centre, and standard error of that.
-      gates: standard errors from which a view has less weight, one for each round.
+      front_share: distance from the visible surface to the object's centre as a share of the view's width, and its
+        standard error.
+      gates: residual, in standard errors, above which a view is down-weighted; one for each round.
       round_steps: Gauss-Newton steps of each round.
-      max_misfit_ratio: poses are kept unless the median squared misfit of directions falls below this share of its
-        former value.
-      loose_noise: relative noise of depth that hardly constrains a position.
+      max_misfit_ratio: the adjusted poses are used only if the median squared misfit of directions falls below this
+        share of its former value.
+      loose_noise: relative noise of depth large enough that depth hardly constrains a position.
       min_depth_views: fewest views to locate an object by directions.
       max_place_error: positions from directions with at most this error, as a share of the distance, are used to
         estimate the depth error.
-      min_judging_views: fewest views of such objects.
-      min_depth_error: relative; distances differ by less where depth is perfect (0.8 % measured).
-      depth_share: share of the difference of distances that is due to depth: with 5 % injected and drifting poses 8.8 %
-        was measured, from the ground 4.2 %.
+      min_judging_views: fewest views of such objects for an estimate of the depth error.
+      min_depth_error: relative; distances differ by less even with perfect depth (0.8 % measured).
+      depth_share: share of the difference of distances that is due to depth. With an injected depth error of 5 % and
+        drifting poses the difference measures 8.8 %; the estimate from the ground is 4.2 %.
     """
 
     max_size: float = 2.5
@@ -82,12 +82,12 @@ class Bearings:
 
     @property
     def width(self) -> np.ndarray:
-        """(n,) m."""
+        """(n,) m, visible width of each view at its distance."""
         return 2.0 * self.half * self.reach
 
 
 def measure(views: Views, poses: np.ndarray, scale: np.ndarray) -> Bearings:
-    """The views from above; depth comes into `reach` alone."""
+    """Projects the views to the ground plane; depth affects `reach` only."""
     n = len(views)
     direction, half, reach = np.zeros(n), np.zeros(n), np.zeros(n)
     for start in range(0, n, 512):
@@ -96,7 +96,7 @@ def measure(views: Views, poses: np.ndarray, scale: np.ndarray) -> Bearings:
         middle = away.mean(1)
         base = np.arctan2(middle[:, 1], middle[:, 0])
         turn = np.sort(_wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[:, None]), axis=1)
-        # The outermost point but one on either side: one may be a stray.
+        # The second outermost point on either side, because the outermost may be an outlier.
         low, high = turn[:, 1], turn[:, -2]
         direction[rows], half[rows] = base + (low + high) / 2, (high - low) / 2
         reach[rows] = np.median(np.linalg.norm(away, axis=-1), axis=1)
@@ -104,7 +104,7 @@ def measure(views: Views, poses: np.ndarray, scale: np.ndarray) -> Bearings:
 
 
 def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: DepthScale) -> np.ndarray | None:
-    """(m, 4, 4) adjusted poses, or None where the views agree with these as well.
+    """(m, 4, 4) adjusted poses, or None if the adjustment does not improve the agreement of the views.
 
     Args:
       views: of the trajectory. object: (n,) of each view.
@@ -121,11 +121,11 @@ def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: D
 
 
 def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, scale: np.ndarray) -> float:
-    """The relative error of the depth of objects, 0 where too few are seen from several places to tell.
+    """The relative error of the depth of objects, or 0 if too few objects are seen from several positions.
 
-    The estimate from the ground (`depth_scale`) is valid for objects where both are measured alike, not where a network
-    predicts the one and geometry gives the other. So objects are placed by their directions alone, and distances
-    compared.
+    The estimate from the ground (`depth_scale`) holds for objects only if the depth of both has the same source, not if
+    a network predicts one and geometry gives the other. This function therefore locates objects by directions alone and
+    compares the distances with the depth.
     """
     problem = _whole_objects(
         views, object_of_view, poses, DepthScale(scale, _OPTIONS.loose_noise), _OPTIONS.min_depth_views
@@ -148,7 +148,7 @@ def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, sca
 def _whole_objects(
     views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: DepthScale, least: int
 ) -> "_Problem | None":
-    """Views of whole small objects, each in `least` views or more; None where these are too few."""
+    """Views of small, fully visible objects that have at least `least` views each; None if there are too few."""
     seen = measure(views, poses, depth.scale)
     whole = ~views.clipped[:, :2].any(1) & (seen.width < _OPTIONS.max_size)
     counts = np.bincount(object_of_view[whole], minlength=int(object_of_view.max(initial=-1)) + 1)
@@ -171,14 +171,15 @@ class _Solution:
 
 
 class _Problem:
-    """Unknown are the correction at the control points and, for every object, its place (x, y) and its extent behind
-    the visible surface (m). Gauss-Newton with Geman-McClure weights; objects are eliminated (Schur's complement)."""
+    """The least-squares problem, solved by Gauss-Newton with Geman-McClure weights; objects are eliminated by the Schur
+    complement. Unknowns are the correction at the control points and, for every object, its position (x, y) and its
+    extent behind the visible surface (m)."""
 
     def __init__(self, seen: Bearings, which: np.ndarray, poses: np.ndarray, noise: float) -> None:
         self.seen, self.which, self.poses = seen, which, poses
         self.at = control_points.weights(len(poses))
         self.blend = self.at[seen.frame]
-        # A view hangs on two control points alone, however many there are.
+        # A view depends on two control points only, however many there are.
         before, share = control_points.between(len(poses))
         self.before, self.shares = before[seen.frame], np.stack([1.0 - share, share], -1)[seen.frame]
         self.across = np.hypot(_OPTIONS.direction_sigma, (PLACE + _OPTIONS.middle_error * seen.width) / seen.reach)
@@ -187,7 +188,7 @@ class _Problem:
         self.held = 1.0 / (PLACE + self.behind) ** 2
 
     def solve(self, free: bool) -> _Solution:
-        """With poses as they are, or `free`."""
+        """Solves for the objects with fixed poses, or for poses too where `free`."""
         objects, correction = self._start(), np.zeros((self.at.shape[1], 4))
         misfit, H = np.zeros((len(self.which), 2)), np.zeros((len(objects), 3, 3))
         for gate in np.repeat(_OPTIONS.gates, _OPTIONS.round_steps):
@@ -206,7 +207,7 @@ class _Problem:
         return _Solution(correction, float(np.median(misfit[:, 0] ** 2)), objects, H)
 
     def _start(self) -> np.ndarray:
-        """(t, 3) objects where their views put them, near ones first."""
+        """(t, 3) initial positions of the objects: weighted means of their views, with more weight for near views."""
         seen = self.seen
         place = seen.viewpoint + seen.reach[:, None] * np.stack([np.cos(seen.direction), np.sin(seen.direction)], -1)
         weight = 1.0 / seen.reach**2
@@ -247,7 +248,7 @@ class _Problem:
         g: np.ndarray,
         correction: np.ndarray,
     ) -> np.ndarray:
-        """(k, 4) the step of the control points."""
+        """(k, 4) Gauss-Newton step of the control points."""
         count = len(correction)
         own = np.einsum("nri,nr,nrj->nij", bend, trust, bend)
         mixed = np.einsum("nri,nr,nrj->nij", bend, trust, slope)

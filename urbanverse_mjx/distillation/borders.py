@@ -1,8 +1,8 @@
 """Borders between the areas of a grid of labels: a planar graph, every border once.
 
-A corner of cells where three or more areas meet, or four cells in a chequer, is a node; between nodes run arcs. Two
-arcs that carry on in each other at a node make one stroke, so that a kerb along a road and its crosswalks is one line;
-the third arc ends there.
+A cell corner where three or more areas meet, or four cells in a chequerboard pattern, is a node; arcs connect the
+nodes. Two arcs that continue each other at a node form one stroke, so that a kerb along a road and its crosswalks is
+one line; the third arc ends there.
 """
 
 import dataclasses
@@ -13,17 +13,17 @@ import numpy as np
 type Corner = tuple[int, int]
 type Arc = list[Corner]  # corners of cells, one cell apart
 
-#: Cells along an arc that tell its direction at a node.
+#: Number of cells along an arc from which its direction at a node is computed.
 _REACH = 8
-#: rad that a turn at a node is forgiven where both arcs are borders of one sort.
+#: rad, subtracted from the turn between two arcs at a node if both are borders of the same sort.
 _SAME_SORT = np.radians(25.0)
-#: rad; a second pair of arcs at a node of four carries on where it turns by less.
+#: rad, largest turn at which the second pair of arcs at a node of four is joined.
 _STRAIGHT_ON = np.radians(60.0)
 
 
 @dataclasses.dataclass(frozen=True)
 class Stroke:
-    """A chain of arcs that carry on through nodes.
+    """A chain of arcs that continue each other through nodes.
 
     Attributes:
       corners: (n + 1, 2) i64 corners of cells, one cell apart; the last is the first again where `closed`.
@@ -35,7 +35,7 @@ class Stroke:
 
     @property
     def closed(self) -> bool:
-        """Whether it comes back to where it begins."""
+        """Whether the stroke ends at its first corner."""
         return bool((self.corners[0] == self.corners[-1]).all())
 
 
@@ -44,8 +44,8 @@ def strokes(labels: np.ndarray, sort_of: np.ndarray) -> list[Stroke]:
 
     Args:
       labels: (X, Y) u8; 0 = outside. Corner (i, j) is the low corner of cell (i, j).
-      sort_of: (L, L) which sort of border lies between two labels, 0 = with the outside; borders of one sort carry on
-        in each other.
+      sort_of: (L, L) sort of the border between two labels, 0 = with the outside; borders of one sort are joined at
+        nodes.
 
     Returns:
       Strokes that together hold every border once. Indices in `sides` are those of `np.pad(labels, 1)`.
@@ -60,7 +60,7 @@ def strokes(labels: np.ndarray, sort_of: np.ndarray) -> list[Stroke]:
 
 
 def _adjacency(padded: np.ndarray) -> dict[Corner, list[Corner]]:
-    """Corners (of the unpadded grid) that a border joins to each corner."""
+    """For each corner of the unpadded grid, the corners that a border connects to it."""
     near: dict[Corner, list[Corner]] = {}
     along_y = np.argwhere(padded[:-1, 1:-1] != padded[1:, 1:-1])
     along_x = np.argwhere(padded[1:-1, :-1] != padded[1:-1, 1:])
@@ -111,7 +111,7 @@ def _chains(arcs: list[Arc], padded: np.ndarray, sort_of: np.ndarray) -> list[Ar
     for node in sorted(ends):
         partner |= _paired(ends[node], arcs, sorts)
     chains, done = [], set()
-    # Open chains begin at an end without partner; what is left then is closed.
+    # Open chains begin at an end without partner; the remaining chains are closed.
     for e in [*(e for e in range(2 * len(arcs)) if e not in partner), *range(2 * len(arcs))]:
         if e // 2 in done:
             continue
@@ -131,7 +131,7 @@ def _sort(arc: Arc, padded: np.ndarray, sort_of: np.ndarray) -> int:
 
 
 def _paired(ends: list[int], arcs: list[Arc], sorts: list[int]) -> dict[int, int]:
-    """Which ends at a node carry on in each other: always the straightest two, so that a third has a line to end on."""
+    """Pairs of ends to join at a node: always the straightest two, so that a third ends on a line."""
 
     def heading(e: int) -> complex:
         arc = arcs[e // 2][:: -1 if e % 2 else 1]
@@ -145,7 +145,7 @@ def _paired(ends: list[int], arcs: list[Arc], sorts: list[int]) -> dict[int, int
         for second in ends[a + 1 :]:
             turn = abs(np.angle(-heading(first) * np.conj(heading(second))))
             same = sorts[first // 2] == sorts[second // 2]
-            # A border with the outside carries on in nothing else.
+            # A border with the outside is only joined to another border with the outside.
             outer = same and not sorts[first // 2]
             pairs.append((turn - (np.pi if outer else _SAME_SORT * same), turn, first, second))
     partner: dict[int, int] = {}

@@ -1,4 +1,4 @@
-"""The box of an object from all its views: where lines of sight meet, which way its sides run, how far they reach."""
+"""Fits the box of an object to all its views: its centre, heading and size."""
 
 import dataclasses
 
@@ -9,36 +9,37 @@ from ..geometry import rotations
 from . import shapes, silhouettes
 from .bearings import Bearings
 
-#: Views used for one box, the nearest first; more only take more time.
+#: Largest number of views used for one box, the nearest first; more views take time and do not improve it.
 MAX_VIEWS = 24
-#: rad: a quarter turn, and around the best of these.
+#: rad: coarse search over a quarter turn, and fine search around the best coarse heading.
 _COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
 _MIN_SIDE = 0.01  # m
-#: How much better (misfit of the rims) a heading askew to all around must fit: 85 of 100 objects stand within 6° of it.
+#: Reduction of the outline misfit that a heading oblique to the surroundings needs; 85 of 100 objects are within 6° of
+#: the surrounding axes.
 ASKEW = 4.0
-#: Of the histogram that the density of points along a direction is taken from.
+#: Bins of the histogram from which the density of points along a direction is computed.
 _BINS = 128
 
 
 @dataclasses.dataclass(frozen=True)
 class BoxOptions:
-    """How the box of an object follows from its points and from the known sizes of its label.
+    """Options for fitting the box of an object to its points and to the known sizes of its label.
 
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      side_ratio: known extents that differ by more than this factor decide which of two sides is the heading.
-      shape_blur: depth blurred by more than this share of an object's footprint hides its shape.
-      min_shown_side: m; the sides of objects at least as long are still visible then.
-      heading_gain: another heading than those of the sides is taken where its misfit from the known shapes is at most
-        this share of theirs.
-      max_distance: objects farther (sum of log ratios of the sides) from every known size of their label keep the
-        observed size.
+      side_ratio: if the known extents differ by more than this factor, they decide which of two sides is the heading.
+      shape_blur: depth blur, as a share of the object's footprint, above which its points do not show its shape.
+      min_shown_side: m; objects at least this long have usable sides in spite of the blur.
+      heading_gain: a heading other than those of the sides is used if its misfit from the known shapes is at most this
+        share of theirs.
+      max_distance: objects that differ by more (sum of log ratios of the sides) from every known size of their label
+        keep the observed size.
       missing_weight: weights of the missing depth, width and height (log) relative to a known size.
-      roof_ratio: factor by which a roof is higher than its edge visible from below.
-      side_share: a side of which less than this share of the known one is visible is completed.
+      roof_ratio: height of a roof over the height of its edge visible from below.
+      side_share: a side is completed if its visible length is less than this share of the known one.
       max_length_ratio: factor by which an object may be longer than every known one of its label.
-      direction_points: largest number of points for a direction.
+      direction_points: largest number of points from which a direction is computed.
       grazing_sine: sine of the flattest angle at which a face counts as visible (12°).
     """
 
@@ -60,9 +61,9 @@ _OPTIONS = BoxOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Box:
-    """center (3,), size (3,) m along the heading, across, up; yaw rad; sigma m of the centre; blur m, error of the
-    depth in its nearest view; completed: which of the three sizes come from the label's prior; seen (3,) m, its size
-    without that."""
+    """A fitted box: center (3,) m; size (3,) m along the heading, across, up; yaw rad; sigma m of the centre; blur m,
+    depth error in its nearest view; completed: which of the three sizes come from the label's prior; seen (3,) m, its
+    size without that completion."""
 
     center: np.ndarray
     size: np.ndarray
@@ -74,17 +75,19 @@ class Box:
 
 
 def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> float:
-    """Share of a 5 x 5 x 5 grid from `low` to `high` (3,) m that lies within a box, given 0.2 m, `blur` and its own."""
+    """Share of a 5 x 5 x 5 grid from `low` to `high` (3,) m that lies within a box enlarged by 0.2 m, `blur` and its
+    own blur."""
     grid = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * 3), -1).reshape(-1, 3)
     local = (low + grid * (high - low) - box.center) @ rotations.about_z(-box.yaw).T
     return float((np.abs(local) <= box.size / 2 + 0.2 + blur + box.blur).all(1).mean())
 
 
 def consensus(points: np.ndarray, viewpoints: np.ndarray, sigma: np.ndarray, noise: float) -> tuple[np.ndarray, float]:
-    """Views of one object, each shifted along its lines of sight to where all views together put the object.
+    """Shifts each view of one object along its lines of sight to the position on which all views agree.
 
-    A view's depth is off by a common factor (`noise`), its direction hardly: so a centre seen from several places is
-    where the lines of sight meet. Information of a view: 1 / sigma^2 along the line, 1 / across^2 across it.
+    A view's depth has a common relative error (`noise`), while its direction is nearly exact, so a centre seen from
+    several positions lies where the lines of sight meet. Information of a view: 1 / sigma^2 along the line, 1 /
+    across^2 across it.
 
     Args:
       points: (v, P, 3) m, world.
@@ -100,7 +103,7 @@ def consensus(points: np.ndarray, viewpoints: np.ndarray, sigma: np.ndarray, noi
     offset = middle - viewpoints
     reach = np.linalg.norm(offset, axis=1)
     line = offset / reach[:, None]
-    # Different sides are seen from different places: the middles of views differ by a share of the object's size.
+    # Different viewpoints show different sides, so the centres of views differ by a share of the object's size.
     across = 0.03 + 0.15 * np.linalg.norm(high - low, axis=1)
     along = np.hypot(sigma, across)
     project = line[:, :, None] * line[:, None, :]
@@ -117,7 +120,7 @@ def consensus(points: np.ndarray, viewpoints: np.ndarray, sigma: np.ndarray, noi
         weight = 1.0 / np.maximum(1.0, distance / 2.0) ** 2  # Huber-like beyond two standard deviations
     total = (weight[:, None, None] * information).sum(0)
     error = float(np.sqrt(np.trace(np.linalg.inv(total)) / 3))
-    # How far along its line each view should have been; at most three sigma of its noise.
+    # Correction of each view's distance along its line, at most three sigma of its noise.
     factor = np.einsum("vi,vi->v", center - viewpoints, line) / reach
     trust = (noise * reach) ** 2 / ((noise * reach) ** 2 + across**2)
     factor = 1.0 + trust * np.clip(factor - 1.0, -3 * noise, 3 * noise)
@@ -128,12 +131,12 @@ def consensus(points: np.ndarray, viewpoints: np.ndarray, sigma: np.ndarray, noi
 
 
 def direction(flat: np.ndarray, blur: float) -> float:
-    """rad in [0, π/2): along which the sides of (n, 2) m points run.
+    """rad in [0, π/2), direction of the sides of (n, 2) m points.
 
-    Upright faces are lines from above: projected along them their points fall on one spot. So the best direction has
-    the least log area of the rectangle, less what share of pairs of points fall into one bin of its two projections.
-    (Weights and bins were chosen on one capture: 3.0° mean error, 0.4° for buildings; the least rectangle alone has
-    6.9° and 6.8°, the closeness criterion of Zhang et al. 2017 5.5° and 4.9°.)
+    Seen from above, vertical faces are lines, so the points of a face coincide when projected along it. The best
+    direction minimises the log area of the rectangle minus the share of pairs of points that fall into one bin of its
+    two projections. (Weights and bins were chosen on one capture: 3.0° mean error, 0.4° for buildings; the smallest
+    rectangle alone has 6.9° and 6.8°, the closeness criterion of Zhang et al. 2017 5.5° and 4.9°.)
 
     Args:
       blur: m, how far a face's points scatter.
@@ -168,16 +171,16 @@ def fit(
     seen: Bearings | None = None,
     axis: float | None = None,
 ) -> Box:
-    """The box around corrected points.
+    """Fits a box to corrected points.
 
     Args:
       points: (p, 3) m.
       viewpoints: (v, 3) m, camera positions.
-      prior: of its label.
+      prior: known sizes and shapes of the object's label.
       noise: relative error of depth.
-      top: m, height of its top where some view was not cut off there; None hides the top.
+      top: m, height of the object's top if some view shows it; None if every view is cut off there.
       sigma: m, standard error of the centre.
-      seen: its views that the image's sides did not cut off, from above; None for none.
+      seen: the object's views that the image's sides do not cut off, in the ground plane; None if there are none.
       axis: rad, direction of the surrounding objects, modulo a quarter turn; None where unknown.
     """
     nearest = float(np.linalg.norm(viewpoints - points.mean(0), axis=1).min())
@@ -208,8 +211,8 @@ def fit(
 def _seen_along(
     yaw: float, points: np.ndarray, viewpoints: np.ndarray, noise: float, top: float | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(3,) and (3,) m: where points begin and end along a heading, across it and up; (v, 3) m: the viewpoints in its
-    axes."""
+    """(3,) and (3,) m, the lower and upper bounds of the points along a heading, across it and up; (v, 3) m, the
+    viewpoints in these axes."""
     turn = rotations.about_z(-yaw)
     local = points @ turn.T
     trim = min(0.002 + 0.4 * noise, 0.03)
@@ -219,17 +222,18 @@ def _seen_along(
 
 
 def _footprint(points: np.ndarray, prior: LabelPrior) -> float:
-    """m: the longer side of an object's footprint; blurred points reach farther than any known object."""
+    """m, the longer side of an object's footprint, at most that of the largest known object, because blur spreads the
+    points."""
     known = float(prior.extents[:, :2].max()) if len(prior.extents) else np.inf
     return min(known, float(np.ptp(points[:, :2], axis=0).max()))
 
 
 def _facing(points: np.ndarray, sides: np.ndarray, prior: LabelPrior, blur: float) -> float | None:
-    """rad: the heading that the known shapes tell; None where they do not.
+    """rad, the heading at which the points fit the known shapes best; None if the shapes do not determine it.
 
     Args:
-      sides: (4,) rad, normals of the sides, first the one that is taken for the front. Sides are sharp where there are
-        any: another direction has to fit much better than theirs, and another front than the first.
+      sides: (4,) rad, normals of the sides, beginning with the assumed front. Visible sides are accurate, so another
+        direction has to fit much better than theirs, and another front much better than the first.
     """
     if not prior.shapes or blur > _OPTIONS.shape_blur * np.ptp(points[:, :2], axis=0).max():
         return None
@@ -241,7 +245,7 @@ def _facing(points: np.ndarray, sides: np.ndarray, prior: LabelPrior, blur: floa
 
 
 def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> float | None:
-    """rad: the heading that the rims tell, None where they do not.
+    """rad, the heading at which the outline's edges fit best; None if they do not determine it.
 
     Alignment with or square to the surroundings is more likely than any other angle; they decide the front only if it
     is unambiguous.
@@ -260,7 +264,7 @@ def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> fl
 
 
 def _turned(yaw: float, low: np.ndarray, high: np.ndarray, viewpoints: np.ndarray, quarter: int) -> tuple:
-    """The same box with its axes turned by quarters."""
+    """Rotates the axes of a box by a number of quarter turns."""
     for _ in range(quarter):
         # The new x is the old y, the new y the old -x.
         low, high = np.array([low[1], -high[0], low[2]]), np.array([high[1], -low[0], high[2]])
@@ -289,19 +293,22 @@ def _heading(size: np.ndarray, middle: np.ndarray, viewpoints: np.ndarray, prior
 
 
 def misfit(size: np.ndarray, prior: LabelPrior) -> float:
-    """Sum of the log ratios to the nearest known size; an unseen part makes a side shorter, hardly ever longer."""
+    """Sum of the log ratios to the nearest known size; a hidden part makes the observed side shorter, hardly ever
+    longer."""
     ratio = np.log(prior.extents / size)
     return float(np.where(ratio > 0, 0.7 * ratio, -1.3 * ratio).sum(1).min())
 
 
 def _front_misfit(size: np.ndarray, prior: LabelPrior) -> float:
-    """`misfit` of objects passed at their front: the front is fully visible, the depth behind it hardly ever."""
+    """`misfit` of objects that the camera passes at their front: the front is fully visible, the depth behind it hardly
+    ever."""
     ratio = np.log(prior.extents / size)
     return float(np.where(ratio > 0, ratio * _OPTIONS.missing_weight, -1.3 * ratio).sum(1).min())
 
 
 def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
-    """No side much longer than any known one: blurred depth and masks that bleed draw boxes out. Feet stay."""
+    """Limits the sides to little more than the longest known ones, because blurred depth and too large masks lengthen
+    boxes. The lower end stays."""
     if not len(prior.extents):
         return low, high
     excess = np.maximum(high - low - _OPTIONS.max_length_ratio * prior.extents.max(0), 0.0)
@@ -311,7 +318,7 @@ def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.n
 def _complete(
     low: np.ndarray, high: np.ndarray, viewpoints: np.ndarray, prior: LabelPrior, topless: bool
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
-    """Ends that no view could show, moved out to the nearest known size of the label.
+    """Moves the ends that no view could show outwards to the nearest known size of the label.
 
     The measured face is the one most visible to the cameras. The far end behind it is hidden unless a camera faced it
     too; the top is hidden if every view was cut off there, or no camera was above it (set-back parts of a roof are
@@ -336,7 +343,8 @@ def _complete(
     known = prior.extents[best]
     longer = hidden & (known > size)
     if lack[best, ~hidden | [False, False, not topless]].sum() > _OPTIONS.max_distance:
-        # Like none that is known, or several in one: a house has a depth all the same.
+        # The size matches no known one, or the box holds several objects; the depth of a house is completed
+        # nevertheless.
         if not prior.faces_road:
             return low, high, (False, False, False)
         known = np.median(prior.extents, axis=0)

@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 @dataclasses.dataclass(frozen=True)
 class DriftOptions:
-    """How odometry drifts.
+    """Model of odometry drift.
 
-    Drift of 1 % and 0.3° per 10 m is 0.11 m and 0.34° from one control point to the next, 8 steps of 1.4 m.
+    A drift of 1 % and 0.3° per 10 m is 0.11 m and 0.34° from one control point to the next (8 steps of 1.4 m).
 
     Attributes:
       spacing: frames from one control point to the next.
@@ -47,7 +47,7 @@ def weights(frames: int) -> np.ndarray:
 
 
 def corrected(poses: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """(m, 4, 4) poses (m, 4, 4) shifted and turned in place by (m, 4) m and rad."""
+    """(m, 4, 4) poses, shifted and turned in place by (m, 4) m and rad."""
     out = poses.copy()
     out[:, :3, :3] = Rotation.from_rotvec(change[:, 3:] * [0.0, 0.0, 1.0]).as_matrix() @ poses[:, :3, :3]
     out[:, :3, 3] += change[:, :3]
@@ -81,7 +81,7 @@ def odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple
 
 
 def anchor(correction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows that hold the first control point."""
+    """Residual rows that keep the first control point in place."""
     block = np.zeros((4, correction.size))
     block[np.arange(4), np.arange(4)] = 1e3
     return block, -block @ correction.ravel()

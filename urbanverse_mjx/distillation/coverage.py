@@ -1,4 +1,4 @@
-"""Areas of a grid of labels as polygons with straight borders that they share."""
+"""Converts a grid of labels to polygons with straight, shared borders."""
 
 import dataclasses
 
@@ -10,15 +10,15 @@ from shapely.ops import substring
 from .borders import Stroke, strokes
 from .straight_pieces import FitOptions, straight_pieces
 
-#: m: corners lie on whole millimetres.
+#: m: corners are rounded to whole millimetres.
 GRID = 1e-3
-#: m by which a line that ends on another is drawn out at most; m that it then stands over.
+#: m, largest extension of a line that ends on another line; m by which it then crosses that line.
 _REACH, _OVER = 4.0, 0.01
-#: What a border between cells that were not seen counts beside one that was.
+#: Weight of a border between unseen cells relative to one between seen cells.
 _UNSEEN = 0.05
-#: How much less sure a border with the outside is: it is where sight ends.
+#: Factor on the noise of a border with the outside, which lies where visibility ends.
 _OUTER = 2.0
-#: Label of a face without the middle of a cell in it; rounds in which small areas join others.
+#: Label of a face that contains no cell centre; rounds in which small areas are merged into neighbours.
 _NOBODY, _ROUNDS = -1, 8
 
 
@@ -39,15 +39,15 @@ def areas(
     min_area: float,
     options: FitOptions | None = None,
 ) -> list[Area]:
-    """Polygons that tile what has a label, with few corners.
+    """Polygons with few corners that tile the labelled cells.
 
     Args:
       labels: (X, Y) u8; 0 = outside.
-      known: (X, Y) bool, what was seen; borders between cells that were not seen are free to be straight.
+      known: (X, Y) bool, seen cells; borders between unseen cells may be straightened freely.
       sort_of: (L, L), see `borders.strokes`.
       origin: (2,) m of cell (0, 0)'s low corner.
       cell: m, its side.
-      min_area: m^2; what is smaller joins the neighbour that it shares most border with.
+      min_area: m^2; smaller areas are merged into the neighbour with the longest common border.
 
     Returns:
       Areas that touch and do not overlap; where two touch, both have all corners of their border.
@@ -61,7 +61,7 @@ def areas(
 
 
 def tiled(lines: list[shapely.LineString]) -> list[shapely.Polygon]:
-    """The faces between lines, all of whose corners lie on whole millimetres and are shared."""
+    """The faces between lines; corners are rounded to whole millimetres and shared by neighbouring faces."""
     noded = shapely.union_all(lines, grid_size=GRID)
     return list(shapely.get_parts(shapely.polygonize(shapely.get_parts(noded))))
 
@@ -86,7 +86,7 @@ def _fitted(
 
 
 def _drawn_out(k: int, found: list[Stroke], lines: list[shapely.LineString]) -> shapely.LineString:
-    """A line whose ends meet the lines that its stroke ends on."""
+    """A line extended at its ends to the lines on which its stroke ends."""
     if found[k].closed:
         return lines[k]
     points = shapely.get_coordinates(lines[k])
@@ -100,7 +100,7 @@ def _drawn_out(k: int, found: list[Stroke], lines: list[shapely.LineString]) -> 
 
 
 def _to_host(points: np.ndarray, host: BaseGeometry) -> np.ndarray:
-    """Points whose last lies on the host or just behind it."""
+    """The points, with the last moved onto the host line or just beyond it."""
     line = shapely.LineString(points)
     end = substring(line, line.length - min(_REACH, line.length / 2), line.length)
     if end.intersects(host):
@@ -114,7 +114,7 @@ def _to_host(points: np.ndarray, host: BaseGeometry) -> np.ndarray:
 
 
 def _beyond(point: np.ndarray, host: BaseGeometry) -> np.ndarray:
-    """Just behind the nearest point of a host."""
+    """The point just beyond the nearest point of a host line."""
     at = shapely.get_coordinates(shapely.shortest_line(shapely.Point(point), host))[-1]
     return at + _OVER * (at - point) / max(float(np.linalg.norm(at - point)), 1e-9)
 
@@ -129,7 +129,7 @@ def _votes(faces: list[shapely.Polygon], labels: np.ndarray, origin: np.ndarray,
 
 
 def _dissolved(faces: list[shapely.Polygon], votes: np.ndarray, min_area: float) -> list[Area]:
-    """Faces of one label joined; what is too small joins the neighbour that it shares most border with."""
+    """Merges faces of one label, and areas that are too small into the neighbour with the longest common border."""
     label = np.where(votes.sum(1) > 0, votes.argmax(1), _NOBODY)
     for _ in range(_ROUNDS):
         parts = _parts(faces, label)
@@ -143,7 +143,8 @@ def _dissolved(faces: list[shapely.Polygon], votes: np.ndarray, min_area: float)
 
 
 def _neighbour(part: Area, parts: list[Area]) -> int:
-    """The label with which a part shares most border; the outside counts for slivers, or where nothing else is."""
+    """The label with which a part shares the longest border; the outside counts only for slivers or without other
+    neighbours."""
     border: dict[int, float] = {}
     for other in parts:
         if other is not part and other.label >= 0 and other.polygon.intersects(part.polygon):

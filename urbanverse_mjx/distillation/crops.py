@@ -1,4 +1,4 @@
-"""Images that the graph's descriptors come from: of objects, of ground and of the sky, and their descriptors."""
+"""Crops of objects, ground and sky, and the descriptors of the graph that are computed from them."""
 
 import dataclasses
 import itertools
@@ -13,20 +13,20 @@ from ..datatypes import GROUND_KINDS, Recording
 from ..datatypes.recording import SKY
 from .lifting import Views
 
-#: A descriptor of an image (H, W, 3) u8 and its mask (H, W) bool: at most 64 numbers of 8 bits.
+#: Function from an image (H, W, 3) u8 and its mask (H, W) bool to a descriptor of at most 64 8-bit numbers.
 Descriptor = Callable[[np.ndarray, np.ndarray], Sequence[int]]
-#: Frames whose sky and ground are kept, evenly over the trajectory.
+#: Number of frames, evenly spaced over the trajectory, whose sky and ground are cropped.
 KEPT_FRAMES = 8
-#: Views of an object that are kept, the largest first.
+#: Number of views of an object that are cropped, the largest first.
 KEPT_VIEWS = 2
 
 
 @dataclasses.dataclass(frozen=True)
 class CropOptions:
-    """Which crops are cut out, and with how much around them; chosen manually.
+    """Size limits and margins of crops; chosen manually.
 
     Attributes:
-      min_patch: pixels; less ground or sky is not worth keeping.
+      min_patch: pixels; smaller patches of ground or sky are not kept.
       margin: pixels around a mask that a crop keeps.
     """
 
@@ -39,7 +39,7 @@ _OPTIONS = CropOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Descriptors:
-    """Descriptors: of objects by their number, of ground by its kind, of the sky."""
+    """Descriptors of objects by number, of ground by kind, and of the sky."""
 
     objects: dict[int, tuple[int, ...]]
     ground: dict[str, tuple[int, ...]]
@@ -54,7 +54,7 @@ def collect(
     describers: dict[str, Descriptor],
     folder: pathlib.Path | None,
 ) -> Descriptors:
-    """Cuts the crops out, writes them (RGBA PNG, the mask as alpha) and describes them.
+    """Cuts out crops, writes them (RGBA PNG with the mask as alpha) and computes their descriptors.
 
     Args:
       object: (n,) which object each view shows.
@@ -81,7 +81,8 @@ def collect(
 
 
 def _best_views(views: Views, object_of_view: np.ndarray, names: dict[int, str]) -> dict[int, np.ndarray]:
-    """Per object the `KEPT_VIEWS` with the most pixels; whole ones before those cut by the image's rim."""
+    """For each object the `KEPT_VIEWS` views with the most pixels; complete views come before those cut off by the
+    image border."""
     rank = np.where(views.clipped.any(1), views.pixels // 4, views.pixels)
     order = np.lexsort((-rank, object_of_view))
     bounds = np.r_[0, np.flatnonzero(np.diff(object_of_view[order])) + 1, len(order)]

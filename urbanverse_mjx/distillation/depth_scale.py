@@ -1,4 +1,4 @@
-"""Per-frame depth scale and depth noise, from the ground: it does not rise and fall with the walker's frames."""
+"""Estimates per-frame depth scale and depth noise from the ground, whose height is the same in neighbouring frames."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from .lifting import GroundPoints
 
-#: Relative noise that even perfect depth has: its pixels are as wide as 0.2 % of the range (f = 500 pixels).
+#: Relative noise of perfect depth: a pixel covers 0.2 % of the range (f = 500 pixels).
 MIN_NOISE = 0.002
 
 
@@ -17,11 +17,11 @@ class DepthScaleOptions:
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      max_range: m from the camera: nearer ground is steep enough in view to derive the camera's height.
-      window: frames to both sides over which ground of one kind counts as level.
-      min_spread: scales that scatter less are left alone: slopes and kerbs, not noise, cause it.
+      max_range: m from the camera; the viewing angle on nearer ground is steep enough to derive the camera's height.
+      window: frames to both sides over which ground of one kind is assumed level.
+      min_spread: scales that scatter less are not corrected, because slopes and kerbs cause such scatter.
       limits: least and greatest scale of a frame.
-      rounds: of heights from scales and scales from heights.
+      rounds: iterations that compute heights from scales and scales from heights.
     """
 
     max_range: float = 15.0
@@ -36,14 +36,15 @@ _OPTIONS = DepthScaleOptions()
 
 @dataclasses.dataclass(frozen=True)
 class DepthScale:
-    """scale (m,): factor on each frame's depth; noise: relative error of a point's depth that remains (1 sigma)."""
+    """Depth scale of the frames: scale (m,), factor on each frame's depth; noise, remaining relative error of a point's
+    depth (1 sigma)."""
 
     scale: np.ndarray
     noise: float
 
 
 def depth_scale(ground: GroundPoints, poses: np.ndarray) -> DepthScale:
-    """Scales under which each kind of ground keeps its height from frame to frame.
+    """Computes the scales under which each kind of ground keeps its height from frame to frame.
 
     For ground of kind k in frame f the drop below the camera is measured as d. Its height Z[k] is the median over the
     neighbouring frames of z_camera - s d; the scale s of a frame is the mean over its ground of (z_camera - Z[k]) / d.

@@ -20,13 +20,13 @@ from .lifting import Views, lift
 from .objects import Fused, FusedObject, objects_of, without_fragments
 from .options import DistilOptions
 
-#: Similarity of two labels without a word in common: detectors mistake a van for a truck. Set by hand.
+#: Similarity of two labels without a common word, because detectors confuse some labels (van, truck). Chosen manually.
 _UNRELATED_SIMILARITY = 0.35
 
 
 @dataclasses.dataclass(frozen=True)
 class Describe:
-    """Functions from crops to descriptors; see `crops.Descriptor`. None leaves them out."""
+    """Functions that compute descriptors from crops, see `crops.Descriptor`; None for no descriptors."""
 
     object: crops.Descriptor | None = None
     ground: crops.Descriptor | None = None
@@ -42,13 +42,13 @@ class Evidence:
     """Evidence of an object.
 
     Attributes:
-      id: of the graph's object.
+      id: id of the object in the graph.
       views: how many frames show it.
       first, last: numbers of the first and last of them in the recording.
       sigma: m, standard error of its centre.
       completed: which of its sizes (along the heading, across, up) come from the label's prior.
       moved: m, displacement by a placement prior.
-      tracks: the detector's own tracks that it holds.
+      tracks: the detector's tracks that were fused into the object.
     """
 
     id: str
@@ -66,7 +66,7 @@ class Evidence:
 
 @dataclasses.dataclass(frozen=True)
 class Distillation:
-    """The graph and how it came about.
+    """A scene graph and the intermediate results from which it was made.
 
     Attributes:
       graph: the scene graph.
@@ -107,15 +107,15 @@ def distil(
 
     Args:
       recording: with depth, and masks and surfaces as far as known, in world coordinates with z up.
-      prior_of: prior of a label.
+      prior_of: function that returns the prior of a label.
       similarity: of two labels, in [0, 1].
       describe: descriptors of crops.
       crop_folder: where the crops go.
-      options: see there.
+      options: see `DistilOptions`.
       progress: called with (frames read, frames in all).
 
     Raises:
-      ValidationError: no registered frame, or no ground in sight.
+      ValidationError: there is no registered frame, or no ground is visible.
     """
     options = options or DistilOptions()
     poses = recording.poses()
@@ -162,7 +162,7 @@ def distil(
 def _associated(
     views: Views, poses: np.ndarray, depth: DepthScale, alike: np.ndarray
 ) -> tuple[fusion.Placed, np.ndarray]:
-    """Where the views are in the world, and (n,) which object each shows."""
+    """World positions of the views, and (n,) the object that each shows."""
     placed = fusion.place(views, poses, depth.scale, depth.noise)
     return placed, fusion.associate(views, placed, alike)
 
@@ -199,7 +199,8 @@ def _footprint(box: Box) -> shapely.Polygon:
 
 
 def _reach(prior: LabelPrior) -> float:
-    """m: how far objects of a label reach to both sides of their middle, a quarter more than any that is known."""
+    """m, largest distance from an object's centre to its surface: a quarter more than that of any known object of the
+    label."""
     return 1.25 * float(np.linalg.norm(prior.extents[:, :2], axis=1).max()) if len(prior.extents) else np.inf
 
 

@@ -1,4 +1,4 @@
-"""Loop-consistent poses: where a trajectory comes by again, objects seen both times pull the two passes together.
+"""Loop closure: where a trajectory revisits a place, the objects seen in both passes correct the poses.
 
 Drift is slow, so the correction is a shift and a turn about z at control points along the trajectory, linear in
 between. Every object observed in two passes constrains both observations to one place; between control points the
@@ -25,14 +25,15 @@ class LoopOptions:
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      pass_gap: frames without a view after which seeing an object is a new pass.
-      gates: m; from round to round, how far apart two sightings of one object may be.
-      max_size: m; larger objects show another middle from another side and are not used.
+      pass_gap: frames without a view after which another view of an object starts a new pass.
+      gates: m; largest distance between two sightings of one object, one value for each round.
+      max_size: m; larger objects are not used, because their visible centre depends on the viewpoint.
       sighting_sigma: m, standard error of a sighting.
-      min_similarity: of two labels that may mean one object.
-      min_pairs: pairs that must agree in the end, else poses stay as they are.
-      agreement: m, within which a pair agrees in the end.
-      min_opening: m; poses also stay where half of the agreeing pairs were nearer than this before.
+      min_similarity: least similarity of two labels that may denote the same object.
+      min_pairs: fewest pairs that agree after the last round; with fewer, the poses are not changed.
+      agreement: m; distance within which a pair agrees after the last round.
+      min_opening: m; the poses are not changed either if the median distance of the agreeing pairs was less than this
+        before.
     """
 
     pass_gap: int = 15
@@ -50,7 +51,7 @@ _OPTIONS = LoopOptions()
 
 @dataclasses.dataclass(frozen=True)
 class _Sightings:
-    """One row per object and pass: center (s, 3) m, frame (s,) its middle, label (s,), sigma (s,) m."""
+    """One row per object and pass: center (s, 3) m, frame (s,) in the middle of the pass, label (s,), sigma (s,) m."""
 
     center: np.ndarray
     frame: np.ndarray
@@ -65,7 +66,7 @@ def close_loops(
     alike: np.ndarray,
     options: LoopOptions = _OPTIONS,
 ) -> np.ndarray | None:
-    """(m, 4, 4) corrected poses, or None where no loop was found or none was open.
+    """(m, 4, 4) corrected poses, or None if no loop was found or the loops were closed already.
 
     Args:
       views, placed: of the trajectory.
@@ -88,7 +89,7 @@ def close_loops(
     after = np.linalg.norm(moved[pairs[:, 0]] - moved[pairs[:, 1]], axis=1)
     before = np.linalg.norm(seen.center[pairs[:, 0]] - seen.center[pairs[:, 1]], axis=1)
     agree = after < options.agreement
-    # Sightings from two sides differ by some centimetres even where poses are perfect.
+    # Sightings from two sides differ by some centimetres even with perfect poses.
     if agree.sum() < options.min_pairs or np.median(before[agree]) < max(
         options.min_opening, 2.0 * float(np.median(after[agree]))
     ):
@@ -109,7 +110,7 @@ def _sightings(views: Views, placed: Placed, object_of_view: np.ndarray, options
     center = np.stack([np.bincount(group, weight * placed.center[order, k]) / total for k in range(3)], -1)
     frame = np.bincount(group, weight * views.frame[order]) / total
     first = np.r_[0, np.flatnonzero(~same) + 1]
-    # One view alone may be a detector's fancy.
+    # A single view may be a false detection.
     solid = np.bincount(group) >= 2
     return _Sightings(center[solid], frame[solid], views.label[order][first][solid])
 
@@ -127,7 +128,7 @@ def _arms(seen: _Sightings, poses: np.ndarray) -> np.ndarray:
 
 
 def _moved(seen: _Sightings, at: np.ndarray, correction: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """(s, 3) m: sightings under a correction (k, 4) of x, y, z, yaw."""
+    """(s, 3) m, positions of the sightings after a correction (k, 4) of x, y, z, yaw."""
     change = _rows(seen, at) @ correction
     arm = _arms(seen, poses)
     c, s = np.cos(change[:, 3]), np.sin(change[:, 3])
@@ -136,7 +137,7 @@ def _moved(seen: _Sightings, at: np.ndarray, correction: np.ndarray, poses: np.n
 
 
 def _pairs(seen: _Sightings, moved: np.ndarray, alike: np.ndarray, gate: float, options: LoopOptions) -> np.ndarray:
-    """(p, 2) sightings of one label in different passes that are each other's nearest."""
+    """(p, 2) pairs of sightings of one label in different passes that are mutual nearest neighbours."""
     if len(moved) < 2:
         return np.zeros((0, 2), np.int64)
     tree = scipy.spatial.cKDTree(moved)
@@ -159,14 +160,14 @@ def _solve(
     gate: float,
     sigma: float,
 ) -> np.ndarray:
-    """(k, 4) the correction after one step of Gauss-Newton with Geman-McClure weights of scale gate / 2; sigma: m, of a
-    sighting."""
+    """(k, 4) the correction after one Gauss-Newton step with Geman-McClure weights of scale gate / 2; sigma: m,
+    standard error of a sighting."""
     count = len(correction)
     weights, arm = _rows(seen, at), _arms(seen, poses)
     moved = _moved(seen, at, correction, poses)
     yaw = (weights @ correction)[:, 3]
     c, s = np.cos(yaw), np.sin(yaw)
-    # d(place)/d(yaw) of a turned arm.
+    # Derivative of the position with respect to yaw.
     slope = np.stack([-s * arm[:, 0] - c * arm[:, 1], c * arm[:, 0] - s * arm[:, 1], np.zeros(len(arm))], -1)
     i, j = pairs.T
     misfit = moved[i] - moved[j]

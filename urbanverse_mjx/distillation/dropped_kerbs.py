@@ -1,4 +1,4 @@
-"""Dropped kerbs: ramps from a crosswalk up to the pavement, where the heights that were seen show them."""
+"""Finds dropped kerbs (ramps from a crosswalk up to the pavement) in the observed heights."""
 
 import dataclasses
 import itertools
@@ -14,17 +14,17 @@ from .ground import CELL, WALKED, GroundMap, fit_plane
 
 @dataclasses.dataclass(frozen=True)
 class RampOptions:
-    """What counts as a dropped kerb.
+    """Conditions for a dropped kerb.
 
     Set by hand on blocks whose kerbs are known (docs/decisions/generation.md).
 
     Attributes:
-      min_kerb: m that the pavement lies over the crosswalk at least.
-      dropped: share of the kerb that is left at most at the edge of a ramp.
-      top: share of the kerb from which on a ramp has come up.
-      min_width: m along the edge, at least.
-      min_run, max_run: m that a ramp goes into the pavement.
-      crosswalk: m from the edge to where the crosswalk's height is taken.
+      min_kerb: m, least height of the pavement above the crosswalk.
+      dropped: largest remaining height at the edge of a ramp, as a share of the kerb's height.
+      top: height at which a ramp ends, as a share of the kerb's height.
+      min_width: m, least width along the edge.
+      min_run, max_run: m, limits of a ramp's length into the pavement.
+      crosswalk: m, distance from the edge at which the crosswalk's height is measured.
     """
 
     min_kerb: float = 0.06
@@ -40,7 +40,7 @@ _OPTIONS = RampOptions()
 
 
 def ramps(areas: Sequence[Area], seen: GroundMap) -> list[tuple[int, shapely.Polygon]]:
-    """(number of the area, what of it is a ramp) for every dropped kerb between a crosswalk and what is walked on."""
+    """(number of the area, polygon of the ramp) for every dropped kerb between a crosswalk and a walkable area."""
     walked = [KIND_INDEX[k] for k in WALKED]
     crosswalks = [a for a in areas if a.label == KIND_INDEX["crosswalk"]]
     found = []
@@ -54,7 +54,7 @@ def ramps(areas: Sequence[Area], seen: GroundMap) -> list[tuple[int, shapely.Pol
 
 
 def _edges(area: Area, crosswalk: Area) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Straight parts of a common border, the area on their left."""
+    """Straight parts of the common border, with the area on their left."""
     border = area.polygon.intersection(crosswalk.polygon)
     parts = [p for p in shapely.get_parts(border) if isinstance(p, shapely.LineString)]
     for line in shapely.get_parts(shapely.line_merge(shapely.MultiLineString(parts))):
@@ -73,7 +73,7 @@ def _left(begin: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def _ramp(area: Area, begin: np.ndarray, end: np.ndarray, seen: GroundMap) -> shapely.Polygon | None:
-    """The ramp behind an edge; None where the kerb is not dropped or nobody saw it."""
+    """The ramp behind an edge; None if the kerb is not dropped or was not seen."""
     length, left = float(np.linalg.norm(end - begin)), _left(begin, end)
     along = (end - begin) / length
     s, t = np.arange(CELL / 2, length, CELL), np.arange(CELL / 2, _OPTIONS.max_run, CELL)
@@ -105,7 +105,7 @@ def _at(seen: GroundMap, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _longest(yes: np.ndarray) -> tuple[int, int]:
-    """First and behind the last of the longest run."""
+    """Half-open range of indices of the longest run of true values."""
     edges = np.flatnonzero(np.diff(np.r_[0, yes.astype(int), 0]))
     runs = edges.reshape(-1, 2)
     return tuple(runs[np.argmax(runs[:, 1] - runs[:, 0])].tolist()) if len(runs) else (0, 0)

@@ -1,5 +1,5 @@
-"""Fits how far the perception model's objects are to be trusted: `perception_model.decode.TRUST`, which belongs to one
-set of weights.
+"""Fits the confidence calibration of the perception model, `perception_model.decode.TRUST`, which belongs to one set of
+weights.
 
     python -m benchmarks.perception_streets --split test --first 20 --layouts 16 --out perception_held.npz
     python -m urbanverse_mjx.distillation.fit_trust --streets perception_held.npz
@@ -29,7 +29,8 @@ _RIDGE = 1e-4
 
 
 def right(seen: Decoded, kinds: np.ndarray, owner: np.ndarray) -> np.ndarray:
-    """(n,) bool: which objects of a frame share half of their mask and theirs with a true object of their class.
+    """(n,) bool, which objects of a frame have a mask that overlaps half of a true object's mask of their class, and
+    vice versa.
 
     Args:
       kinds: (h, w) true classes.

@@ -12,28 +12,28 @@ import scipy.spatial
 
 from .lifting import Views
 
-#: m, error of a view's place that does not grow with the range: pixels at the rim, the side that happens to be seen.
+#: m, error of a view's position that does not grow with the range (border pixels, visible side).
 PLACE = 0.03
 
 
 @dataclasses.dataclass(frozen=True)
 class FusionOptions:
-    """When views show one object, and when two objects of the map are one.
+    """Conditions under which views show the same object and objects of the map are merged.
 
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      min_view_score: a view joins an object whose score with it is at least this: half a box overlaps under one
-        label, or places two standard errors apart.
-      min_merge_score: from this score on two objects of the map are merged, unless many frames show both.
-      max_squared_distance: in squared standard errors, three dimensions; positions farther apart are not compared: 1 in
-        400.
-      information_kept: share of an object's information that remains when a view is added: poses drift, and errors of
-        depth stay for some frames.
-      max_shared_frames: share of the frames of the rarer of two objects that may show both if they are one.
+      min_view_score: least score at which a view is assigned to an object: boxes of one label overlap by half, or
+        positions are two standard errors apart.
+      min_merge_score: least score at which two objects of the map are merged, unless many frames show both.
+      max_squared_distance: squared standard errors in three dimensions; positions farther apart are not compared (1 of
+        400 true pairs).
+      information_kept: share of an object's information that is kept when a view is added, because poses drift and
+        depth errors of successive frames are correlated.
+      max_shared_frames: two objects are merged only if at most this share of the frames of the rarer one shows both.
       max_gap: m; boxes farther apart than this are not compared.
-      trim: quantile of a view's points at each end that its box leaves out.
-      max_sigma: m; boxes of views less sharp than this are not joined with sharper ones.
+      trim: quantile of a view's points that its box leaves out at each end.
+      max_sigma: m; boxes of views with a larger standard error are not merged with more accurate ones.
     """
 
     min_view_score: float = 0.22
@@ -60,7 +60,7 @@ class Placed:
 
     @property
     def center(self) -> np.ndarray:
-        """(n, 3) m."""
+        """(n, 3) m, centres of the boxes."""
         return (self.low + self.high) / 2
 
     @functools.cached_property
@@ -88,7 +88,7 @@ def world_points(views: Views, poses: np.ndarray, scale: np.ndarray, rows: np.nd
 
 
 def place(views: Views, poses: np.ndarray, scale: np.ndarray, noise: float) -> Placed:
-    """Where every view is, in chunks that fit a processor's cache."""
+    """Computes the world position of every view, in chunks that fit the processor's cache."""
     low, high = np.zeros((len(views), 3)), np.zeros((len(views), 3))
     reach = np.zeros(len(views))
     for start in range(0, len(views), 512):
@@ -103,7 +103,7 @@ def place(views: Views, poses: np.ndarray, scale: np.ndarray, noise: float) -> P
 
 
 class _Map:
-    """Objects seen so far: boxes, best sigma, votes for labels."""
+    """The objects found so far: boxes, smallest sigma, votes for labels."""
 
     def __init__(self, capacity: int, labels: int) -> None:
         self.size = 0
@@ -113,13 +113,13 @@ class _Map:
         self.information, self.weighted = np.zeros((capacity, 3, 3)), np.zeros((capacity, 3))
 
     def near(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """(k,) objects whose box comes within `max_gap` of the boxes of a frame."""
+        """(k,) objects whose box is within `max_gap` of the boxes of a frame."""
         a, b = low.min(0) - _OPTIONS.max_gap, high.max(0) + _OPTIONS.max_gap
         n = self.size
         return np.flatnonzero(((self.low[:n] < b) & (self.high[:n] > a)).all(1))
 
     def add(self, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray) -> np.ndarray:
-        """New objects from views; returns their numbers."""
+        """Adds objects made from views and returns their numbers."""
         numbers = np.arange(self.size, self.size + len(rows))
         self.low[numbers], self.high[numbers], self.sigma[numbers] = (
             placed.low[rows],
@@ -145,11 +145,12 @@ class _Map:
     def update(
         self, objects: np.ndarray, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray
     ) -> None:
-        """A much better view replaces an object's box, a similar one widens it, a worse one only votes."""
+        """Updates objects: a much better view replaces an object's box, a similar one widens it, a worse one only votes
+        for the label."""
         self.votes[objects, labels] += scores
         self._inform(objects, placed, rows)
         ratio = placed.sigma[rows] / self.sigma[objects]
-        # Where depth is sharp every view adds its points; a nearer one may show only a part.
+        # With accurate depth every view widens the box, because a nearer view may show only a part.
         better = (ratio < 0.6) & (self.sigma[objects] > _OPTIONS.max_sigma)
         similar = ~better & ((ratio < 1.7) | (placed.sigma[rows] <= _OPTIONS.max_sigma))
         shrink = np.minimum(placed.sigma[rows, None], 0.25 * (placed.high - placed.low)[rows])
@@ -164,9 +165,9 @@ class _Map:
 def _overlap(
     low: np.ndarray, high: np.ndarray, other_low: np.ndarray, other_high: np.ndarray, slack: np.ndarray
 ) -> np.ndarray:
-    """(...) in [0, 1]: share of the smaller box that lies in the larger, and how near the middles are.
+    """(...) in [0, 1], share of the smaller box that lies in the larger, combined with the distance of the centres.
 
-    slack (...): m by which boxes may be off.
+    slack (...): m, tolerance of the boxes.
     """
     slack = slack[..., None]
     shared = np.minimum(high, other_high) - np.maximum(low, other_low) + slack
@@ -181,7 +182,7 @@ def _overlap(
 def _agreement(
     a: np.ndarray, a_covariance: np.ndarray, b: np.ndarray, b_covariance: np.ndarray, pairs: tuple
 ) -> np.ndarray:
-    """(p,) in [0, 1]: how well places agree, given how uncertain they are and along which lines."""
+    """(p,) in [0, 1], agreement of positions given their covariances."""
     i, j = pairs
     apart = a[i] - b[j]
     whole = a_covariance[i] + b_covariance[j]
@@ -190,11 +191,11 @@ def _agreement(
 
 
 def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarray:
-    """(n,) i32: the object each view shows.
+    """(n,) i32, the object that each view shows.
 
     Args:
       views, placed: the observations; frames in order.
-      similarity: (L, L) in [0, 1], of two labels' meanings.
+      similarity: (L, L) in [0, 1], similarity of the meanings of two labels.
     """
     object_of_view = np.full(len(views), -1, np.int32)
     known = _Map(len(views), len(views.labels))
@@ -228,7 +229,7 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
 
 
 def _merged(object_of_view: np.ndarray, views: Views, known: _Map, similarity: np.ndarray) -> np.ndarray:
-    """Objects of the map that are one, joined, best first; numbers close up."""
+    """Merges duplicate objects of the map, best score first, and renumbers the objects without gaps."""
     n = known.size
     if n < 2:
         return object_of_view

@@ -19,17 +19,17 @@ CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
 
 @dataclasses.dataclass(frozen=True)
 class GroundOptions:
-    """How cells of ground become regions and kerbs.
+    """Options for converting ground cells to regions and kerbs.
 
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      fill_distance: m that ground is carried on under objects that hide it.
-      min_area: m^2; smaller regions are left out as wrong votes, or join the neighbour round them.
-      max_plane_error: m; a region whose top leaves its plane by more is cut in two along its longer side.
-      max_corners: a region with more corners is cut in two.
-      min_kerb: m; lower steps are no kerb.
-      fit: how borders become straight.
+      fill_distance: m, largest extension of ground under objects that hide it.
+      min_area: m^2; smaller regions are removed as wrong votes, or merged into the neighbour that surrounds them.
+      max_plane_error: m; a region whose top deviates more from its plane is split across its longer side.
+      max_corners: a region with more corners is split in two.
+      min_kerb: m; lower steps do not count as kerbs.
+      fit: options for straightening borders.
     """
 
     fill_distance: float = 2.5
@@ -41,13 +41,14 @@ class GroundOptions:
 
 
 OPTIONS = GroundOptions()
-#: Kinds beside the carriageway, and those of it.
+#: Kinds of ground beside the carriageway, and those of the carriageway.
 WALKED, DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
 
 
 @dataclasses.dataclass(frozen=True)
 class GroundMap:
-    """What was seen from above; cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells of `CELL` m.
+    """The observed ground as a grid seen from above; cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells of
+    `CELL` m.
 
     kind (X, Y) u8, 0 = nothing known; height (X, Y) f64 m, NaN where nothing was seen; count (X, Y) i64 points.
     """
@@ -67,7 +68,7 @@ class GroundMap:
 
 @dataclasses.dataclass(frozen=True)
 class Kerb:
-    """A step between two kinds that lie side by side: its median height (m) and how many metres of it were seen."""
+    """A step between two adjacent kinds of ground: its median height (m) and the observed length (m)."""
 
     low: str
     high: str
@@ -76,9 +77,10 @@ class Kerb:
 
 
 def ground_map(ground: GroundPoints, poses: np.ndarray, scale: np.ndarray, noise: float) -> GroundMap | None:
-    """The grid; None where no ground was seen.
+    """Computes the grid; None if no ground was seen.
 
-    A point counts 1 / sigma^2, where sigma = `noise` x range: far ground is seen at a slant and smeared.
+    The weight of a point is 1 / sigma^2 with sigma = `noise` x range, because distant ground is seen at a grazing
+    angle.
     """
     if not len(ground.frame):
         return None
@@ -96,7 +98,7 @@ def ground_map(ground: GroundPoints, poses: np.ndarray, scale: np.ndarray, noise
             for k in range(len(GROUND_KINDS))
         ]
     )
-    # Neighbours vote, too: one stray point decides nothing.
+    # Votes are smoothed over neighbouring cells, so that a single outlier has no effect.
     votes = np.stack([scipy.ndimage.gaussian_filter(v, 0.7) for v in votes])
     kind = np.where(votes.max(0) > 1e-6, votes.argmax(0), 0).astype(np.uint8)
     own = ground.kind == kind.ravel()[flat]
@@ -107,12 +109,12 @@ def ground_map(ground: GroundPoints, poses: np.ndarray, scale: np.ndarray, noise
 
 
 def _filled(seen: GroundMap) -> GroundMap:
-    """Holes, the ground under objects and stray votes take the kind and height of the nearest ground seen."""
+    """Assigns the kind and height of the nearest observed ground to holes, to ground under objects and to outliers."""
     kind = _majority(np.where(np.isfinite(seen.height), seen.kind, 0))
-    # A cell whose neighbours outvoted it has the height of the wrong kind.
+    # The height of a cell that its neighbours outvoted belongs to the wrong kind.
     known = (kind > 0) & (kind == seen.kind) & _large(kind)
     distance, nearest = scipy.ndimage.distance_transform_edt(~known, return_indices=True)
-    # A closing: what lies between seen ground is filled, the outer rim stays where it is.
+    # Morphological closing: gaps between observed ground are filled, the outer border does not move.
     reach, rim = OPTIONS.fill_distance / CELL, int(OPTIONS.fill_distance / CELL) + 2
     grown = np.pad(distance <= reach, rim)
     closed = (scipy.ndimage.distance_transform_edt(grown) > reach)[rim:-rim, rim:-rim]
@@ -124,7 +126,7 @@ def _filled(seen: GroundMap) -> GroundMap:
 
 
 def _majority(kind: np.ndarray) -> np.ndarray:
-    """Each cell takes the commonest kind of the 5 x 5 around it: outlines without teeth."""
+    """Assigns each cell the most frequent kind of the 5 x 5 cells around it, which smooths outlines."""
     masks = [(kind == k).astype(np.float32) for k in range(len(GROUND_KINDS))]
     votes = np.stack([scipy.ndimage.uniform_filter(m, 5) for m in masks])
     votes[0] *= kind == 0
@@ -143,8 +145,8 @@ def _large(kind: np.ndarray) -> np.ndarray:
 
 
 def fit_plane(seen: GroundMap, area: shapely.Polygon, kind: int) -> tuple[tuple[float, float, float], float]:
-    """(a, b, c) of z = a x + b y + c under an area, by least squares reweighted by Tukey's biweight, and the robust
-    residual (m); level at the height of the nearest cells of its kind where it holds fewer than 12."""
+    """Plane (a, b, c) of z = a x + b y + c under an area, by least squares with Tukey's biweight, and its robust
+    residual (m); areas of fewer than 12 cells get a level plane at the height of the nearest cells of their kind."""
     x0, y0, x1, y1 = area.bounds
     i0, j0 = np.maximum(np.floor((np.array([x0, y0]) - seen.origin) / CELL).astype(int), 0)
     i1, j1 = np.ceil((np.array([x1, y1]) - seen.origin) / CELL).astype(int)
@@ -159,7 +161,7 @@ def fit_plane(seen: GroundMap, area: shapely.Polygon, kind: int) -> tuple[tuple[
     columns = np.c_[xy - middle, np.ones(len(z))]
     weight, plane, spread = np.ones(len(z)), np.zeros(3), 0.0
     for _ in range(8):
-        # A little ridge: strips one cell wide say nothing about their cross slope.
+        # A small ridge term, because a strip one cell wide does not determine its cross slope.
         normal = columns.T @ (weight[:, None] * columns) + np.diag([1e-2, 1e-2, 0.0])
         plane = np.linalg.solve(normal, columns.T @ (weight * z))
         residual = z - columns @ plane
@@ -170,7 +172,7 @@ def fit_plane(seen: GroundMap, area: shapely.Polygon, kind: int) -> tuple[tuple[
 
 
 def _level(seen: GroundMap, area: shapely.Polygon, kind: int) -> float:
-    """m: median height of the 12 cells of a kind that are nearest to an area's middle."""
+    """m, median height of the 12 cells of a kind that are nearest to an area's centre."""
     cells = np.argwhere((seen.kind == kind) & np.isfinite(seen.height))
     middle = area.representative_point()
     away = np.linalg.norm(seen.origin + (cells + 0.5) * CELL - [middle.x, middle.y], axis=1)
@@ -179,10 +181,10 @@ def _level(seen: GroundMap, area: shapely.Polygon, kind: int) -> float:
 
 
 def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:
-    """Steps between neighbouring cells of two kinds, by pair of kinds."""
+    """The steps between neighbouring cells of two kinds, for each pair of kinds."""
     found = []
     pairs: dict[tuple[int, int], list[np.ndarray]] = {}
-    # Two cells apart: the cell on the edge mixes both heights.
+    # Heights two cells apart are compared, because the cell on the edge mixes both.
     for axis in (0, 1):
         a, b = (np.roll(seen.kind, -s, axis) for s in (-1, 1))
         step = np.roll(seen.height, -1, axis) - np.roll(seen.height, 1, axis)
@@ -203,6 +205,6 @@ def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:
 
 
 def allowed_area(seen: Sequence[GroundRegion], kinds: tuple[str, ...]) -> BaseGeometry:
-    """Where objects that stand on these kinds can be."""
+    """Area in which objects that stand on these kinds of ground can be."""
     wanted = {KIND_INDEX[k] for k in kinds}
     return shapely.union_all([shapely.Polygon(r.polygon) for r in seen if KIND_INDEX[r.kind] in wanted])

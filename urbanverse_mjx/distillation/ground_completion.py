@@ -1,4 +1,4 @@
-"""Ground that no camera saw although a street has it: holes, and the strip between what was seen and the fronts."""
+"""Completes ground that no camera saw: holes, and the strip between the observed ground and the house fronts."""
 
 import dataclasses
 import itertools
@@ -16,23 +16,23 @@ from .ground import CELL, DRIVEN, WALKED, GroundMap
 
 @dataclasses.dataclass(frozen=True)
 class CompletionOptions:
-    """How far ground is carried on.
+    """Limits of the completion.
 
     Set by hand on blocks whose ground is known (docs/decisions/generation.md).
 
     Attributes:
-      front_distance: m from a wall to the ground straight before it that it is carried over.
-      under_fronts: m that ground reaches below a house, because the house's place is known no better.
-      walkable: m; a strip at least as wide is pavement where there is pavement within twice `front_distance`; a
-        narrower one is what is next to it.
-      gap: m; gaps between strips that are narrower are closed.
-      notch: m; so are narrower ones in from the outside: a parked bus hides a pavement up to the front.
-      across: how many times farther from the carriageway than from pavement what fills a hole still is carriageway: in
-        the middle of a hole as wide as the road the pavements are nearer than the road's ends.
-      stub: m; what sticks out and is narrower is cut off: it was seen through a slit.
-      max_hole: m^2; larger holes are courtyards or what nobody looked at.
-      house_share: share of a hole that houses may cover.
-      max_islet: m^2; smaller holes are closed, whatever stands there.
+      front_distance: m, largest gap between a wall and the ground in front of it that is filled.
+      under_fronts: m by which ground extends below a house, the uncertainty of the house's position.
+      walkable: m; a strip at least this wide becomes pavement if there is pavement within twice `front_distance`; a
+        narrower one takes the kind of its neighbour.
+      gap: m; narrower gaps between strips are closed.
+      notch: m; narrower notches in the outline are closed, because a parked bus hides the pavement up to the front.
+      across: a hole is filled with carriageway up to this ratio of its distances from carriageway and from pavement; in
+        the middle of a hole as wide as the road the pavements are nearer than the ends of the road.
+      stub: m; narrower protrusions are cut off, because they were seen through a gap between objects.
+      max_hole: m^2; larger holes are courtyards or unobserved areas and stay open.
+      house_share: largest share of a hole that houses may cover.
+      max_islet: m^2; smaller holes are always closed.
     """
 
     front_distance: float = 5.0
@@ -51,11 +51,11 @@ _OPTIONS = CompletionOptions()
 
 
 def completed(seen: GroundMap, houses: Sequence[shapely.Polygon]) -> GroundMap:
-    """The grid with what nobody saw: holes, and the strip from the outermost ground to the fronts behind it.
+    """Adds unobserved ground to the grid: holes, and the strip from the outermost ground to the fronts behind it.
 
     Args:
-      seen: from `ground_map`.
-      houses: footprints, m. Ground goes on `under_fronts` m below them, because they are known no better.
+      seen: the result of `ground_map`.
+      houses: footprints, m. Ground extends `under_fronts` m below them, the uncertainty of their position.
     """
     rim = round(_OPTIONS.front_distance / CELL) + 2
     origin, kind = seen.origin - rim * CELL, np.pad(seen.kind, rim)
@@ -69,14 +69,14 @@ def completed(seen: GroundMap, houses: Sequence[shapely.Polygon]) -> GroundMap:
     strip &= known | ~scipy.ndimage.binary_erosion(inside, _disk(_OPTIONS.under_fronts))
     wide = scipy.ndimage.binary_closing(wide, _disk(_OPTIONS.gap / 2))
     use = known | strip
-    # What is seen through a slit is a stub.
+    # Ground seen through a gap between objects forms a stub.
     holes = _holes(known, inside) | _holes(use, inside)
     use = scipy.ndimage.binary_opening(use | holes, _disk(_OPTIONS.stub / 2))
     walked, driven = (np.isin(kind, [KIND_INDEX[k] for k in kinds]) for kinds in (WALKED, DRIVEN))
     source = np.stack(scipy.ndimage.distance_transform_edt(~known, return_indices=True)[1])
     if walked.any():
         away, nearest = scipy.ndimage.distance_transform_edt(~walked, return_indices=True)
-        # Where a wall stands off the carriageway there is pavement, if there is any nearby.
+        # A gap between a wall and the carriageway is pavement if there is pavement nearby.
         source = np.where(wide & ~known & (away * CELL <= 2 * _OPTIONS.front_distance), nearest, source)
         if driven.any():
             off, nearest = scipy.ndimage.distance_transform_edt(~driven, return_indices=True)
@@ -101,7 +101,8 @@ def _within(area: shapely.Polygon, origin: np.ndarray, shape: tuple[int, ...]) -
 def _before_fronts(
     known: np.ndarray, houses: Sequence[shapely.Polygon], origin: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(X, Y) bool: what lies between walls and the first ground straight before them; where that is `walkable` wide."""
+    """(X, Y) bool, cells between walls and the first ground in front of them; and those where this strip is `walkable`
+    wide."""
     strip, wide = np.zeros((2, *known.shape), bool)
     steps = np.arange(-_OPTIONS.under_fronts, _OPTIONS.front_distance, CELL / 2)
     for house in houses:
@@ -122,7 +123,7 @@ def _before_fronts(
 
 
 def _holes(known: np.ndarray, houses: np.ndarray) -> np.ndarray:
-    """(X, Y) bool: what is enclosed by known cells, not larger than `max_hole`, and no house's."""
+    """(X, Y) bool, holes enclosed by known cells that are at most `max_hole` large and do not belong to a house."""
     numbers, _ = scipy.ndimage.label(~known)
     size = np.bincount(numbers.ravel())
     rim = np.unique(np.r_[numbers[0], numbers[-1], numbers[:, 0], numbers[:, -1]])

@@ -1,4 +1,4 @@
-"""Ground regions: a grid from above, cut into simple polygons with straight borders and planar tops."""
+"""Cuts the ground grid into regions: simple polygons with straight borders and planar tops."""
 
 from collections.abc import Sequence
 
@@ -13,12 +13,13 @@ from .ground import CELL, DRIVEN, OPTIONS, WALKED, GroundMap, fit_plane
 
 type Ring = tuple[tuple[float, float], ...]  # m
 
-#: m^2 below which a piece is the rounding of a border.
+#: m^2; smaller pieces are caused by the rounding of a border and are dropped.
 _SLIVER = 0.02
 
 
 def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
-    """Simple polygons that tile what is known, with planes fitted to the heights inside; neighbours share corners."""
+    """Simple polygons that tile the known ground, with planes fitted to the heights inside; neighbours share
+    corners."""
     if not seen.kind.any():
         return ()
     areas = coverage.areas(seen.kind, seen.count > 0, _sorts(), seen.origin, CELL, OPTIONS.min_area, OPTIONS.fit)
@@ -47,8 +48,8 @@ def _sorts() -> np.ndarray:
 
 
 def _shared(pieces: Sequence[shapely.Polygon]) -> list[tuple[Ring, int]]:
-    """Outlines in whole millimetres, each with the number of its piece; where two touch, both have all corners of their
-    border, because a corner that one lacks would move its long edge over the other."""
+    """Outlines rounded to whole millimetres, each with the number of its piece. Touching outlines share all corners of
+    their border; otherwise rounding would make a long edge overlap the neighbour."""
     faces = coverage.tiled([shapely.LineString(p.exterior.coords) for p in pieces])
     tree, found = shapely.STRtree(pieces), []
     for face in faces:
@@ -64,7 +65,7 @@ def _shared(pieces: Sequence[shapely.Polygon]) -> list[tuple[Ring, int]]:
 
 
 def _simple_pieces(outline: shapely.Polygon, seen: GroundMap, kind: int) -> list[shapely.Polygon]:
-    """The outline cut until every piece has no hole, few corners and a top that one plane fits."""
+    """Splits an outline until every piece has no hole, few corners and a top that one plane fits."""
     todo, done = [outline], []
     while todo:
         area = todo.pop()

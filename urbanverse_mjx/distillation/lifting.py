@@ -1,4 +1,4 @@
-"""Masks and depth become point sets in the camera's frame, the same number for every view of an object.
+"""Lifts masks and depth to point sets in the camera's frame, with the same number of points for every view.
 
 A *view* is one detection in one frame. Its points stay in the camera's frame, so that a better pose or depth scale
 found later moves them without reading the images again.
@@ -12,22 +12,22 @@ import numpy as np
 from ..datatypes import GROUND_KINDS, PAINT_KINDS, Recording
 from ..datatypes.recording import SKY
 
-#: Points kept of a view; views of fewer pixels repeat some.
+#: Number of points kept of a view; views with fewer pixels repeat some.
 POINTS = 192
-#: Pixels along each side for which one of the coarse depth stands.
+#: Side, in pixels, of the block that one pixel of the coarse depth covers.
 COARSE = 8
 
 
 @dataclasses.dataclass(frozen=True)
 class LiftOptions:
-    """Which pixels of a view are kept.
+    """Conditions for keeping pixels of a view.
 
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      min_group: share of a view's points that may lie apart in depth and still belong to it; smaller groups are masks
-        that cover more than their object.
-      ground_points: points of ground of a frame, about.
+      min_group: least share of a view's points that a group apart in depth needs to belong to the object; smaller
+        groups are background covered by the mask.
+      ground_points: approximate number of ground points per frame.
     """
 
     min_group: float = 0.2
@@ -39,7 +39,7 @@ _OPTIONS = LiftOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Views:
-    """n views over the m registered frames.
+    """The n views of objects in the m registered frames.
 
     frame (n,) i32: row of the registered frames; label (n,) i32: row of `labels`; score (n,) f32.
     track (n,) i32: row of the recording's tracks, -1 = none.
@@ -64,7 +64,7 @@ class Views:
 
 @dataclasses.dataclass(frozen=True)
 class GroundPoints:
-    """Points of ground seen, in the camera's frame: frame (g,) i32, kind (g,) u8, points (g, 3) f32 m."""
+    """Observed ground points in the camera's frame: frame (g,) i32, kind (g,) u8, points (g, 3) f32 m."""
 
     frame: np.ndarray
     kind: np.ndarray
@@ -88,12 +88,12 @@ def lift(
     depth_of: Callable[[str], float] = lambda _: np.inf,
     progress: Callable[[int, int], None] | None = None,
 ) -> Lifted:
-    """Reads every registered frame once.
+    """Reads every registered frame once and lifts its views and ground points.
 
     Args:
-      min_pixels: views of fewer are left out.
-      max_range: m, farther points are left out.
-      depth_of: label -> m, how far such an object can reach to both sides of its middle.
+      min_pixels: views with fewer pixels are left out.
+      max_range: m; farther points are left out.
+      depth_of: label -> m, largest distance from the centre of such an object to its surface.
       progress: called with (frames done, frames in all).
     """
     rays = recording.camera.rays().astype(np.float32)
@@ -168,10 +168,10 @@ def _views(
 
 
 def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """(p,) bool: pixels whose depth belongs to the main body of their view.
+    """(p,) bool, pixels whose depth belongs to the main body of their view.
 
-    Sorted by depth, a view falls apart where the next pixel is 0.5 m or 4 % of the range farther; groups of less than
-    `min_group` of the pixels are what shows through or beside the object.
+    Sorted by depth, the pixels of a view form groups that are separated by gaps of 0.5 m or 4 % of the range. Groups
+    with less than `min_group` of the pixels show what is behind or beside the object.
     """
     order = np.lexsort((z, which))
     w, s = which[order], z[order]

@@ -1,4 +1,4 @@
-"""From views to objects: label, confidence and box of each."""
+"""Computes label, confidence and box of each object from its views."""
 
 import dataclasses
 from collections.abc import Callable
@@ -13,27 +13,27 @@ from .lifting import COARSE, Views
 
 @dataclasses.dataclass(frozen=True)
 class ObjectOptions:
-    """How a label, a confidence and a street axis follow from the views of objects.
+    """Options for computing labels, confidences and street axes from the views of objects.
 
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      missed_odds: factor on an object's odds for every frame that should show it and does not: detectors miss a quarter
+      missed_odds: factor on an object's odds for every frame that should show it and does not. Detectors miss a quarter
         to a half of the visible objects, and leaves and railings hide more than one ray indicates.
-      size_penalty: decrease of the log odds for every e-fold by which its size differs from any known one, beyond
+      size_penalty: decrease of the log odds per e-fold by which an object's size differs from every known one, beyond
         `size_spread`.
-      size_spread: log ratio by which sizes of partly hidden objects differ.
-      min_kinship: labels from this similarity on may mean one object.
-      min_similarity: labels from this similarity on are one.
+      size_spread: spread (log ratio) of the sizes of partly hidden objects.
+      min_kinship: least similarity of labels that may denote the same object.
+      min_similarity: least similarity of labels that are treated as one.
       fragment_share: a box is a fragment of another if more than this share of it is inside.
-      min_axis_length: m; only larger objects show which way a street runs.
-      min_axis_ratio: and only objects so many times as long as wide.
-      axis_radius: m; how far around an object the axes of others count.
-      min_axis_weight: the least sum of their weights (1 = one at the same place).
-      min_axis_agreement: how well they must agree (1 = fully).
-      max_sharp_noise: depth of less relative noise shows by itself how objects stand.
+      min_axis_length: m; only longer objects indicate the direction of a street.
+      min_axis_ratio: least ratio of length to width of these objects.
+      axis_radius: m; radius around an object within which the axes of others are used.
+      min_axis_weight: least sum of their weights (1 = one object at the same position).
+      min_axis_agreement: least agreement of their directions (1 = identical).
+      max_sharp_noise: relative depth noise below which an object's own points determine its heading.
       sectors: number of directions from which views of one object are taken.
-      views_per_sector: views of each direction at most.
+      views_per_sector: largest number of views from each direction.
     """
 
     missed_odds: float = 0.7
@@ -57,16 +57,16 @@ _OPTIONS = ObjectOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Fused:
-    """All views, and which of them show one object.
+    """All views, grouped by object.
 
     Attributes:
-      camera: of every frame.
+      camera: intrinsics of every frame.
       views: the views; object_of_view (n,) i32, object of each; alike (L, L), similarity of their labels.
       coarse: (m, H / COARSE, W / COARSE) m, depth of the frames.
       placed, seen: where the views are in the world, and from above.
       poses: (m, 4, 4) T_world_camera.
       depth: each frame's scale and the noise that remains.
-      single_view: take each object from one view alone.
+      single_view: use only one view of each object.
     """
 
     camera: Camera
@@ -83,7 +83,7 @@ class Fused:
 
 @dataclasses.dataclass(frozen=True)
 class FusedObject:
-    """An object: its number in `object_of_view`, label, confidence, box, the label's prior, rows of its views."""
+    """A fused object: its number in `object_of_view`, label, confidence, box, the label's prior, rows of its views."""
 
     number: int
     label: str
@@ -101,9 +101,10 @@ def _groups(object_of_view: np.ndarray) -> list[np.ndarray]:
 
 
 def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[FusedObject]:
-    """The objects of all views in the order in which they were first seen.
+    """Computes the objects of all views, in the order in which they were first seen.
 
-    Large objects come first: they give the street's direction, and most other objects are aligned with or square to it.
+    Large objects are computed first, because they determine the street's direction, and most other objects are parallel
+    or perpendicular to it.
     """
     groups = _groups(fused.object_of_view)
     label = [_label(fused, rows) for rows in groups]
@@ -121,26 +122,26 @@ def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Fuse
 
 
 def shows_street(box: boxes.Box) -> bool:
-    """Whether an object is large and its visible part has a long side, as the fronts of houses."""
+    """Whether an object is large and its visible part has a long side, like the front of a house."""
     longer, shorter = box.seen[:2].max(), box.seen[:2].min()
     return bool(longer > max(_OPTIONS.min_axis_length, _OPTIONS.min_axis_ratio * shorter))
 
 
 @dataclasses.dataclass(frozen=True)
 class Street:
-    """Which way objects run: center (n, 2) m of large ones, turn (n,) their headings as exp(4 i yaw)."""
+    """Directions of large objects: center (n, 2) m, and turn (n,), their headings as exp(4 i yaw)."""
 
     center: np.ndarray
     turn: np.ndarray
 
     @classmethod
     def of(cls, objects: list[boxes.Box]) -> "Street":
-        """From the boxes of objects that show it."""
+        """Makes the directions from the boxes of objects for which `shows_street` holds."""
         center = np.array([t.center[:2] for t in objects]).reshape(-1, 2)
         return cls(center, np.exp(4j * np.array([t.yaw for t in objects])))
 
     def axis(self, place: np.ndarray) -> float | None:
-        """rad modulo a quarter turn, direction of the large objects near (2,) m; None where there are none or they
+        """rad modulo a quarter turn, direction of the large objects near (2,) m; None if there are none or they
         disagree."""
         weight = 1.0 / (1.0 + (np.linalg.norm(self.center - place, axis=1) / _OPTIONS.axis_radius) ** 2) ** 2
         agreed = (weight * self.turn).sum() / max(weight.sum(), 1e-9)
@@ -149,7 +150,7 @@ class Street:
 
 
 def _label(fused: Fused, rows: np.ndarray) -> int:
-    """Labels of an object from its views, near ones first."""
+    """Candidate labels of an object, those of its nearest views first."""
     views = fused.views
     return int(np.bincount(views.label[rows], views.score[rows] / fused.placed.sigma[rows], len(views.labels)).argmax())
 
@@ -157,9 +158,10 @@ def _label(fused: Fused, rows: np.ndarray) -> int:
 def _object(
     fused: Fused, rows: np.ndarray, label: int, prior_of: Callable[[str], LabelPrior], street: Street | None = None
 ) -> FusedObject:
-    """One object from its views; street: how objects around it stand, where its own depth does not show that."""
+    """Computes one object from its views; `street` gives the directions of objects around it, used if its own depth
+    does not determine its heading."""
     views, placed = fused.views, fused.placed
-    # Views that called it something else may show something else.
+    # Views with a dissimilar label may show another object.
     own = rows[fused.alike[views.label[rows], label] >= _OPTIONS.min_kinship]
     if fused.single_view:
         own = chosen = rows[np.argsort(views.pixels[rows], kind="stable")][[len(rows) // 2]]
@@ -180,8 +182,8 @@ def _object(
 
 
 def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObject]:
-    """Objects without the fragments that turn out to lie in the box of an object of their label seen more often: the
-    top of a house over a roof, the end of a car behind another."""
+    """Removes fragments, which lie in the box of an object of the same label that was seen more often: the top of a
+    house above a roof, the end of a car behind another."""
     if len(objects) < 2:
         return objects
     views, placed, alike = fused.views, fused.placed, fused.alike
@@ -213,7 +215,7 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
     """At most `boxes.MAX_VIEWS` views: the best from every direction."""
     if len(rows) <= boxes.MAX_VIEWS:
         return rows
-    # A view cut off by the image's rim is worth one from three times as far.
+    # The cost of a view cut off by the image border is that of one from three times the distance.
     cost = placed.sigma[rows] * np.where(clipped[rows].any(1), 3.0, 1.0)
     middle = np.median(placed.center[rows], axis=0)
     side = placed.viewpoint[rows] - middle
@@ -227,9 +229,11 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
 
 
 def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
-    """m: the height of an object's top, from its best views that the image's upper rim did not cut; None without any.
+    """m, height of an object's top, from its best views that the upper image border does not cut off; None if there is
+    none.
 
-    Other objects may hide the top in some of them, depth may raise it in others: the 80th percentile is between.
+    Other objects may hide the top in some views, and depth errors may raise it in others; the 80th percentile balances
+    both.
     """
     whole = rows[~views.clipped[rows, 2]]
     if not len(whole):
@@ -239,8 +243,8 @@ def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
 
 
 def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrior) -> float:
-    """Probability that an object is there: every view speaks for it by the odds of its score, every frame that should
-    have shown it and did not speaks against it by the odds of `missed_odds`.
+    """Probability that an object exists. Every view multiplies the odds by those of its score; every frame that should
+    show the object and does not multiplies them by `missed_odds`.
 
     A frame should show it if its centre is in the image, no farther than in its farthest view, and not occluded.
     """

@@ -1,20 +1,20 @@
-"""How a graph is distilled."""
+"""Options of the distillation."""
 
 import dataclasses
 
 
 @dataclasses.dataclass(frozen=True)
 class DistilOptions:
-    """How a graph is made.
+    """Options for making a scene graph from a recording.
 
     Attributes:
       min_pixels: smaller views are not used; 24 is a bollard of 5 x 5 pixels.
-      max_range: m, points farther away are not used.
-      min_score: objects of less confidence are left out.
-      depth_scale: whether depth is made consistent over frames from the ground.
-      close_loops: whether poses are made consistent where the trajectory comes by again.
-      single_view: take each object from one view alone, that of median size (to measure what fusion is worth).
-      place: whether objects are pulled to where their kind can stand.
+      max_range: m; points farther away are not used.
+      min_score: objects with less confidence are left out.
+      depth_scale: whether to make depth consistent over frames from the ground.
+      close_loops: whether to correct poses where the trajectory revisits a place.
+      single_view: whether to use only one view of each object, that of median size (an ablation of the fusion).
+      place: whether to move objects to ground on which their kind can stand.
     """
 
     min_pixels: int = 24

@@ -1,4 +1,4 @@
-"""Placement priors: an object found where its kind cannot be is pulled back, as far as its place is uncertain."""
+"""Placement priors: moves an object from ground where its kind cannot stand, within the uncertainty of its position."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -15,15 +15,15 @@ from .ground import allowed_area
 
 @dataclasses.dataclass(frozen=True)
 class PlacementOptions:
-    """How far an object is moved to ground on which its kind stands.
+    """Limits of the movement of an object to ground on which its kind stands.
 
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      max_sigmas: standard errors of its depth that an object moves at most, in addition to `cell_error`.
-      cell_error: m; outlines of ground are drawn from cells.
-      max_move: m; no object moves farther.
-      snap_distance: m; boxes whose lower end is this near the ground stand on it.
+      max_sigmas: largest movement in standard errors of the object's depth, in addition to `cell_error`.
+      cell_error: m, error of the outlines of ground, which are made from cells.
+      max_move: m, largest movement.
+      snap_distance: m; boxes whose lower end is within this distance of the ground are put on it.
     """
 
     max_sigmas: float = 3.0
@@ -38,7 +38,7 @@ _OPTIONS = PlacementOptions()
 def place_on_ground(
     boxes: Sequence[Box], priors: Sequence[LabelPrior], regions: tuple[GroundRegion, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where objects go.
+    """Computes the movement of objects to suitable ground.
 
     Args:
       boxes, priors: n objects.
@@ -65,7 +65,7 @@ def place_on_ground(
 
 
 def _pull(where: shapely.Point, area: BaseGeometry, box: Box) -> np.ndarray:
-    """(2,) m: the least move of the centre into an area, or none where that is farther than it can be off."""
+    """(2,) m, the shortest movement of the centre into an area, or zero if it exceeds the uncertainty."""
     if area.is_empty or area.intersects(where):
         return np.zeros(2)
     inner = area.buffer(-min(0.5 * float(box.size[:2].min()), 0.3))
@@ -77,14 +77,14 @@ def _pull(where: shapely.Point, area: BaseGeometry, box: Box) -> np.ndarray:
 
 
 def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
-    """(3,) centre and (3,) size of a box put down on the ground: a hidden foot is completed, a buried one cut off."""
+    """(3,) centre and (3,) size of a box put on the ground: a hidden lower end is completed, a buried one cut off."""
     if not (prior.on_ground and np.isfinite(floor)):
         return box.center, box.size
     low, high = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
     gap = low - floor
     known = prior.extents[:, 2].max() if len(prior.extents) else 0.0
-    # From far above only where the label's known sizes reach down to the ground; a visible gap below the object is kept
-    # unless the depth error is as large.
+    # A distant lower end is moved to the ground only if the label's known sizes reach that far; a visible gap below the
+    # object is kept unless the depth error is as large.
     if (
         0 < gap <= _OPTIONS.snap_distance + 2 * box.blur
         or (gap > 0 and high - floor <= 1.2 * known)

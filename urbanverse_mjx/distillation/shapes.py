@@ -1,8 +1,8 @@
-"""The heading of an object from the known shapes of its label: the heading at which its points lie on one.
+"""Estimates an object's heading by fitting its points to the known shapes of its label.
 
-The sides of a box do not distinguish a walker's front from the side, nor a blob's length from its width; known shapes
-of the label do. Points are fitted to every known shape under every heading by a shift (iterative closest points without
-rotation; Besl and McKay 1992). The misfit is their mean distance, with long distances cut off.
+The sides of a box do not distinguish a pedestrian's front from the side, nor the length of a rounded object from its
+width; known shapes of the label do. Points are fitted to every known shape under every heading by a shift (iterative
+closest points without rotation; Besl and McKay 1992). The misfit is the mean of the truncated distances.
 """
 
 import dataclasses
@@ -13,21 +13,21 @@ import scipy.spatial
 from ..datatypes import LabelPrior
 from ..geometry import rotations
 
-#: rad: all round, and around the best of these.
+#: rad: coarse search over the full turn, and fine search around the best coarse heading.
 _COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 360.0, 20.0)), np.radians(np.arange(-15.0, 15.1, 5.0))
 
 
 @dataclasses.dataclass(frozen=True)
 class ShapeOptions:
-    """How points are laid on known shapes.
+    """Options for fitting points to known shapes.
 
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      points: points of an object that are laid on a shape, about.
-      shifts: rounds of shifting a shape to its nearest points.
+      points: approximate number of an object's points that are fitted.
+      shifts: iterations of the shift.
       scale_limits: least and greatest ratio of an object's height to a known one's.
-      max_distance: share of an object's height beyond which a distance counts no more.
+      max_distance: limit of a point's distance, as a share of the object's height.
     """
 
     points: int = 120
@@ -41,7 +41,7 @@ _OPTIONS = ShapeOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Laid:
-    """How points lie on known shapes: yaw (h,) rad, misfit (h,) as a share of the height."""
+    """Misfit of points to known shapes: yaw (h,) rad, misfit (h,) as a share of the height."""
 
     yaw: np.ndarray
     misfit: np.ndarray
@@ -57,12 +57,12 @@ class Laid:
 
 
 def lay(points: np.ndarray, prior: LabelPrior, also: np.ndarray) -> Laid:
-    """Lays points on the known shapes of a label.
+    """Fits points to the known shapes of a label.
 
     Args:
       points: (p, 3) m, world.
-      prior: with shapes.
-      also: (k,) rad, headings to try beside those all round.
+      prior: a prior that has shapes.
+      also: (k,) rad, additional headings to try.
     """
     points = points[:: max(1, len(points) // _OPTIONS.points)]
     low, high = np.quantile(points, (0.01, 0.99), axis=0)

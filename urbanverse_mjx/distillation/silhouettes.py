@@ -1,10 +1,10 @@
-"""The heading of an object from its angular width in several views.
+"""Estimates an object's heading from its angular width in several views.
 
-A direction to an object's rim does not care how blurred its depth is. The two directions to the rims of one view are
-tangents of the object's footprint: for the outward normal n of a tangent through the viewpoint e, c . n + h(n) = e . n,
-with c its place and h the support function of its outline (Prince and Willsky, "Reconstructing Convex Sets from Support
-Line Measurements", 1990). The outlines of a label's known shapes, turned and scaled, are laid between the tangents of
-all views; place and scale follow by least squares, linear for every heading.
+The directions to an object's left and right edge do not depend on its depth. In each view they are tangents of the
+object's footprint: for the outward normal n of a tangent through the viewpoint e, c . n + h(n) = e . n, with c its
+position and h the support function of its outline (Prince and Willsky, "Reconstructing Convex Sets from Support Line
+Measurements", 1990). The rotated and scaled outlines of a label's known shapes are fitted to the tangents of all views;
+position and scale follow by linear least squares for every heading.
 """
 
 import dataclasses
@@ -16,8 +16,8 @@ from .bearings import Bearings
 
 #: rad.
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 6.0))
-#: Half the misfit that distinguishes one heading from most others; 16° mean error from here on, 39° below (four
-#: captures).
+#: Half the difference of misfits from which one heading is distinguished from most others; the mean error is 16° above
+#: it and 39° below (four captures).
 CLEAR = 4.0
 
 
@@ -28,13 +28,13 @@ class SilhouetteOptions:
     Chosen manually; `benchmarks.fidelity` measures their effect (docs/decisions/generation.md).
 
     Attributes:
-      normals: directions in which an outline's support is kept.
-      min_views: fewest views that tell a heading.
-      rim_sigma: m, standard error of a rim's place.
+      normals: number of directions in which an outline's support function is stored.
+      min_views: fewest views from which a heading is estimated.
+      rim_sigma: m, standard error of an edge's position.
       direction_sigma: rad, standard error of a direction.
-      width_error: share of the width by which a mask is too wide or too narrow.
-      scale_sigma: share by which known sizes differ from an object's (1 sigma).
-      rounds: of least squares with robust weights.
+      width_error: error of a mask's width as a share of the width.
+      scale_sigma: relative difference of known sizes from an object's size (1 sigma).
+      rounds: iterations of least squares with robust weights.
     """
 
     normals: int = 180
@@ -51,14 +51,15 @@ _OPTIONS = SilhouetteOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """yaw (h,) rad, all round; misfit (h,) robust sum of the rims' squared misfits, in their standard errors."""
+    """Misfit by heading: yaw (h,) rad over the full turn; misfit (h,) robust sum of squared residuals of the edges in
+    standard errors."""
 
     yaw: np.ndarray
     misfit: np.ndarray
 
     @property
     def clear(self) -> bool:
-        """Whether the best heading fits much better than most."""
+        """Whether the best heading fits much better than most others."""
         return bool(np.median(self.misfit) - self.misfit.min() > CLEAR)
 
     @property
@@ -72,7 +73,8 @@ class Fit:
 
 
 def supports(prior: LabelPrior) -> np.ndarray:
-    """(k, normals) m: support functions of a label's known outlines in their own axes; boxes where no shape is."""
+    """(k, normals) m, support functions of a label's known outlines in their own axes; of boxes if the label has no
+    shapes."""
     angle = np.arange(_OPTIONS.normals) * (2 * np.pi / _OPTIONS.normals)
     normal = np.stack([np.cos(angle), np.sin(angle)])
     if prior.shapes:
@@ -81,10 +83,10 @@ def supports(prior: LabelPrior) -> np.ndarray:
 
 
 def face(seen: Bearings, prior: LabelPrior) -> Fit | None:
-    """Misfit of every heading to the views of an object; None where views are too few.
+    """Misfit of every heading to the views of an object; None if there are too few views.
 
     Args:
-      seen: of the object, views whose sides the image did not cut off.
+      seen: views of the object whose sides the image does not cut off.
       prior: of its label.
     """
     if len(seen.frame) < _OPTIONS.min_views or not len(prior.extents):

@@ -1,8 +1,7 @@
-"""A noisy line as the fewest straight pieces that explain it: dynamic programming over robust line fits.
+"""Approximates a noisy line by the fewest straight pieces, by dynamic programming over robust line fits.
 
-A piece costs a constant for being there and, for every metre, the squared distance of the points from it, up to a
-ceiling: a bulge that costs less than the pieces that would follow it is cut off, as in the weak string of Blake and
-Zisserman (Visual Reconstruction, 1987).
+The cost of a piece is a constant plus the squared distance of the points per metre, up to a ceiling. A bulge that costs
+less than additional pieces is cut off, as in the weak string of Blake and Zisserman (Visual Reconstruction, 1987).
 """
 
 import dataclasses
@@ -11,26 +10,27 @@ import itertools
 import numpy as np
 import shapely
 
-#: m over which errors of neighbouring points go together.
+#: m, correlation length of the errors of neighbouring points.
 _CORRELATION = 0.5
-#: m; an intersection of two pieces farther from where they part is no corner: they are joined across.
+#: m; if two pieces intersect farther from their common point than this, a straight connection replaces the corner.
 _CORNER = 1.5
-#: Cosine of the turn from which on a corner is a spike, and cut off.
+#: Cosine of the turn at which a corner is a spike and is cut off.
 _SHARP = -0.4
 
 
 @dataclasses.dataclass(frozen=True)
 class FitOptions:
-    """How a line is fitted.
+    """Options for fitting a line.
 
     Set by hand on blocks whose kerbs are known (docs/decisions/generation.md).
 
     Attributes:
-      noise: m, standard error of a point across the line: edges of cells of 0.25 m and wrong votes.
-      ceiling: m from which on a point counts no more: what is farther off is not of this line.
+      noise: m, standard error of a point across the line, due to cells of 0.25 m and wrong votes.
+      ceiling: m; the cost of a point does not grow beyond this distance, because such a point does not belong to the
+        line.
       piece: cost of a piece, in squared standard errors.
-      deep: m; a bulge deeper than this costs more, with the square of its depth.
-      bend: m by which the line must bend to be allowed a corner there.
+      deep: m; the cost of a bulge deeper than this grows with the square of its depth.
+      bend: m, least deviation of the line from straight at a corner.
     """
 
     noise: float = 0.1
@@ -55,15 +55,16 @@ class _Line:
 
 
 def straight_pieces(points: np.ndarray, weights: np.ndarray, closed: bool, options: FitOptions) -> np.ndarray:
-    """The corners of the fewest straight pieces along a line.
+    """Computes the corners of the fewest straight pieces along a line.
 
     Args:
       points: (n, 2) m in order, evenly spaced.
-      weights: (n,) in [0, 1], how much is known of each; a point of weight 0.5 counts half.
-      closed: whether the last point is beside the first.
+      weights: (n,) in [0, 1], weight of each point.
+      closed: whether the line is a closed ring.
 
     Returns:
-      (m, 2) m corners; where closed, the first is not repeated. Lines of fewer than three points come back as they are.
+      (m, 2) m corners; the first of a closed line is not repeated. Lines of fewer than three points are returned
+      unchanged.
     """
     if len(points) < 3:
         return points
@@ -78,7 +79,7 @@ def straight_pieces(points: np.ndarray, weights: np.ndarray, closed: bool, optio
 
 
 def _fit(points: np.ndarray, weights: np.ndarray, options: FitOptions) -> _Line:
-    """A line by least squares, reweighted after Geman and McClure with a scale that shrinks to the ceiling."""
+    """Fits a line by least squares with Geman-McClure weights whose scale shrinks to the ceiling."""
     ceiling, weight = options.ceiling, weights
     middle, direction, square = points[0], np.array([1.0, 0.0]), np.zeros(len(points))
     for sharpen in (4.0, 2.0, 1.0, 1.0, 1.0):
@@ -103,7 +104,7 @@ def _forward(direction: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _divided(points: np.ndarray, weights: np.ndarray, options: FitOptions) -> tuple[list[int], list[_Line]]:
-    """Where the pieces part, and their lines: the cheapest chain."""
+    """The cheapest chain of pieces: the indices between them, and their lines."""
     last = len(points) - 1
     kept = shapely.get_coordinates(shapely.LineString(points).simplify(options.bend, preserve_topology=False))
     number = {tuple(p): k for k, p in reversed(list(enumerate(points.tolist())))}
@@ -115,13 +116,14 @@ def _divided(points: np.ndarray, weights: np.ndarray, options: FitOptions) -> tu
         begins.append(j - 1)
         for i in begins:
             found[i, j] = _fit(points[at[i] : at[j] + 1], weights[at[i] : at[j] + 1], options)
-            # What leaves a line and does not come back is no bulge of it: pieces part where both lie near the points.
+            # Points that leave a line and do not return are not a bulge: pieces are separated where both are near the
+            # points.
             off = [found[i, j].distance(points[at[k]]) * weights[at[k]] ** 0.5 for k in (i, j)]
             lost = np.clip(max(off, default=0.0) / (options.ceiling * weights.max() ** 0.5) - 1.0, 0.0, 1.0)
             cost = best[i] + found[i, j].cost + options.piece * (1.0 + lost)
             if cost < best[j]:
                 best[j], before[j] = cost, i
-        # From where beginning anew at j is no dearer, nothing longer can be cheaper (PELT: Killick et al., 2012).
+        # If a new piece at j costs no more, a longer piece cannot be cheaper (PELT: Killick et al., 2012).
         begins = [i for i in begins if best[i] + found[i, j].cost < best[j]]
     chain = [len(at) - 1]
     while chain[-1]:
@@ -133,7 +135,7 @@ def _divided(points: np.ndarray, weights: np.ndarray, options: FitOptions) -> tu
 def _corners(
     points: np.ndarray, breaks: list[int], lines: list[_Line], closed: bool, options: FitOptions
 ) -> np.ndarray:
-    """Corners where pieces meet; pieces that do not meet nearby are joined across where they part."""
+    """Corners at the intersections of pieces; pieces without a nearby intersection are connected by a straight line."""
     out: list[np.ndarray] = [] if closed else [lines[0].foot(points[0])]
     for k, before in enumerate(lines if closed else lines[:-1]):
         after, at = lines[(k + 1) % len(lines)], points[breaks[k + 1]]

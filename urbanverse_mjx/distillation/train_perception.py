@@ -1,14 +1,14 @@
-"""Trains the perception model on rendered streets and scores it on streets it never saw.
+"""Trains the perception model on rendered streets and evaluates it on held-out streets.
 
     python -m benchmarks.perception_streets --split train --layouts 256 --processes 16 --out perception_train.npz
     python -m benchmarks.perception_streets --split test --layouts 20 --out perception_test.npz
     python -m urbanverse_mjx.distillation.train_perception --train perception_train.npz --test perception_test.npz \\
         --minutes 16 --out perception.npz
 
-Frames are rendered while it trains, each from a random place with a random lens, appearance and camera fault; none is
-used twice. The learning rate follows the clock, so that it ends at zero on any machine. Prints one JSON line a progress
-report and a table at the end. Weights are written every minute and at the end; with `--state` also the rest of the
-training state: the same command after a killed or a paused (`--pause-after`) run continues it.
+Frames are rendered during training, each from a random position with a random lens, appearance and camera fault; none
+is used twice. The learning rate is a function of the elapsed time, so that it ends at zero on any machine. Prints one
+JSON line per progress report and a table at the end. Weights are written every minute and at the end; with `--state`
+also the rest of the training state: the same command after a killed or a paused (`--pause-after`) run continues it.
 """
 
 import argparse
@@ -37,15 +37,15 @@ from .perception_model.views import Views
 
 @dataclasses.dataclass(frozen=True)
 class LearningOptions:
-    """How the network learns; chosen manually.
+    """Training options; chosen manually.
 
     Attributes:
-      warm_up: share of the run in which the rate rises; then it falls along a cosine.
-      weight_decay: AdamW's.
-      average_decay: per step, of the running average of the weights, which is scored and stored.
-      mixed_ground: share of the grounds that are laid with another kind's material; see `Views.of`.
-      save_interval: s.
-      report_interval: s.
+      warm_up: share of the run in which the learning rate rises; afterwards it follows a cosine.
+      weight_decay: weight decay of AdamW.
+      average_decay: decay per step of the running average of the weights, which is evaluated and stored.
+      mixed_ground: share of the ground with the material of another kind; see `Views.of`.
+      save_interval: s, time between two saves of the weights.
+      report_interval: s, time between two progress reports.
     """
 
     warm_up: float = 0.04
@@ -69,7 +69,7 @@ class Learner(NamedTuple):
 
 @dataclasses.dataclass
 class Progress:
-    """How far a run is: steps done, and s that they took."""
+    """Progress of a run: number of steps, and the time they took in s."""
 
     steps: int = 0
     seconds: float = 0.0
@@ -82,13 +82,14 @@ def _optimiser() -> optax.GradientTransformation:
 
 
 def begin(model: Any, key: jax.Array, height: int, width: int) -> Learner:
-    """A learner with random weights."""
+    """Creates a learner with random weights."""
     variables = jax.jit(model.init)(key, jnp.zeros((1, height, width, 3)))
     return Learner(variables, jax.tree.map(jnp.copy, variables), _optimiser().init(variables["params"]))
 
 
 def make_step(model: Any, views: Views, batch: int) -> Any:
-    """jitted (learner, key, rate) -> (learner, losses): renders a batch and learns from it."""
+    """Returns a jitted function (learner, key, rate) -> (learner, losses) that renders a batch and updates the
+    network."""
 
     def step(learner: Learner, key: jax.Array, rate: jax.Array) -> tuple[Learner, dict[str, jax.Array]]:
         view_key, fault_key = jax.random.split(key)
@@ -131,7 +132,8 @@ class Frame(NamedTuple):
 
 
 def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> Iterator[Frame]:
-    """Seeded frames with the same camera faults as in training; those without objects are left out."""
+    """Yields predictions for seeded frames with the same camera faults as in training; frames without objects are left
+    out."""
     apply = jax.jit(functools.partial(model.apply, train=False))
     draw = jax.jit(lambda keys: views(keys, dye=False))
     fault = jax.jit(jax.vmap(augment))
@@ -145,7 +147,7 @@ def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, s
 
 
 def _frame(seen: Any, wanted: GroundTruth, i: int) -> Frame:
-    # Depths are compared in the canonical camera, where the lens does not matter.
+    # Depths are compared in the canonical camera, which does not depend on the lens.
     decoded = decode(seen, network.CANONICAL_FOCAL)
     depth = network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * np.asarray(wanted.has_depth[i])
     kinds, owner, leaf = (np.asarray(x[i]) for x in (wanted.classes, wanted.owner, wanted.leaf))
@@ -155,7 +157,7 @@ def _frame(seen: Any, wanted: GroundTruth, i: int) -> Frame:
 def evaluate(
     model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int, cut: float = 0.0
 ) -> dict[str, Any]:
-    """The table of `score.Score` over the frames of `predict`; of the objects found, those of score `cut` or more."""
+    """The table of `score.Score` over the frames of `predict`, for detected objects with a score of at least `cut`."""
     result = score.Score()
     for frame in predict(model, variables, views, frames, batch, seed):
         result.add(*frame._replace(seen=frame.seen.surer(cut)))
@@ -163,7 +165,7 @@ def evaluate(
 
 
 def train(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Trains, writes the weights, and returns the table on the test streets."""
+    """Trains the network, writes the weights, and returns the table of the test streets."""
     started = time.monotonic()
     model = weights.network(jnp.dtype(arguments.dtype))
     size = arguments.height, arguments.width
@@ -189,7 +191,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     record = _keep(arguments, learner, progress, record)
     if progress.seconds < 60.0 * arguments.minutes:
         return {**record, "paused_after_s": round(progress.seconds, 1)}
-    # The scores are those of the stored weights.
+    # The stored weights are evaluated, not those in memory.
     variables, _ = weights.load(arguments.out)
     table = evaluate(
         model, variables, test, arguments.test_frames, arguments.test_batch, arguments.seed + 1, arguments.cut
@@ -201,7 +203,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
 def _run(
     step: Any, learner: Learner, key: jax.Array, arguments: argparse.Namespace, record: dict[str, Any], done: Progress
 ) -> Learner:
-    """Steps until the time is over or a pause is due; `done` is brought up to date."""
+    """Runs steps until the time is over or a pause is due, and updates `done`."""
     before, begin = done.seconds, time.monotonic()
     said = saved = begin
     length = arguments.minutes * 60.0
@@ -225,7 +227,7 @@ def _run(
 
 
 def _keep(arguments: argparse.Namespace, learner: Learner, done: Progress, record: dict[str, Any]) -> dict[str, Any]:
-    """Writes the weights and, on request, the state; returns the written record."""
+    """Writes the weights and, if requested, the state; returns the written record."""
     record = {**record, "steps": done.steps, "frames": done.steps * arguments.batch, "minutes": arguments.minutes}
     weights.save(arguments.out, learner.average, record)
     if arguments.state is not None:
@@ -236,10 +238,10 @@ def _keep(arguments: argparse.Namespace, learner: Learner, done: Progress, recor
 
 
 def _read_state(path: pathlib.Path, like: Learner) -> tuple[Learner, Progress]:
-    """The file of `_keep`.
+    """Reads the state that `_keep` writes.
 
     Raises:
-      ValidationError: a file of another network, or none of ours.
+      ValidationError: the file belongs to another network or is not a state file.
     """
     leaves, tree = jax.tree.flatten(like)
     try:

@@ -1,4 +1,4 @@
-"""A video becomes a `Recording`: frames, screening, poses, metric scale, depth, objects and surfaces."""
+"""Converts a video to a `Recording`: frames, screening, poses, metric scale, depth, objects and surfaces."""
 
 from .frames import Frames, SamplingOptions, sample
 from .observation import FrameObservation, Predictor

@@ -1,6 +1,6 @@
-"""Depth for every pixel: the single-image prediction, fitted to the reconstruction and to the ground.
+"""Computes dense depth: the single-image prediction, fitted to the reconstruction and to the ground.
 
-* Ground is where the ray meets the level on which its kind lies near the camera.
+* The depth of ground is where the ray meets the level of its kind of ground near the camera.
 * An object keeps the shape of the predicted depth; its distance is the weighted mean (of logarithms) of the points
   inside its mask, of its contact with the ground, and of the prediction.
 * All other pixels take the prediction, scaled as a whole. The sky has no depth.
@@ -19,22 +19,22 @@ from .structure import Structure
 
 @dataclasses.dataclass(frozen=True)
 class DepthOptions:
-    """How the estimates of a pixel's depth are weighed.
+    """Weights of the estimates of a pixel's depth.
 
     Chosen manually; docs/decisions/gen_perception.md measures their effect on depth.
 
     Attributes:
-      ground_range: m: beyond it the viewing angle is too flat to derive distance from the ground's height.
-      level_range: m: ground points within this distance of the camera give the height of their kind of ground.
-      min_level_points: fewest of them.
+      ground_range: m; beyond it the viewing angle is too flat to derive distance from the ground's height.
+      level_range: m; ground points within this distance of the camera determine the height of their kind of ground.
+      min_level_points: fewest such points.
       point_error: relative error (1 sigma) of a single point's depth.
       foot_error: relative error of the depth of an object's foot.
       guess_error: relative error of the network's depth after scaling.
-      shared_point_error: relative error that points of one mask share (they are on one side of the object), a lower
+      shared_point_error: common relative error of the points of one mask (all lie on one side of the object), a lower
         limit of the mean's error.
-      foot_share: share of a mask's height within which its lowest pixels are on the ground; above are the gaps between
+      foot_share: share of a mask's height within which its lowest pixels touch the ground; higher ones are gaps between
         wheels.
-      min_points: fewest points of an object for its depth.
+      min_points: fewest points from which an object's depth is estimated.
     """
 
     ground_range: float = 40.0
@@ -53,13 +53,14 @@ _OPTIONS = DepthOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Levels:
-    """Where the ground lies near each camera: (m, kinds) f64 m above the world's zero."""
+    """Ground heights near each camera: (m, kinds) f64 m above the world's origin."""
 
     z: np.ndarray
 
 
 def levels(metric: Metric) -> Levels:
-    """Height of every kind of ground near every camera; a kind not seen there takes the height of all ground there."""
+    """Height of every kind of ground near every camera; a kind not seen there gets the mean height of all ground
+    there."""
     cameras = metric.poses[:, :3, 3]
     known = ~np.isnan(metric.heights)
     frames = np.arange(len(cameras))
@@ -89,7 +90,7 @@ def dense_depth(
     inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
     columns, rows = pixel[inside].T
     points = (structure.depth()[mine] * metric.scale[row])[inside]
-    # Without a prediction an object is a plane facing the camera, and other pixels stay unknown.
+    # Without a prediction, an object is a plane that faces the camera, and other pixels stay unknown.
     guess = np.ones_like(flat) if observation.depth is None else observation.depth.astype(np.float64)
     ratio = np.log(np.maximum(points, 1e-3) / np.maximum(guess[rows, columns], 1e-3))
     overall = _overall(ratio, flat, guess)
@@ -125,7 +126,7 @@ def _ground_depth(camera: Camera, pose: np.ndarray, surfaces: np.ndarray, z: np.
 
 
 def _overall(ratio: np.ndarray, flat: np.ndarray, guess: np.ndarray) -> float:
-    """Logarithm of the factor on a frame's prediction: half from its points, half from its ground."""
+    """Logarithm of the scale of a frame's prediction: half from its points, half from its ground."""
     at = flat[::4, ::4] > 0
     from_ground = np.log(flat[::4, ::4][at] / np.maximum(guess[::4, ::4][at], 1e-3))
     parts = [float(np.median(x)) for x in (ratio, from_ground) if len(x) >= 10]
@@ -140,7 +141,7 @@ def _boxes(masks: np.ndarray, count: int) -> list[tuple[slice, slice] | None]:
 
 
 def _foot(mask: np.ndarray, box: tuple[slice, slice], flat: np.ndarray, guess: np.ndarray) -> float | None:
-    """Logarithm of the factor that puts an object's foot on the ground under it; None where no foot is in sight."""
+    """Logarithm of the scale that puts an object's foot on the ground; None if its foot is not visible."""
     columns = np.flatnonzero(mask.any(0))
     low = mask.shape[0] - 1 - mask[::-1, columns].argmax(0)
     stands = low >= (1.0 - _OPTIONS.foot_share) * (mask.shape[0] - 1)

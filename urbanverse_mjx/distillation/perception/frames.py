@@ -1,4 +1,4 @@
-"""A video or a folder of images becomes a folder of frames: sampled, of one size, and the unusable ones left out."""
+"""Samples frames of one size from a video or a folder of images and leaves out unusable ones."""
 
 import collections
 import dataclasses
@@ -24,14 +24,14 @@ SCHEMA = "urbanverse.frames/1"
 
 @dataclasses.dataclass(frozen=True)
 class SamplingOptions:
-    """How frames are taken.
+    """Options of the sampling.
 
     Attributes:
       rate: frames per second; of a folder's images, images per second.
-      candidates: images of a video that are compared for each frame; the sharpest is taken.
+      candidates: images of a video that are compared for each frame; the sharpest is kept.
       short_side: pixels; larger images are scaled down to it.
-      max_frames: longer videos are sampled at a lower rate; longer folders are refused.
-      limits: of the screen.
+      max_frames: longer videos are sampled at a lower rate; folders with more images are an error.
+      limits: thresholds of the screening.
     """
 
     rate: float = 2.0
@@ -77,7 +77,7 @@ class Frames:
             return np.asarray(image.convert("RGB"))
 
     def lost(self) -> str:
-        """One clause on the dropped frames."""
+        """A clause for messages about the dropped frames."""
         counts = collections.Counter(reason for _, reason in self.dropped)
         return ", ".join(f"{n} {reason}" for reason, n in counts.most_common()) or "none"
 
@@ -98,8 +98,8 @@ def sample(
     Args:
       source: a video of any container that FFmpeg (inside OpenCV) reads, or a folder of images in the order of
         their names.
-      folder: made; emptied of earlier frames.
-      blur: finds faces and plates and makes them unreadable before anything is written.
+      folder: is created, and emptied of earlier frames.
+      blur: makes faces and plates unreadable before anything is written.
 
     Raises:
       ValidationError: no video, no images, images of different sizes, fewer than two usable frames, or no write
@@ -114,7 +114,7 @@ def sample(
     for k, group in enumerate(groups):
         seen = [measure(rgb) for _, rgb in group]
         pairs = itertools.pairwise([before, *seen] if before is not None else seen)
-        # The image shift between neighbouring candidates adds up to the share that left the view.
+        # The sum of image shifts between neighbouring candidates is the share that left the view.
         turns.append(sum(turned(a, b) for a, b in pairs))
         before = seen[-1]
         best = int(np.argmax([m.sharpness for m in seen]))
@@ -167,7 +167,7 @@ Group = Sequence[tuple[float, np.ndarray]]
 
 
 def _video(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
-    """Groups of neighbouring images, one group for each frame wanted, and about how many groups."""
+    """Groups of neighbouring images, one group per frame, and their approximate number."""
     video = _opened(path)
     fps, count = video.get(cv2.CAP_PROP_FPS), video.get(cv2.CAP_PROP_FRAME_COUNT)
     duration = count / fps if fps > 0 and count > 0 else 0.0
@@ -187,14 +187,15 @@ def _opened(path: pathlib.Path) -> cv2.VideoCapture:
 
 
 def _images(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[tuple[float, np.ndarray]]:
-    """Time (s) and RGB of the images nearest to every 1 / `rate` s; images in between are decoded and dropped."""
+    """Yields time (s) and RGB of the images nearest to every 1 / `rate` s; images in between are decoded and
+    dropped."""
     period = 1.0 / (video.get(cv2.CAP_PROP_FPS) or rate)
     first, time, due = None, -period, 0
     try:
         while video.grab():
             stamp = video.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
             first = stamp if first is None else first
-            # AVI stamps images when they are decoded: all late by the same time, and 0 where the file has ended.
+            # Time stamps of AVI are those of decoding: all are late by the same time, and 0 at the end of the file.
             time = stamp - first if stamp - first > time else time + period
             if (time + period / 2) * rate < due:
                 continue
@@ -207,7 +208,7 @@ def _images(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[t
 
 
 def _scaled(rgb: np.ndarray, short_side: int) -> np.ndarray:
-    """An image (H, W, 3) u8 shrunk to a shorter side of at most `short_side` px, by means over what a pixel covers."""
+    """An image (H, W, 3) u8 reduced to a shorter side of at most `short_side` px by area averaging."""
     height, width = rgb.shape[:2]
     factor = short_side / min(height, width)
     if factor >= 1.0:

@@ -1,7 +1,7 @@
-"""Faces and number plates by the Haar cascades that OpenCV 4 brings along (Viola and Jones 2001).
+"""Detects faces and number plates by the Haar cascades that ship with OpenCV 4 (Viola and Jones 2001).
 
-They find frontal faces, profiles and plates of one line, from about 24 pixels on; neural detectors miss fewer. OpenCV 5
-no longer ships the cascades' files.
+The cascades find frontal faces, profiles and single-line plates of at least about 24 pixels; neural detectors miss
+fewer. OpenCV 5 does not ship the cascades.
 """
 
 import pathlib
@@ -17,16 +17,16 @@ _CASCADES = (
     "haarcascade_profileface.xml",
     "haarcascade_russian_plate_number.xml",
 )
-#: Each step shrinks the image by so much; so many neighbours must agree. Sensitive settings are preferred: a false
-#: detection blurs a signboard at worst.
+#: Scale factor between pyramid levels, and number of neighbouring detections that must agree. The settings favour
+#: recall, because a false detection only blurs a signboard.
 _SCALE_STEP, _MIN_NEIGHBOURS = 1.1, 3
 
 
 def detector() -> "HaarDetector":
-    """The detector, for `blur_by_name`.
+    """Returns the detector, for `blur_by_name`.
 
     Raises:
-      ValidationError: OpenCV came without the cascades.
+      ValidationError: the installed OpenCV has no cascades.
     """
     folder = pathlib.Path(cv2.__file__).parent / "data"
     missing = [name for name in _CASCADES if not (folder / name).is_file()]
@@ -39,7 +39,7 @@ def detector() -> "HaarDetector":
 
 
 class HaarDetector:
-    """`FindsPrivate` by cascades."""
+    """`FindsPrivate` implemented by Haar cascades."""
 
     def __init__(self, cascades: list[Any]) -> None:
         self._cascades = cascades

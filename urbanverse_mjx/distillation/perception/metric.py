@@ -1,4 +1,4 @@
-"""Makes the structure metric and upright: the camera's height above the visible ground is known."""
+"""Makes the structure metric and upright from the known height of the camera above the visible ground."""
 
 import dataclasses
 
@@ -8,7 +8,7 @@ from ...datatypes import GROUND_KINDS, ValidationError
 from .pieces import Piece, cut, join
 from .structure import Structure
 
-#: Ground points fewer than this fit no plane worth the name.
+#: Fewest ground points to which a plane is fitted.
 MIN_POINTS = 20
 
 
@@ -19,13 +19,13 @@ class MetricOptions:
     Chosen manually; docs/decisions/gen_perception.md measures their effect on poses.
 
     Attributes:
-      ranges: camera heights; ground nearer than the first gives the camera's height; the second is used where the first
-        holds none. The nearest ground is the one walked on; the road next to a pavement is lower.
+      ranges: camera heights; ground nearer than the first gives the camera's height; the second is used if there is no
+        nearer ground. The nearest ground is the one that the camera's carrier walks on; the road next to a pavement is
+        lower.
       plane_error: share of the camera's height within which points are on the plane; a kerb of 0.15 m under a camera
         at 1.5 m is within.
       trials: random triples of ground points.
-      max_tilt: rad; walkers hold a camera level to this angle: the normal of the ground is within it of the cameras'
-        mean up.
+      max_tilt: rad; largest angle between the ground's normal and the cameras' mean up direction.
     """
 
     ranges: tuple[float, float] = (2.0, 5.0)
@@ -39,17 +39,17 @@ _OPTIONS = MetricOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Metric:
-    """A structure in metres: n of its m frames, those that have a place.
+    """A structure in metres, with those n of its m frames that could be located.
 
     Attributes:
-      kept: (n,) rows of the structure's frames, rising.
+      kept: (n,) rows of the structure's frames, ascending.
       scale: (n,) f64 metres per unit of the structure at each.
       poses: (n, 4, 4) f64 T_world_camera, z up, z = 0 on the ground under the first camera.
       points: (p, 3) f64 m, world.
-      ground: (p,) u8 codes of `GROUND_KINDS` that most views of the point saw; 0 = none, or a point that no kept frame
-        saw.
+      ground: (p,) u8 codes of `GROUND_KINDS` by majority of the views of each point; 0 = none, or a point that no kept
+        frame sees.
       heights: (n,) f64 m: of each camera above the ground near it, NaN where none is seen.
-      pieces: in so many the structure was joined.
+      pieces: number of pieces from which the structure was joined.
     """
 
     kept: np.ndarray
@@ -62,13 +62,14 @@ class Metric:
 
 
 def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> Metric:
-    """Finds each piece's ground, turns it level, scales until its cameras are at their height, and joins the pieces.
+    """Finds the ground of each piece, rotates the piece so that its ground is level, scales it to the camera height,
+    and joins the pieces.
 
-    A piece without visible ground takes the speed of the others. One without a fit is left out.
+    A piece without visible ground is scaled to the speed of the others. A piece that cannot be joined is left out.
 
     Args:
       codes: (o,) u8 surface code that each observation's pixel shows, see `Frame.surfaces`.
-      camera_height: m above the ground walked on.
+      camera_height: m above the ground that the camera's carrier walks on.
 
     Raises:
       ValidationError: too little ground among the points.
@@ -104,7 +105,7 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
 
 
 def _owner(structure: Structure, rows: list[np.ndarray]) -> np.ndarray:
-    """(p,) number of the piece whose frames see most of each point, -1 where none does."""
+    """(p,) number of the piece whose frames see each point most often, -1 if none does."""
     piece = np.full(len(structure.registered), len(rows), np.int64)
     for n, own in enumerate(rows):
         piece[own] = n
@@ -114,8 +115,8 @@ def _owner(structure: Structure, rows: list[np.ndarray]) -> np.ndarray:
 
 
 def _stand(structure: Structure, rows: np.ndarray, on_ground: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Up (3,) of a piece in the structure's axes, and each camera's height (k,) in its unit above the points of the
-    ground (g, 3), NaN where none are visible."""
+    """Up direction (3,) of a piece in the structure's axes, and the height (k,) of each camera above the ground points
+    (g, 3) in the piece's unit, NaN if none are visible."""
     cameras = structure.poses[rows, :3, 3]
     rough = -structure.poses[rows, :3, 1].mean(0)
     rough /= np.linalg.norm(rough)
@@ -145,7 +146,7 @@ def _scales(
 
 
 def _upright(structure: Structure, rows: np.ndarray, up: np.ndarray, scale: float) -> Piece:
-    """A piece in metres, its first camera at the origin; pieces of one model share what x is."""
+    """A piece in metres with its first camera at the origin; pieces of one model share the x direction."""
     model = int(structure.model[rows[0]])
     turn = _axes(up, structure.poses[structure.model == model][0, :3, 0])
     first = structure.poses[rows[0], :3, 3]
@@ -154,8 +155,8 @@ def _upright(structure: Structure, rows: np.ndarray, up: np.ndarray, scale: floa
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
     poses[:, :3, :3] = turn @ structure.poses[rows, :3, :3]
     poses[:, :3, 3] = structure.poses[rows, :3, 3] @ T[:3, :3].T + T[:3, 3]
-    # All points of the piece, also those that other pieces saw more often: where little is missing, they determine the
-    # rotation.
+    # Points that other pieces see more often are included too, because they determine the rotation between overlapping
+    # pieces.
     seen = np.bincount(structure.point[np.isin(structure.frame, rows)], minlength=len(structure.points)) >= 2
     points = structure.points[seen] @ T[:3, :3].T + T[:3, 3]
     return Piece(rows, structure.registered[rows], model, poses, points, T)
@@ -172,9 +173,9 @@ def _vote(structure: Structure, codes: np.ndarray) -> np.ndarray:
 
 
 def _normal(points: np.ndarray, cameras: np.ndarray, rough: np.ndarray) -> np.ndarray:
-    """(3,) unit normal of the ground, upwards: random triples, then least squares over what agrees.
+    """(3,) upward unit normal of the ground, by RANSAC over triples of points and least squares over the inliers.
 
-    Slopes bend the whole, so that a point only has to agree within a share of the camera's height.
+    The inlier distance is a share of the camera's height, because slopes bend the ground.
     """
     height = float(np.median((cameras.mean(0) - points) @ rough))
     reach = _OPTIONS.plane_error * abs(height)
@@ -197,12 +198,12 @@ def _normal(points: np.ndarray, cameras: np.ndarray, rough: np.ndarray) -> np.nd
     centred = points[best] - points[best].mean(0)
     normal = np.linalg.svd(centred, full_matrices=False)[2][2]
     normal *= np.sign(normal @ rough)
-    # Points along one line fit planes at any angle about it.
+    # Points along one line do not determine the plane's angle about it.
     return normal if normal @ rough > np.cos(_OPTIONS.max_tilt) else rough
 
 
 def _heights(points: np.ndarray, cameras: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """(m,) of each camera above the middle of the ground near it, NaN where there is none."""
+    """(m,) height of each camera above the median of the ground near it, NaN if there is none."""
     out = np.full(len(cameras), np.nan)
     usual = abs(float(np.median((cameras.mean(0) - points) @ up)))
     for k, camera in enumerate(cameras):
@@ -222,7 +223,7 @@ def _level(up: np.ndarray, cameras: np.ndarray) -> np.ndarray:
 
 
 def _axes(up: np.ndarray, forward: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation that turns up to z and a way, as far as it is level, to x."""
+    """(3, 3) rotation that maps up to z and the horizontal part of `forward` to x."""
     along = forward - (forward @ up) * up
     if np.linalg.norm(along) < 1e-9:
         along = np.cross(up, [0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0])

@@ -26,7 +26,7 @@ class FrameObservation:
 
 
 class Predictor(Protocol):
-    """Finds objects, surfaces and, where it can, depth in a image."""
+    """Finds objects, surfaces and, if supported, depth in an image."""
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
         """(H, W, 3) u8 image of a pinhole with focal length `focal` (pixels)."""

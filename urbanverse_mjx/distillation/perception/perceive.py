@@ -22,13 +22,13 @@ FindsStructure = Callable[[Frames, Callable[[int, int], None] | None], Structure
 
 @dataclasses.dataclass(frozen=True)
 class Perception:
-    """What perceives.
+    """The models and values that perception uses.
 
     Attributes:
-      predictor: finds objects, surfaces and, where it can, depth.
+      predictor: finds objects, surfaces and, if supported, depth.
       poses: finds poses and points; None for COLMAP.
-      camera_height: m above the ground that is walked on, the one length that a video does not show. 1.5 is a hand
-        held before the chest.
+      camera_height: m above the ground that the camera's carrier walks on, which a video does not determine. 1.5 is a
+        camera held at chest height.
     """
 
     predictor: Predictor
@@ -47,7 +47,7 @@ def perceive(
     name: str = "tour",
     progress: Callable[[int, int], None] | None = None,
 ) -> Recording:
-    """Makes a recording of frames, and `perception.json` with the counts of each step.
+    """Makes a recording from frames, and writes `perception.json` with the counts of each step.
 
     Args:
       folder: of the recording.

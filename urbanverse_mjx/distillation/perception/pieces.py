@@ -1,9 +1,9 @@
-"""Pieces of a trajectory without matches between them: detection of the breaks, and joining.
+"""Splits a trajectory where matches are missing and joins its pieces.
 
-When a camera turns about before a bare wall, the images before and after have no match. Each piece alone is correct,
-upright and metric. A rotation about z and a shift are unknown, and the shift is nearly known: the camera continues at
-its speed. The rotation is the one at which walls, poles and cars of both pieces coincide, since both show the street
-around the place where they meet.
+When a camera turns in front of a bare wall, the images before and after have no match. Each piece alone is correct,
+upright and metric. The rotation about z and the shift between pieces are unknown; the shift is nearly known, because
+the camera continues at its speed. The rotation is the one at which walls, poles and cars of both pieces coincide, since
+both show the street around their meeting point.
 """
 
 import dataclasses
@@ -17,23 +17,24 @@ from ...geometry import rotations
 
 @dataclasses.dataclass(frozen=True)
 class CutOptions:
-    """Where a trajectory is cut, and what of its pieces is compared.
+    """Conditions for cutting a trajectory, and limits of the comparison of its pieces.
 
     Chosen manually; docs/decisions/gen_perception.md measures their effect on poses.
 
     Attributes:
-      window: steps on either side for the walker's speed.
+      window: steps on either side from which the camera's speed is computed.
       min_frames: fewest frames of a piece.
-      jump_ratio: a step so many times as long as those around it is a jump to a place that looks similar.
-      break_ratio: where steps grow or shrink by this factor at once the unit has changed.
-      max_range: m; points nearer to where two pieces meet are compared.
-      max_below: m below the cameras, their lower limit.
-      max_above: m above the cameras, their upper limit.
-      coarse_search: rad from one turn to the next, rad to either side, m of a cell, m from one shift to the next.
-      fine_search: the same around the best of the coarse ones.
-      meeting_error: m, by which the place where two pieces meet may be off.
-      meeting_error_frame: m, by which it may be off more for every frame in between.
-      max_meeting_error: m, at most.
+      jump_ratio: a step longer than its neighbours by this factor is a jump to a similar-looking place.
+      break_ratio: where the step length changes abruptly by this factor, the unit of the structure changes.
+      max_range: m; points within this distance of the meeting point of two pieces are compared.
+      max_below: m below the cameras, lower limit of the compared points.
+      max_above: m above the cameras, upper limit of the compared points.
+      coarse_search: step of the rotation (rad), range of the rotation to either side (rad), cell size (m), step of the
+        shift (m).
+      fine_search: the same for the search around the best coarse result.
+      meeting_error: m, error of the meeting point of two pieces.
+      meeting_error_frame: m, additional error for every frame in between.
+      max_meeting_error: m, upper limit of the error of the meeting point.
     """
 
     window: int = 5
@@ -60,10 +61,11 @@ class JoinOptions:
     Chosen manually; docs/decisions/gen_perception.md measures their effect on poses.
 
     Attributes:
-      min_share: share of a piece's occupied cells that must be found again.
-      other_turn_ratio: how many times better the best turn must be than any turn farther away than `other_turn`.
+      min_share: least share of a piece's occupied cells that match the other piece.
+      other_turn_ratio: least ratio of the best rotation's score to that of any rotation farther away than `other_turn`.
       other_turn: rad.
-      model_turn_ratio: how many times better it must be than the turn of the model itself, to `model_turn`.
+      model_turn_ratio: least ratio of the best rotation's score to that of the model's own rotation within
+        `model_turn`.
       model_turn: rad.
     """
 
@@ -79,15 +81,15 @@ _JOIN = JoinOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Piece:
-    """Some frames of a trajectory, upright and in metres, at a place of their own.
+    """Some frames of a trajectory, upright and in metres, in a coordinate frame of their own.
 
     Attributes:
       rows: (k,) of the structure's registered frames.
-      frames: (k,) their numbers, rising.
+      frames: (k,) their numbers, ascending.
       model: pieces of one model also have a relative rotation, with a larger error.
       poses: (k, 4, 4) T_piece_camera, z up.
-      points: (p, 3) m, its structure.
-      T_unit: (4, 4) from the structure's unit and axes, with the scale in it.
+      points: (p, 3) m, points of the structure.
+      T_unit: (4, 4) similarity from the structure's unit and axes.
     """
 
     rows: np.ndarray
@@ -99,7 +101,7 @@ class Piece:
 
 
 def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np.ndarray]:
-    """Rows (k,) of every piece: models, cut where the path jumps or its unit changes.
+    """Rows (k,) of every piece; models are cut where the path jumps or its unit changes.
 
     Args:
       model, registered, poses: (m,), (m,) and (m, 4, 4), as in `Structure`.
@@ -113,8 +115,9 @@ def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np
 
 
 def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]:
-    """Rows (k,) of one model, (k - 1,) steps a frame between them and its common step, at the worst place and on."""
-    # A pause of the walker is neither a change of the unit nor a jump.
+    """Cuts rows (k,) of one model recursively at the worst step, given the (k - 1,) steps per frame and their common
+    length."""
+    # A pause of the camera is neither a change of the unit nor a jump.
     floor = 0.1 * common + 1e-12
     worst, at = 1.0, -1
     for k in range(len(steps)):
@@ -130,9 +133,9 @@ def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]
 
 
 def join(pieces: Sequence[Piece]) -> list[np.ndarray | None]:
-    """(4, 4) T_world_piece of every piece, None where no turn fits. The world is the longest piece's.
+    """(4, 4) T_world_piece of every piece, None if no rotation fits. The world frame is that of the longest piece.
 
-    The others follow in the order of their contact with the joined ones.
+    The other pieces are joined in the order of their distance in time from the joined ones.
     """
     first = max(range(len(pieces)), key=lambda k: len(pieces[k].rows))
     out: list[np.ndarray | None] = [None] * len(pieces)
@@ -157,7 +160,7 @@ def _apart(a: Piece, b: Piece) -> int:
 
 
 def _beside(pieces: Sequence[Piece], places: Sequence[np.ndarray | None], k: int) -> float | None:
-    """rad: turn of the joined piece of the same model that is nearest in time; None without one."""
+    """rad, rotation of the joined piece of the same model that is nearest in time; None without one."""
     known = [
         (_apart(piece, pieces[k]), place)
         for piece, place in zip(pieces, places, strict=True)
@@ -187,10 +190,10 @@ def _speed(piece: Piece, row: int) -> np.ndarray:
 
 
 def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | None:
-    """(4, 4) that aligns a piece with the joined ones, at the two frames nearest in time; None where no turn fits.
+    """(4, 4) that aligns a piece with the joined ones at the two frames nearest in time; None if no rotation fits.
 
     Args:
-      turned: rad, the turn to take where the surroundings name none.
+      turned: rad, rotation to use if the surroundings do not determine one.
     """
     gap = joined.frames[:, None] - piece.frames[None]
     a, b = np.unravel_index(np.argmin(np.abs(gap)), gap.shape)
@@ -224,7 +227,7 @@ def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | Non
 
 
 def _away(turns: np.ndarray, turn: float) -> np.ndarray:
-    """(t,) rad between turns and a turn."""
+    """(t,) rad, absolute differences between angles and one angle."""
     return np.abs(np.angle(np.exp(1j * (turns - turn))))
 
 
@@ -243,8 +246,8 @@ def _search(
     steps: tuple[float, float, float, float],
     reach: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Turns (t,) rad, the share (t,) of a piece's points that known ones (p, 3) m lie near at the best shift, and that
-    shift (t, 2) m. Points are relative to where the pieces meet, on either side."""
+    """Rotations (t,) rad; the share (t,) of a piece's points near known ones (p, 3) m at the best shift; and that shift
+    (t, 2) m. Points are relative to the meeting point of the pieces."""
     turn_step, turn_reach, size, shift_step = steps
     cell = np.array([size, size, 1.0])
     extent = _CUT.max_range + _CUT.max_meeting_error + 3.0
@@ -252,7 +255,7 @@ def _search(
     shape = np.ceil(-2 * low[:2] / size).astype(int)
     grid = np.zeros((*shape, int(_CUT.max_above - low[2]) + 2), np.float32)
     grid[tuple(np.floor((known - low) / cell).astype(int).T)] = 1.0
-    # A point counts less the farther it lies from a known one: 1 in its cell, a half some 0.6 cells aside.
+    # The weight of a point falls with its distance from a known one: 1 in the same cell, one half at about 0.6 cells.
     near = np.minimum(4.0 * ndimage.gaussian_filter(grid, (0.8, 0.8, 0.5)), 1.0)
     half = round(turn_reach / turn_step)
     turns = middle + turn_step * np.arange(-half, half + 1)

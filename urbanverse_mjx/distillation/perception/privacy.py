@@ -1,4 +1,4 @@
-"""Faces and plates become unreadable before a frame is stored. This module sends no frames anywhere."""
+"""Makes faces and plates unreadable before a frame is stored. This module sends no frames anywhere."""
 
 import dataclasses
 import importlib
@@ -22,12 +22,12 @@ class FindsPrivate(Protocol):
 
 @dataclasses.dataclass(frozen=True)
 class Blur:
-    """Blurs what a detector finds.
+    """Makes the regions that a detector finds unreadable.
 
     Attributes:
-      detector: finds faces and plates.
-      name: for the records.
-      margin: share of a box's size added to each side; detectors leave out ears and frames of plates.
+      detector: function that finds faces and plates.
+      name: name of the detector in the records.
+      margin: share of a box's size added to each side, because detectors leave out ears and frames of plates.
     """
 
     detector: FindsPrivate
@@ -38,7 +38,7 @@ class Blur:
         """A copy of an image (H, W, 3) u8 with the boxes filled by their own mean colours, four cells to a side.
 
         Raises:
-          ValidationError: the detector answered something else than boxes.
+          ValidationError: the detector did not return boxes.
         """
         boxes = np.asarray(self.detector(rgb), np.float64)
         if boxes.size == 0:
@@ -57,15 +57,15 @@ class Blur:
 
 
 def _coarse(part: np.ndarray) -> np.ndarray:
-    """An image whose detail is gone: means of at most 4 x 4 cells. Unlike a blur, it cannot be undone by sharpening."""
+    """An image of means over at most 4 x 4 cells. Unlike a blur, this cannot be undone by sharpening."""
     height, width = part.shape[:2]
     cells = cv2.resize(part, (min(4, width), min(4, height)), interpolation=cv2.INTER_AREA)
     return cv2.resize(cells, (width, height), interpolation=cv2.INTER_NEAREST)
 
 
 def blur_by_name(name: str) -> Blur:
-    """A blur from "module:attribute", where the attribute makes a detector when it is called without arguments; "haar"
-    is the one of `haar`.
+    """Makes a blur from "module:attribute", where the attribute is a function without arguments that returns a
+    detector; "haar" stands for `haar.detector`.
 
     Raises:
       ValidationError: no such module or attribute.

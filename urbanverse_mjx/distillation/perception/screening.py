@@ -1,4 +1,4 @@
-"""Which frames of a video are of no use: dark, blurred, without anything new, or turned away too fast."""
+"""Finds unusable frames of a video: dark, blurred, without change, or turning too fast."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -9,20 +9,20 @@ from scipy import ndimage
 
 #: Rows and columns of the small grey image on which motion is measured.
 _MOTION_SIZE = (54, 96)
-#: Rows that sharpness is measured at: fewer hide slight blur, more show the noise of the sensor.
+#: Image height at which sharpness is measured; a smaller one hides slight blur, a larger one shows sensor noise.
 _SHARPNESS_ROWS = 270
 
 
 @dataclasses.dataclass(frozen=True)
 class ScreenLimits:
-    """Where a frame becomes unusable.
+    """Thresholds below or above which a frame is unusable.
 
     Attributes:
-      dark: the brightest twentieth of a frame is at least this bright, of 1.
-      blurred: a frame is at least this sharp, as a share of the middle sharpness of its neighbours.
-      flat: and at least this sharp in itself (fog, a thumb on the lens, a wall); see `measure`.
-      still: half of a frame has changed by at least this since the last one kept, of 1.
-      turn: at most this share of the width has gone out of sight since the frame before.
+      dark: least brightness, in [0, 1], of a frame's brightest twentieth.
+      blurred: least sharpness of a frame as a share of its neighbours' median sharpness.
+      flat: least absolute sharpness (fog, a thumb on the lens, a wall), see `measure`.
+      still: least median change of a frame since the last one kept, in [0, 1].
+      turn: largest share of the width that leaves the view between frames.
     """
 
     dark: float = 0.12
@@ -34,7 +34,8 @@ class ScreenLimits:
 
 @dataclasses.dataclass(frozen=True)
 class Measures:
-    """Of one frame: brightness of its brightest twentieth in [0, 1]; sharpness; small (54, 96) f32 grey."""
+    """Measures of one frame: brightness of its brightest twentieth in [0, 1]; sharpness; small (54, 96) f32 grey
+    image."""
 
     bright: float
     sharpness: float
@@ -42,7 +43,8 @@ class Measures:
 
 
 def measure(rgb: np.ndarray) -> Measures:
-    """Measures of an image (H, W, 3) u8. Sharpness: deviation of its Laplacian over that of its brightness."""
+    """Computes the measures of an image (H, W, 3) u8. Sharpness is the standard deviation of the Laplacian over that of
+    the brightness."""
     grey = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2GRAY)
     height, width = grey.shape
     step = max(1, height // _SHARPNESS_ROWS)
@@ -71,11 +73,11 @@ def turned(before: Measures, after: Measures) -> float:
 
 
 def screen(frames: Sequence[Measures], turns: Sequence[float], limits: ScreenLimits) -> list[str | None]:
-    """Why each frame is unusable, or None.
+    """The reason why each frame is unusable, or None.
 
     Args:
       frames: in order.
-      turns: share of the width that went out of sight before each.
+      turns: share of the width that left the view before each frame.
     """
     sharp = np.array([f.sharpness for f in frames])
     usual = ndimage.median_filter(sharp, min(15, 2 * (len(sharp) // 2) + 1), mode="nearest") if len(sharp) else sharp

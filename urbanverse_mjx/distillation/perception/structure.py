@@ -1,9 +1,9 @@
-"""Structure from motion: where the cameras stood and some thousand points, up to a similarity. Done by COLMAP.
+"""Structure from motion by COLMAP: camera poses and some thousand points, up to a similarity.
 
 Schönberger and Frahm, "Structure-from-Motion Revisited", CVPR 2016: SIFT, matches between frames near in time,
-incremental mapping with bundle adjustment of one shared camera. Its focal length is found before, from the fundamental
-matrices of all pairs. Where no match leads from one frame to the next the structure falls into models; `pieces` joins
-them once they are metric.
+incremental mapping with bundle adjustment of one shared camera. The focal length is estimated beforehand from the
+fundamental matrices of all pairs. Where no match connects one frame to the next, the structure is split into several
+models; `pieces` joins them once they are metric.
 """
 
 import dataclasses
@@ -20,39 +20,38 @@ from ...work_folder import work_folder
 from .frames import Frames
 from .pieces import cut
 
-#: Fewer frames with a pose are no trajectory.
+#: Fewest frames with a pose that form a trajectory.
 MIN_FRAMES = 3
 
 
 @dataclasses.dataclass(frozen=True)
 class MappingOptions:
-    """Limits that COLMAP is given.
+    """Limits for COLMAP.
 
     Chosen on twelve rendered captures and a corridor of nine frames (docs/decisions/gen_perception.md).
 
     Attributes:
-      min_distortion: pixels at the corner; less lens distortion is left alone.
-      focal: focal length over the longer side that the search starts from: a phone's main lens (26 mm on film 36 mm
-        wide).
-      min_focal: the least that a street camera has: an action camera, 120° wide.
-      max_focal: the most: a phone's second lens.
-      max_distortion: k1; no camera lens has more: a larger result means that the structure collapsed.
+      min_distortion: pixels at the corner; less lens distortion is not corrected.
+      focal: initial focal length over the longer side: a phone's main lens (26 mm on film 36 mm wide).
+      min_focal: least focal length of a street camera: an action camera, 120° wide.
+      max_focal: largest focal length: a phone's second lens.
+      max_distortion: k1; no camera lens has more, so a larger result means that the structure collapsed.
       min_model: frames; smaller models next to a larger one cannot be located reliably.
-      min_shared_points: models that share a frame are one if at least so many points that it shows are in both.
+      min_shared_points: models that share a frame are merged if both contain at least this many points visible in it.
       contrast: SIFT's least contrast, COLMAP's own. With less, matches on the bricks of a near wall outnumber all
         others, and matches on a single plane fit two poses: on three of twelve captures the trajectory then bent by 50
         to 90° before a wall.
-      pair_error: pixels by which matches of two frames may miss. COLMAP's own errors (4, 12, 4) are for images of
-        several thousand pixels and let the wrong one of a wall's two poses pass.
-      pose_error: pixels by which matches of a new frame may miss.
-      point_error: pixels by which points may miss.
-      short_clip: clips of fewer frames keep `short_pair_error`: the focal length comes from all pairs, and with 2 nine
-        blurred frames of a corridor gave a lens half too long.
-      short_pair_error: pixels, `pair_error` of short clips.
-      first_errors: pixels, the error allowed to the two frames that a model begins with. COLMAP prefers to begin at
-        walls, where most matches are. Where the trajectory breaks, the structure is built again with the next of these,
-        and the one with the smallest break is taken.
-      focal_digits: decimals of the focal length, pixels, that the mapping starts from.
+      pair_error: pixels, largest error of matches between two frames. COLMAP's defaults (4, 12, 4) are for images of
+        several thousand pixels and accept the wrong one of the two poses that fit a wall.
+      pose_error: pixels, largest error of matches of a new frame.
+      point_error: pixels, largest reprojection error of points.
+      short_clip: clips with fewer frames use `short_pair_error`. The focal length is estimated from all pairs, and with
+        2 pixels it was 50 % too long for nine blurred frames of a corridor.
+      short_pair_error: pixels, `pair_error` for short clips.
+      first_errors: pixels, largest error of the two frames with which a model begins. COLMAP prefers to begin at walls,
+        which have most matches. If the trajectory breaks, the structure is built again with the next of these values,
+        and the one with the smallest break is kept.
+      focal_digits: decimals to which the initial focal length (pixels) of the mapping is rounded.
     """
 
     min_distortion: float = 0.3
@@ -77,13 +76,13 @@ _OPTIONS = MappingOptions()
 
 @dataclasses.dataclass(frozen=True)
 class StructureOptions:
-    """How much COLMAP does.
+    """Options of the reconstruction.
 
     Attributes:
-      features: most per frame; 3,000 fill half a megapixel.
-      overlap: each frame is matched with so many after it. Never with later ones: streets repeat themselves, and most
-        matches found at 16 frames and more joined two similar houses, windows or signs.
-      focal: pixels of the frames, where it is known; None to find it.
+      features: largest number per frame; 3,000 cover half a megapixel.
+      overlap: number of following frames with which each frame is matched. Later frames are not matched, because most
+        matches over 16 frames or more connected two similar houses, windows or signs.
+      focal: focal length in pixels of the frames, if known; None to estimate it.
     """
 
     features: int = 3000
@@ -93,10 +92,10 @@ class StructureOptions:
 
 @dataclasses.dataclass(frozen=True)
 class Structure:
-    """m registered frames, p points and o observations; each model's lengths in a unit and axes of its own.
+    """A reconstruction of m registered frames, p points and o observations; each model has a unit and axes of its own.
 
     Attributes:
-      camera: pinhole of the straightened frames.
+      camera: pinhole camera of the undistorted frames.
       distortion: k1 of COLMAP's SIMPLE_RADIAL.
       registered: (m,) i32 numbers of the frames.
       poses: (m, 4, 4) f64 T_structure_camera, OpenCV axes.
@@ -119,7 +118,8 @@ class Structure:
     model: np.ndarray
 
     def only(self, rows: np.ndarray) -> "Structure":
-        """The frames of some rows (k,), in order, and their observations; the points stay."""
+        """The structure with only the frames of some rows (k,), in order, and their observations; all points are
+        kept."""
         new = np.full(len(self.registered), -1, np.int32)
         new[rows] = np.arange(len(rows))
         seen = new[self.frame] >= 0
@@ -139,12 +139,13 @@ class Structure:
         return np.einsum("oi,oi->o", out, self.poses[self.frame, :3, 2])
 
     def straighten(self, rgb: np.ndarray) -> np.ndarray:
-        """A frame (H, W, 3) u8 without the lens's distortion."""
+        """Undistorts a frame (H, W, 3) u8."""
         camera = self.camera
         corner = (camera.cx**2 + camera.cy**2) / camera.fx**2
         if abs(self.distortion) * corner * np.hypot(camera.cx, camera.cy) < _OPTIONS.min_distortion:
             return rgb
-        # OpenCV counts pixels from the centre of the first, we from its corner. COLMAP's k1 is OpenCV's.
+        # The origin of pixel coordinates is the centre of the first pixel in OpenCV and its corner here. COLMAP and
+        # OpenCV define k1 alike.
         pinhole = np.array([[camera.fx, 0.0, camera.cx - 0.5], [0.0, camera.fy, camera.cy - 0.5], [0.0, 0.0, 1.0]])
         lens = np.array([self.distortion, 0.0, 0.0, 0.0])
         size = (camera.width, camera.height)
@@ -155,13 +156,13 @@ class Structure:
 def reconstruct(
     frames: Frames, options: StructureOptions | None = None, progress: Callable[[int, int], None] | None = None
 ) -> Structure:
-    """Finds poses, one shared camera and points.
+    """Estimates poses, one shared camera and points.
 
     Args:
       progress: called with (steps done, steps in all); a step is a frame extracted, matched or registered.
 
     Raises:
-      ValidationError: COLMAP finds no place for at least `MIN_FRAMES` frames.
+      ValidationError: COLMAP registers fewer than `MIN_FRAMES` frames.
     """
     options = options or StructureOptions()
     most, best, best_score = 0, None, (np.inf, 0)
@@ -177,7 +178,7 @@ def reconstruct(
             score = breaks, -len(structure.registered)
             if score < best_score:
                 best, best_score = structure, score
-            # Of a short clip every frame counts, and trying again costs little.
+            # Short clips need every frame, and another attempt is cheap.
             if breaks <= 0 and (len(frames) >= _OPTIONS.short_clip or len(structure.registered) == len(frames)):
                 break
     if best is None:
@@ -189,7 +190,8 @@ def reconstruct(
 
 
 def _has_a_possible_lens(model: Any) -> bool:
-    """Whether the cameras of a model are some that `_mapping` allows: COLMAP itself asks from 20 frames on."""
+    """Whether the cameras of a model are within the limits of `_mapping`; COLMAP itself checks only models of 20 frames
+    or more."""
     for camera in model.cameras.values():
         focal, distortion = camera.params[0], camera.params[3]
         if not _OPTIONS.min_focal <= focal / max(camera.width, camera.height) <= _OPTIONS.max_focal:
@@ -202,13 +204,13 @@ def _has_a_possible_lens(model: Any) -> bool:
 def _maps(
     frames: Frames, options: StructureOptions, work: pathlib.Path, progress: Callable[[int, int], None]
 ) -> Iterator[list[Any]]:
-    """COLMAP's models, made with one of `first_errors` after the other; of a short clip, last, without distortion.
+    """Yields COLMAP's models for each of `first_errors` in turn, and for a short clip finally without distortion.
 
-    Few frames hardly tell a long lens that bends from a short one that does not.
+    A few frames hardly distinguish a long focal length with distortion from a short one without.
     """
     import pycolmap
 
-    # Without this it writes pages to standard error.
+    # COLMAP otherwise writes long logs to standard error.
     pycolmap.logging.minloglevel = pycolmap.logging.Level.FATAL.value
     # Features do not depend on the number of threads; the later steps do.
     database, threads, steps = work / "database.db", settings.num_threads(), 3 * len(frames)
@@ -218,7 +220,7 @@ def _maps(
     reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_OPTIONS.focal)
     if options.focal is not None:
         reader.camera_params = f"{options.focal},{frames.width / 2},{frames.height / 2},0"
-    # Its approximate search gives now and then other matches where several threads ask it.
+    # With several threads, COLMAP's approximate search is not deterministic.
     matching = pycolmap.FeatureMatchingOptions(num_threads=1)
     pairing = pycolmap.SequentialPairingOptions(overlap=options.overlap, quadratic_overlap=False)
     verification = pycolmap.TwoViewGeometryOptions()
@@ -236,7 +238,8 @@ def _maps(
 
     try:
         cameras = pycolmap.CameraMode.SINGLE
-        # Entered in order beforehand: the extraction numbers new images in the order in which its threads finish.
+        # Images are registered in order beforehand, because the extraction numbers new images in the order in which its
+        # threads finish.
         pycolmap.Database.open(database).close()
         pycolmap.import_images(database, frames.folder, cameras, list(frames.names), reader)
         pycolmap.extract_features(database, frames.folder, list(frames.names), cameras, reader, extraction)
@@ -244,7 +247,7 @@ def _maps(
         pycolmap.match_sequential(database, matching, pairing, verification)
         if options.focal is None:
             calibration = pycolmap.ViewGraphCalibrationOptions(random_seed=0)
-            # Without an estimate the focal length stays at the start of the search.
+            # Without an estimate the focal length keeps its initial value.
             pycolmap.calibrate_view_graph(database, calibration)
             _round_focal_length(database)
         progress(2 * len(frames), steps)
@@ -276,10 +279,11 @@ def _round_focal_length(database: pathlib.Path) -> None:
 
 
 def _mapping(pycolmap: Any, refine_focal: bool) -> Any:
-    """Options for a capture on foot: small steps and small angles, and a bundle adjustment that stops early.
+    """Mapping options for a camera carried on foot: small steps, small angles, and a bundle adjustment that stops
+    early.
 
-    One thread: RANSAC seeds each of its threads differently, and sums over threads differ in their last bits. Either
-    leads to other inliers, and a few frames later to another structure.
+    One thread, because RANSAC seeds each of its threads differently, and sums over threads differ in their last bits.
+    Either changes the inliers and, a few frames later, the structure.
     """
     mapping = pycolmap.IncrementalPipelineOptions(num_threads=1, extract_colors=False, random_seed=0)
     mapping.min_model_size = MIN_FRAMES
@@ -300,7 +304,8 @@ def _mapping(pycolmap: Any, refine_focal: bool) -> Any:
 
 
 def _structure(models: list[Any], frames: Frames) -> Structure:
-    """COLMAP's models, the largest first; a frame stays in the first that has it. Models that share frames are one."""
+    """Combines COLMAP's models, the largest first; a frame belongs to the first model that contains it. Models that
+    share frames are merged."""
     number = {name: k for k, name in enumerate(frames.names)}
     group = _laid_on_each_other(models)
     lens = next(iter(models[0].cameras.values()))
@@ -344,7 +349,8 @@ def _structure(models: list[Any], frames: Frames) -> Structure:
 
 
 def _laid_on_each_other(models: list[Any]) -> list[int]:
-    """For each model the number of that whose unit and axes it has; it is moved there where they share frames."""
+    """Transforms models that share frames into a common unit and axes; returns for each model the number of the model
+    whose unit and axes it has."""
     import pycolmap
 
     group = list(range(len(models)))
@@ -357,7 +363,7 @@ def _laid_on_each_other(models: list[Any]) -> list[int]:
         if not shared:
             continue
         (name, depths), j = max(shared, key=lambda found: len(found[0][1]))
-        # In the frame that both have, one model's points are the other's, `scale` times as far.
+        # In a frame of both models, the depths of common points differ by the factor `scale`.
         scale = float(np.exp(np.median(np.log(depths[:, 1] / depths[:, 0]))))
         own, other = (m.find_image_with_name(name).cam_from_world() for m in (model, models[j]))
         back = other.inverse()
@@ -368,7 +374,7 @@ def _laid_on_each_other(models: list[Any]) -> list[int]:
 
 
 def _shared_depths(a: Any, b: Any) -> tuple[str, np.ndarray]:
-    """The frame in which two models share most points, and these points' depths (n, 2) in it in either unit."""
+    """The frame in which two models share most points, and the depths (n, 2) of these points in both units."""
     names = {i.name for i in a.images.values() if i.has_pose} & {i.name for i in b.images.values() if i.has_pose}
     best = "", np.zeros((0, 2))
     for name in sorted(names):

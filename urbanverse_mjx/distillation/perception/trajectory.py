@@ -1,4 +1,4 @@
-"""How far estimated poses are off true ones, after the two trajectories were laid on each other."""
+"""Errors of estimated poses after alignment of the two trajectories."""
 
 import dataclasses
 
@@ -7,13 +7,13 @@ import numpy as np
 
 @dataclasses.dataclass(frozen=True)
 class TrajectoryError:
-    """Of m poses that both trajectories have.
+    """Errors over the m poses that both trajectories have.
 
     Attributes:
-      T: (4, 4) that takes estimated places to true ones, rigid.
+      T: (4, 4) rigid transform from estimated to true positions.
       rmse, worst: m.
-      turn: degrees, middle error of the direction.
-      scale: true length over estimated length, as the best similarity has it; 1 where the metric scale is right.
+      turn: degrees, median error of the direction.
+      scale: true length over estimated length in the best similarity transform; 1 for the correct metric scale.
     """
 
     T: np.ndarray
@@ -24,10 +24,10 @@ class TrajectoryError:
 
 
 def trajectory_error(estimated: np.ndarray, true: np.ndarray) -> TrajectoryError:
-    """Lays (m, 4, 4) estimated on (m, 4, 4) true poses by a rigid motion that minimises the squared distances.
+    """Aligns (m, 4, 4) estimated with (m, 4, 4) true poses by the rigid transform that minimises the squared distances.
 
-    Where the places lie on a line, the cameras' directions determine the rotation of the trajectory about it; elsewhere
-    their weight, a thousandth of the places', hardly counts. Source: Umeyama, "Least-squares estimation of
+    If the positions lie on a line, the cameras' directions determine the rotation about it; otherwise their weight, a
+    thousandth of that of the positions, has hardly any effect. Source: Umeyama, "Least-squares estimation of
     transformation parameters between two point patterns", 1991.
     """
     a, b = estimated[:, :3, 3], true[:, :3, 3]

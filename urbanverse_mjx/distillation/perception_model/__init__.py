@@ -1,4 +1,4 @@
-"""The perception model: a small network of ours that finds street objects, surfaces and depth in one image.
+"""The built-in perception model: a small network that finds street objects, surfaces and depth in one image.
 
-It was trained in this repository on rendered streets alone (`python -m urbanverse_mjx.distillation.train_perception`).
+It is trained on rendered streets only (`python -m urbanverse_mjx.distillation.train_perception`).
 """

@@ -1,4 +1,4 @@
-"""Random faults of cameras, codecs and lenses. Runs inside jit, on one rendered frame."""
+"""Image augmentation by random faults of cameras, codecs and lenses. Runs inside jit on one rendered frame."""
 
 import jax
 import jax.numpy as jnp
@@ -30,7 +30,7 @@ def _cosines() -> np.ndarray:
 
 
 def jpeg(image: jax.Array, quality: jax.Array) -> jax.Array:
-    """The block artefacts of JPEG: every 8 x 8 block rounded in frequency, each colour alike.
+    """Applies the block artefacts of JPEG: quantises every 8 x 8 block in frequency, equally for each colour channel.
 
     Args:
       image: (H, W, 3) in [0, 1], sides multiples of 8.
@@ -49,7 +49,7 @@ def jpeg(image: jax.Array, quality: jax.Array) -> jax.Array:
 
 
 def _blur(image: jax.Array, sigma: jax.Array) -> jax.Array:
-    """Rows and columns smoothed by a normal density of `sigma` (2,) pixels."""
+    """Gaussian blur of rows and columns with `sigma` (2,) pixels."""
     offsets = jnp.arange(-_BLUR_REACH, _BLUR_REACH + 1, dtype=jnp.float32)
     for axis in (0, 1):
         weight = jnp.exp(-(offsets**2) / (2.0 * sigma[axis] ** 2 + 1e-6))
@@ -63,14 +63,14 @@ def _blur(image: jax.Array, sigma: jax.Array) -> jax.Array:
     return image
 
 
-#: From RGB to luminance and two differences of colour (NTSC's YIQ).
+#: Matrix from RGB to YIQ (luminance and two colour differences).
 _YIQ = np.array([[0.299, 0.587, 0.114], [0.596, -0.274, -0.322], [0.211, -0.523, 0.312]], np.float32)
 
 
 def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) -> jax.Array:
-    """An image (H, W, 3) u8 whose regions (H, W) i32 < `regions` each have another hue, saturation and brightness.
+    """Gives each region (H, W) i32 < `regions` of an image (H, W, 3) u8 a random hue, saturation and brightness.
 
-    Most regions keep about their hue; objects have to be recognised by shape.
+    Most regions approximately keep their hue. The model then has to recognise objects by shape.
     """
     keys, of = jax.random.split(key, 5), (regions,)
     turn = jax.random.uniform(keys[0], of, minval=-jnp.pi, maxval=jnp.pi)
@@ -85,10 +85,11 @@ def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) 
 
 
 def augment(key: jax.Array, image: jax.Array) -> jax.Array:
-    """(H, W, 3) float in [0, 1] of a clean uint8 image: blur, exposure, white balance, tone, noise, JPEG."""
+    """Augments a clean uint8 image by blur, exposure, white balance, tone, noise and JPEG; returns (H, W, 3) float in
+    [0, 1]."""
     keys = jax.random.split(key, 8)
     x = image.astype(jnp.float32) / 255.0
-    # Focus and shake: mostly under a pixel, along one axis now and then two.
+    # Defocus and camera shake: mostly below one pixel, sometimes two along one axis.
     x = _blur(x, jnp.abs(jax.random.normal(keys[0], (2,))) * 0.7)
     x = x * jnp.exp(jax.random.normal(keys[1], ()) * 0.2) * jnp.exp(jax.random.normal(keys[2], (3,)) * 0.06)
     grey = x.mean(-1, keepdims=True)

@@ -1,7 +1,7 @@
 """Classes of the perception model: the sky, the kinds of ground, and groups of the ontology's leaves (`classes.json`).
 
-A group has the name of a representative leaf, which the asset search accepts. Within a group the perception model gives
-the most similar leaf of its training set (`shown.json`), because sizes are known by leaf.
+A group has the name of a representative leaf, which the asset search accepts. Within a group the perception model
+returns the most similar leaf of its training set (`shown.json`), because the known sizes belong to leaves.
 """
 
 import functools
@@ -19,7 +19,7 @@ from ...datatypes.recording import SKY
 SKY_CLASS = 0
 #: Classes 1 to 5 are `GROUND_KINDS` of the same number.
 FIRST_OBJECT = len(GROUND_KINDS)
-#: Objects of no group: distinguished from the ground, and not reported.
+#: Class of objects that belong to no group: they are distinguished from the ground, but not reported.
 OTHER = "other"
 _GROUND_PREFIX = "ground:"
 
@@ -32,7 +32,7 @@ def groups() -> dict[str, tuple[str, ...]]:
 
 @functools.cache
 def _shown() -> dict[str, tuple[str, ...]]:
-    """Name of each group -> its leaves that are distinguished."""
+    """Name of each group -> the leaves that the model distinguishes."""
     return _read("shown.json")
 
 
@@ -43,7 +43,7 @@ def _read(name: str) -> dict[str, tuple[str, ...]]:
 
 @functools.cache
 def leaves() -> tuple[str, ...]:
-    """The distinguished leaves, by number; those of a group are consecutive."""
+    """The leaves that the model distinguishes, by number; those of a group are consecutive."""
     return tuple(itertools.chain(*_shown().values()))
 
 
@@ -72,11 +72,11 @@ def class_of_leaf(leaf: str) -> int:
 
 
 def class_table(categories: Sequence[str]) -> np.ndarray:
-    """(A + 1, 2) i32: class of each category of a bank and its number in `leaves()`, -1 = none; the last row, index
-    -1, is the sky.
+    """(A + 1, 2) i32, class of each category of a bank and its number in `leaves()`, -1 = none; the last row, index -1,
+    is the sky.
 
     Raises:
-      ValidationError: a ground category of no known kind.
+      ValidationError: the kind of a ground category is unknown.
     """
     table, number = [], {leaf: i for i, leaf in enumerate(leaves())}
     for category in categories:

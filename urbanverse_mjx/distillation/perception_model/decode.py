@@ -1,4 +1,5 @@
-"""The network's outputs as objects: every peak of the centre map is one, and takes the pixels that point to it."""
+"""Decodes the network's outputs: every peak of the centre map is an object that consists of the pixels pointing to
+it."""
 
 import dataclasses
 
@@ -10,15 +11,15 @@ from scipy.special import expit, logit
 from . import classes
 from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, Seen
 
-#: Peaks below this are noise; Panoptic-DeepLab keeps those above 0.1 within 7 pixels.
+#: Least height of a peak, and the window (pixels) of which it is the maximum; Panoptic-DeepLab uses 0.1 and 7.
 MIN_PEAK, PEAK_WINDOW = 0.1, 7
 MAX_OBJECTS = 200
 #: Output pixels: smaller objects are dropped.
 MIN_PIXELS = 12
-#: Output pixels from where a pixel points to the peak that may still take it.
+#: Largest distance, in output pixels, between the position to which a pixel points and the peak it is assigned to.
 MAX_MISS = 12.0
-#: Log odds that an object is right (half of its mask and its class): these times its evidence. `fit_trust`'s regression
-#: over the 1,376 objects that the shipped weights saw in 96 frames of streets kept for it.
+#: Coefficients of the evidence in the log odds that an object is right (its class and half of its mask), fitted by
+#: `fit_trust` to the 1,376 objects that the shipped weights detect in 96 frames of held-out streets.
 TRUST = (-2.78, 1.23, 2.64, -4.05, 1.4)
 
 
@@ -35,7 +36,7 @@ class FoundObject:
 
 @dataclasses.dataclass(frozen=True)
 class Decoded:
-    """The decoded image, at the outputs' size.
+    """The decoded outputs for one image, at the outputs' size.
 
     kinds: (h, w) i32 class of every pixel; masks: (h, w) i32 index into `objects`, -1 = none;
     depth: (h, w) f32 m along the camera's axis, the sky included.
@@ -47,7 +48,7 @@ class Decoded:
     depth: np.ndarray
 
     def surer(self, cut: float) -> "Decoded":
-        """Without the objects whose score is below `cut`."""
+        """Removes the objects whose score is below `cut`."""
         kept = [k for k, obj in enumerate(self.objects) if obj.score >= cut]
         number = np.full(len(self.objects) + 1, -1, np.int32)
         number[kept] = np.arange(len(kept))
@@ -55,11 +56,11 @@ class Decoded:
 
 
 def decode(seen: Seen, focal: float) -> Decoded:
-    """One image's outputs.
+    """Decodes the outputs for one image.
 
     Args:
       seen: arrays of one image, without the leading axis.
-      focal: of the image that the network saw, pixels.
+      focal: focal length of the network's input image, pixels.
     """
     p = np.exp(seen.classes - seen.classes.max(-1, keepdims=True))
     p /= p.sum(-1, keepdims=True)
@@ -80,7 +81,8 @@ def _peaks(centre: np.ndarray) -> np.ndarray:
 def _group(
     kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray
 ) -> tuple[np.ndarray, tuple[FoundObject, ...]]:
-    """Masks and objects. A house and an object in front of it are never merged, though they may share a centre."""
+    """Groups pixels into masks and objects. A house and an object in front of it are never merged, though they may
+    share a centre."""
     masks = np.full(kinds.shape, -1, np.int32)
     rows, columns = np.nonzero(kinds >= classes.FIRST_OBJECT)
     if not len(peaks) or not len(rows):
@@ -110,10 +112,11 @@ def _group(
 
 
 def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray, miss: float) -> tuple[float, ...]:
-    """1 and what speaks for an object: log odds of its class; its peak's height; `miss`, by how many output pixels its
-    pixels point past the peak, over the side of a square with as many; and what share of them is in one piece.
+    """Features of an object: 1; log odds of its class; its peak's height; `miss`, the mean distance (output pixels) by
+    which its pixels point past the peak, over the side of a square of equal area; and the share of its pixels in the
+    largest connected part.
 
-    Leftover regions between two objects point to no centre and are in several parts.
+    False regions between two objects point to no centre and are disconnected.
     """
     inside = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), bool)
     inside[rows - rows.min(), columns - columns.min()] = True

@@ -15,16 +15,16 @@ from . import classes, weights
 from .decode import Decoded, decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
-#: Objects with a lower probability are not reported: fused over frames, false ones would be placed on free ground.
+#: Least probability of reported objects; fusion over frames would otherwise place false objects on free ground.
 MIN_SCORE = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
 class PerceptionModel:
-    """`Predictor` by the small network. Make it with `PerceptionModel.load`.
+    """`Predictor` implemented by the built-in network. Create it with `PerceptionModel.load`.
 
     Attributes:
-      variables: of the network.
+      variables: variables of the network.
       record: how they were trained.
     """
 
@@ -33,10 +33,10 @@ class PerceptionModel:
 
     @staticmethod
     def load(path: str | os.PathLike[str] | None = None) -> "PerceptionModel":
-        """The perception model with the shipped weights, or others.
+        """Loads the perception model with the shipped weights or those of a file.
 
         Raises:
-          ValidationError: no weights there.
+          ValidationError: there are no weights at the path.
         """
         return PerceptionModel(*weights.load(path))
 
@@ -72,5 +72,5 @@ def _full_size(seen: Decoded, height: int, width: int) -> FrameObservation:
     columns = np.minimum(((np.arange(width) + 0.5) * seen.kinds.shape[1] / width).astype(int), seen.kinds.shape[1] - 1)
     at = np.ix_(rows, columns)
     found = tuple(Detection(classes.leaves()[obj.leaf], obj.score) for obj in seen.objects)
-    # Between objects depth jumps: it is repeated, not blended.
+    # Depth is upsampled by repetition, because it is discontinuous between objects.
     return FrameObservation(classes.surface_codes()[seen.kinds[at]], seen.masks[at], found, seen.depth[at])

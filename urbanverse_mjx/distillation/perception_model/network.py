@@ -1,9 +1,9 @@
 """The perception model's network: an encoder of residual blocks, a pyramid back up to half size, and small heads.
 
 The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
-every pixel of an object the offset to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al.,
-ICCV 2023): depth times `CANONICAL_FOCAL` over the image's own focal length, which makes it a matter of the image
-alone. Added are also the leaves within each class, at a quarter of the size: an object's pixels decide them together.
+every pixel of an object the offset to its centre. A further output is depth in a canonical camera, as in Metric3D (Yin
+et al., ICCV 2023): depth times `CANONICAL_FOCAL` over the image's focal length, which depends on the image alone. The
+last output is the leaf within each class at a quarter of the size; all pixels of an object vote for it.
 """
 
 from collections.abc import Sequence
@@ -16,14 +16,14 @@ from flax import linen as nn
 
 #: Sides of an image are multiples of this: the encoder halves five times.
 STRIDE = 32
-#: Pixels of the image per pixel of the outputs.
+#: Image pixels per output pixel along each side.
 OUTPUT_STRIDE = 2
-#: Output pixels per pixel of the leaves.
+#: Output pixels per pixel of the leaf output along each side.
 LEAF_STRIDE = 2
 #: Size that the perception model was trained at: height, width.
 SIZE = (288, 512)
 CANONICAL_FOCAL = 300.0  # pixels; about the middle of the lenses it was trained with
-#: The offset to the centre is in units of so many output pixels, and the logarithm of depth is off this many m.
+#: Unit of the offset to the centre in output pixels, and unit of depth in m.
 OFFSET_UNIT = 16.0
 DEPTH_UNIT = 8.0
 WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 3, 4, 4, 3)
@@ -89,10 +89,10 @@ def _double(x: jax.Array) -> jax.Array:
 
 
 class PerceptionNetwork(nn.Module):
-    """Images to `Seen`.
+    """The network: images to `Seen`.
 
     Attributes:
-      classes, leaves: how many there are.
+      classes, leaves: number of classes and of leaves.
       widths, blocks: channels and residual blocks at 1/2, 1/4, ... of the size.
       dtype: of the arithmetic; parameters and outputs are float32.
     """

@@ -16,8 +16,8 @@ MIN_PIXELS = 25
 
 @dataclasses.dataclass
 class Score:
-    """Counts over frames. Arrays are by class: found, missed and invented objects, and surfaces' pixels; and how many
-    of the found objects of a class with leaves have the right leaf, of how many."""
+    """Counts over frames, by class: found, missed and false objects; pixels of surfaces; and, of the found objects of
+    classes with leaves, the number with the right leaf and the total."""
 
     found: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
     missed: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
@@ -29,7 +29,7 @@ class Score:
     depth_errors: list[float] = dataclasses.field(default_factory=list)
 
     def add(self, seen: Decoded, kinds: np.ndarray, owner: np.ndarray, depth: np.ndarray, leaves: np.ndarray) -> None:
-        """One frame.
+        """Adds the counts of one frame.
 
         Args:
           kinds: (h, w) true classes.
@@ -65,13 +65,13 @@ class Score:
             if hit[row].any() and leaf_of[row] >= 0:
                 self.with_leaf += 1
                 self.right_leaves += seen.objects[int(hit[row].argmax())].leaf == leaf_of[row]
-        # Detections mostly on objects that are too small or of no group do not count as false.
+        # Detections that mostly cover objects that are too small or belong to no group do not count as false.
         excused = (counts[(true >= 0) & ~asked].sum(0) > 0.5 * areas) | (areas < MIN_PIXELS)
         for column in np.flatnonzero(~hit[asked].any(0) & ~excused):
             self.invented[predicted[column]] += 1
 
     def table(self) -> dict[str, Any]:
-        """Recall, precision and number by class of objects, share of right leaves among the found objects, overlap by
+        """Recall, precision and number of objects by class, share of right leaves among the found objects, overlap by
         surface, median relative depth error."""
         rows = {}
         for kind in range(classes.FIRST_OBJECT + 1, len(classes.names())):
@@ -97,7 +97,7 @@ def _row(found: int, missed: int, invented: int) -> dict[str, Any]:
 
 
 def as_markdown(table: dict[str, Any]) -> str:
-    """The table for people."""
+    """Formats the table as Markdown."""
     lines = ["| class | there | recall | precision |", "| --- | --- | --- | --- |"]
     for name, row in {**table["objects"], "all": table["all"]}.items():
         lines.append(f"| {name} | {row['there']} | {_show(row['recall'])} | {_show(row['precision'])} |")

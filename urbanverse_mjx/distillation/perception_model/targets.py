@@ -1,4 +1,4 @@
-"""Targets of the network for a rendered frame, and the loss. Runs inside jit, one frame."""
+"""Training targets of the network for a rendered frame, and the loss. Runs inside jit."""
 
 import dataclasses
 from typing import NamedTuple
@@ -9,10 +9,10 @@ import jax.numpy as jnp
 from . import classes
 from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, OUTPUT_STRIDE, Seen
 
-#: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab; of objects
-#: with fewer output pixels than `small_object` half of that again, or two that stand close together would share a peak.
+#: Standard deviation of a centre's Gaussian, output pixels: half the 8 full-size pixels of Panoptic-DeepLab; half of
+#: that for objects with fewer output pixels than `small_object`, so that adjacent ones have separate peaks.
 SIGMA, SIGMA_SMALL = 4.0, 2.0
-#: Instances with fewer output pixels have no centre: they cannot be recognised.
+#: Instances with fewer output pixels have no centre, because they cannot be recognised.
 MIN_PIXELS = 12
 NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
 
@@ -21,20 +21,18 @@ NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
 class LossOptions:
     """Weights of pixels and of the parts of the loss.
 
-    Panoptic-DeepLab's parts weigh 1, 200 and 0.01 a pixel of the full image (0.32 a unit of ours). Our streets hold
-    some thirty objects an image, so that 200 would leave the classes little of the gradient; the offset's weight is
-    doubled because half of our objects touch another. All else is chosen manually; docs/decisions/gen_perception.md has
-    the scores.
+    Panoptic-DeepLab's weights are 1 (classes), 200 (centres) and 0.01 per pixel of the full image (offsets; 0.32 in our
+    unit). With about thirty objects per image, a centre weight of 200 would dominate the gradient. The offset's weight
+    is doubled because half of the objects touch another. The other values are chosen manually;
+    docs/decisions/gen_perception.md has the scores.
 
     Attributes:
-      small_object: output pixels; objects of fewer have the narrow bump.
-      reference_side: output pixels; an object's pixel has the ground's weight times this over the side of a square with
-        as many output pixels: otherwise near objects and houses dominate the loss, and poles and far objects have no
-        influence.
-      min_weight: bound of that ratio.
-      max_weight: bound of that ratio.
-      narrow_weight: factor on errors near the narrow bump of a small object: the bump has a quarter of the wide one's
-        area.
+      small_object: output pixels; smaller objects have the narrow Gaussian.
+      reference_side: output pixels; the weight of an object's pixel is that of the ground times this over the square
+        root of the object's area. Otherwise near objects and houses dominate the loss.
+      min_weight: lower bound of that ratio.
+      max_weight: upper bound of that ratio.
+      narrow_weight: factor on errors near the narrow Gaussian, which has a quarter of the wide one's area.
       centre: weight of the centre map.
       offset: weight of the offset to the centre.
       depth: weight of the logarithm of depth.
@@ -56,9 +54,9 @@ _OPTIONS = LossOptions()
 
 
 class GroundTruth(NamedTuple):
-    """At output size h x w: class (h, w) i32; leaf (h, w) i32, its number in `classes.leaves()`, -1 = none; weight (h,
-    w) of a pixel; owner (h, w) i32, the object's slot, -1 = no object; centre (h, w) and its weights; offset (h, w, 2)
-    and the pixels where it applies; log_depth (h, w) and the pixels where it applies."""
+    """Targets at output size h x w: class (h, w) i32; leaf (h, w) i32, its number in `classes.leaves()`, -1 = none;
+    weight (h, w) of a pixel; owner (h, w) i32, the object's slot, -1 = no object; centre (h, w) and its weights; offset
+    (h, w, 2) and the pixels where it applies; log_depth (h, w) and the pixels where it applies."""
 
     classes: jax.Array
     leaf: jax.Array
@@ -75,7 +73,7 @@ class GroundTruth(NamedTuple):
 def ground_truth(
     category: jax.Array, slot: jax.Array, depth: jax.Array, focal: jax.Array, table: jax.Array, slots: int
 ) -> GroundTruth:
-    """Of one frame.
+    """Computes the targets of one frame.
 
     Args:
       category, slot: (H, W) i32 as rendered, -1 = sky.
@@ -84,7 +82,7 @@ def ground_truth(
       table: `classes.class_table` of the bank.
       slots: how many visual slots its scenes have.
     """
-    # Of each output pixel's four the one below and right: its first ray is the one nearest to their middle.
+    # Of the four pixels of an output pixel the lower right one, whose first ray is nearest to their centre.
     category, slot, depth = (x[1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE] for x in (category, slot, depth))
     kind, leaf = table[category, 0], table[category, 1]
     obj = kind >= classes.FIRST_OBJECT
@@ -120,11 +118,11 @@ def ground_truth(
 
 
 def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int, sigma: float) -> jax.Array:
-    """(h, w): 1 at every centre, falling off as a normal density does, the nearest centre counting."""
+    """(h, w), Gaussian of the distance to the nearest centre, 1 at every centre."""
     far, reach = 1e6, round(3 * sigma)
     at = jnp.round(middle).astype(jnp.int32)
     distance = jnp.full((h, w), far).at[at[:, 0], at[:, 1]].min(jnp.where(valid, 0.0, far), mode="drop")
-    # The squared distance to the nearest centre, one axis after the other.
+    # Squared distance to the nearest centre, computed one axis after the other.
     for axis in (0, 1):
         padded = jnp.pad(distance, [(reach, reach) if a == axis else (0, 0) for a in (0, 1)], constant_values=far)
         size = distance.shape[axis]
@@ -137,7 +135,7 @@ def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int, sigma: float) ->
 
 
 def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """Of a batch: () and its parts.
+    """Loss () of a batch, and its parts.
 
     Args:
       seen, wanted: with a leading axis n.
@@ -148,7 +146,7 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
     log_p = jax.nn.log_softmax(seen.classes)
     miss = -jnp.take_along_axis(log_p, wanted.classes[..., None], -1)[..., 0]
     heavier = wanted.weight * weight
-    # Focal weighting (Lin et al., 2017) with exponent 1 keeps the street's wide even parts from ruling the loss.
+    # Focal weighting (Lin et al., 2017) with exponent 1 reduces the weight of large uniform areas.
     focal = jax.lax.stop_gradient(1.0 - jnp.exp(-miss))
     parts = {
         "classes": (heavier * focal * miss).sum() / total,
@@ -161,7 +159,7 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
 
 
 def _leaf_loss(logits: jax.Array, wanted: GroundTruth, weight: jax.Array) -> jax.Array:
-    """(): how unlikely the right leaf is among those of the right class, where there is one."""
+    """(), cross-entropy of the right leaf among those of the right class, over pixels that have one."""
     leaf, kind, weight = (
         x[:, ::LEAF_STRIDE, ::LEAF_STRIDE] for x in (wanted.leaf, wanted.classes, weight * wanted.weight)
     )

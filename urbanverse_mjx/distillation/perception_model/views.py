@@ -1,6 +1,6 @@
-"""Random views into the streets of a bank: camera poses and their images with ground truth.
+"""Random views of the streets of a bank: camera poses, images and ground truth.
 
-Of this package this module and the training command alone import the renderer: they make the perception model's
+Within this package, only this module and the training command import the renderer, to make the perception model's
 training data.
 """
 
@@ -28,11 +28,11 @@ class ViewOptions:
     Attributes:
       ground_shares: shares of cameras on each kind of ground: robots and people on the pavement, cyclists and cars on
         the road.
-      places: per scene and kind of ground, drawn from the map's cells.
+      places: camera positions per scene and kind of ground, drawn from the map's cells.
       ahead_share: share of the views along the street.
-      plain_share: share of the images whose objects keep their colours: with new colours in all images, neighbouring
-        houses would always differ, and the model would take two similar ones for one.
-      min_distance: m; a frame whose near fifth is closer than this shows the inside of an object.
+      plain_share: share of the images whose objects keep their colours. With new colours in all images, neighbouring
+        houses would always differ, and the model would merge two similar ones.
+      min_distance: m; a frame is blocked if the nearest fifth of its pixels is closer than this.
     """
 
     ground_shares: tuple[tuple[str, float], ...] = (
@@ -75,13 +75,13 @@ class Views:
         samples: int = 2,
         seed: int = 0,
     ) -> "Views":
-        """Views of a bank.
+        """Makes the views of a bank.
 
         Args:
           appearance: range of random colours and light, see `Renderer`.
-          mixed: share of the roads, pavements and grounds with another kind's material, so that paving alone does not
-            identify the road.
-          samples: rays per pixel and side, as in `capture`: with one, thin objects break into dots.
+          mixed: share of the roads, pavements and grounds with the material of another kind, so that the material alone
+            does not identify the kind.
+          samples: rays per pixel and side, as in `capture`; with one, thin objects are rendered with gaps.
         """
         bank = _with_mixed_ground(bank, mixed, np.random.default_rng([seed, 1]))
         renderer = Renderer(
@@ -101,7 +101,7 @@ class Views:
     def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, GroundTruth, jax.Array]:
         """One frame per key: images (n, H, W, 3) u8, their ground truth, and (n,) 0 where the view is blocked.
 
-        With `dye`, every object takes on colours of its own in all but `plain_share` of the images.
+        With `dye`, every object gets random colours in all but `plain_share` of the images.
         """
         scene, viewpoint, turn, fovy, number = jax.vmap(self._pose)(keys)
         dyed = dye & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _OPTIONS.plain_share))(keys)
@@ -136,7 +136,7 @@ class Views:
         viewpoint = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(
             keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1]
         )
-        # Most views are along the street (along x) or a little to a side, as those of walkers; the others in any
+        # Most views are approximately along the street (along x), like those of pedestrians; the others have any
         # direction.
         along, anywhere, noise, straight = jax.random.split(keys[4], 4)
         ahead = jnp.pi * jax.random.bernoulli(along) + 0.4 * jax.random.normal(noise)
@@ -153,7 +153,7 @@ class Views:
 
 
 def camera_quaternion(yaw: jax.Array, pitch: jax.Array, roll: jax.Array) -> jax.Array:
-    """(4,) wxyz T_world_camera of a camera with its view along -z and +y up; pitch > 0 is upwards; rad."""
+    """(4,) wxyz T_world_camera of a camera that views along -z with +y up; angles in rad, pitch > 0 is upwards."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     ahead = jnp.array([c * jnp.cos(pitch), s * jnp.cos(pitch), jnp.sin(pitch)])
     right = jnp.array([s, -c, 0.0])
@@ -163,7 +163,7 @@ def camera_quaternion(yaw: jax.Array, pitch: jax.Array, roll: jax.Array) -> jax.
 
 
 def _quaternion(m: jax.Array) -> jax.Array:
-    """wxyz of a rotation matrix (Shepperd, 1978): the largest of the four components is found first."""
+    """wxyz of a rotation matrix by the method of Shepperd (1978), which starts from the largest component."""
     rows = jnp.array(
         [
             [1 + m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
@@ -177,7 +177,7 @@ def _quaternion(m: jax.Array) -> jax.Array:
 
 
 def _with_mixed_ground(bank: SceneBank, share: float, rng: np.random.Generator) -> SceneBank:
-    """The bank with a share of its roads, pavements and grounds laid with a material of any of them."""
+    """Replaces the material of a share of the bank's roads, pavements and grounds by that of any of them."""
     names = [f"ground:{kind}" for kind in ("road", "sidewalk", "ground")]
     rows = [bank.meta["categories"].index(name) for name in names if name in bank.meta["categories"]]
     laid = bank.mesh_material[np.unique(bank.slot_mesh[np.isin(bank.slot_category, rows) & (bank.slot_mesh >= 0)])]
@@ -186,7 +186,7 @@ def _with_mixed_ground(bank: SceneBank, share: float, rng: np.random.Generator) 
         for row in rows:
             meshes = bank.slot_mesh[z][(bank.slot_category[z] == row) & (bank.slot_mesh[z] >= 0)]
             if len(meshes) and rng.random() < share:
-                # Kerb stones are laid with a material of their own, which is the rarer one.
+                # Kerb stones have a material of their own, which is the less frequent one.
                 found, counts = np.unique(bank.mesh_material[meshes], return_counts=True)
                 usual = meshes[bank.mesh_material[meshes] == found[np.argmax(counts)]]
                 material[usual] = rng.choice(materials)
@@ -197,7 +197,7 @@ def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.n
     """`Views.places` and `Views.weights`.
 
     Raises:
-      ValidationError: a scene without any of the kinds of ground.
+      ValidationError: a scene has none of the kinds of ground.
     """
     heights = _kind_heights(bank)
     places = np.zeros((bank.num_scenes, len(_OPTIONS.ground_shares), _OPTIONS.places, 3), np.float32)
@@ -219,7 +219,7 @@ def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.n
 
 
 def _kind_heights(bank: SceneBank) -> np.ndarray:
-    """(Z, kinds) m: the middle top of a scene's ground by its kind; ramps are few enough to be ignored."""
+    """(Z, kinds) m, median height of a scene's ground by kind; ramps are rare and ignored."""
     tops = bank.prism_position[..., 2] + (bank.hull_box[..., 0, 2] + bank.hull_box[..., 1, 2])[bank.prism_hull]
     out = np.zeros((bank.num_scenes, len(GROUND_KINDS)), np.float32)
     for z in range(bank.num_scenes):

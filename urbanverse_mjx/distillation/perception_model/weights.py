@@ -1,9 +1,9 @@
-"""The perception model's weights: one file, kernels as 8-bit numbers with a scale per output channel, with the classes
-they are for.
+"""Stores the perception model's weights and classes in one file, with kernels as 8-bit integers and a scale per output
+channel.
 
 A kernel k is stored as q = round(k / s), s = max |k| over its output channel / 127 (symmetric quantisation per channel,
-Krishnamoorthi 2018, "Quantizing deep convolutional networks for efficient inference"); all else has 16 bits. Arithmetic
-stays in floats: the file is what shrinks.
+Krishnamoorthi 2018, "Quantizing deep convolutional networks for efficient inference"); all other arrays have 16 bits.
+The quantisation only reduces the file; computation is in floating point.
 """
 
 import json
@@ -22,14 +22,14 @@ from .network import PerceptionNetwork
 
 SCHEMA = "urbanverse.eye/3"
 _META = "meta"
-#: Ends the name of the array that holds a kernel's scales.
+#: Suffix of the name of the array that holds a kernel's scales.
 _SCALE = "/scale8"
 _MAX_LEVEL = 127
 _MIN_SCALE = 2.0**-24  # the least number of 16 bits above 0
 
 
 def shipped() -> pathlib.Path:
-    """The weights that come with the package."""
+    """Path of the weights that ship with the package."""
     return pathlib.Path(__file__).with_name("weights.npz")
 
 
@@ -48,7 +48,7 @@ def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any
     """Variables of `PerceptionNetwork` as float32, and the record of their training.
 
     Raises:
-      ValidationError: no such file, a damaged one, or weights for other classes or another network.
+      ValidationError: the file does not exist, is damaged, or holds weights for other classes or another network.
     """
     path = pathlib.Path(path or shipped())
     if not path.is_file():
@@ -77,7 +77,7 @@ def _packed(name: str, x: np.ndarray) -> dict[str, np.ndarray]:
     if not (name.endswith("kernel") and x.ndim >= 2):
         return {name: x.astype(np.float16)}
     largest = np.abs(x).max(axis=tuple(range(x.ndim - 1)))
-    # Rounded before it is used, so that the numbers belong to the scale that is stored.
+    # The scale is rounded before quantisation, so that the integers match the stored scale.
     scale = np.maximum(largest / _MAX_LEVEL, _MIN_SCALE).astype(np.float16)
     levels = np.clip(np.round(x / scale.astype(np.float32)), -_MAX_LEVEL, _MAX_LEVEL)
     return {name: levels.astype(np.int8), name + _SCALE: scale}

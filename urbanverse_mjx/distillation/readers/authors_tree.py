@@ -6,11 +6,11 @@
     camera.yaml             fx, fy, cx, cy, or a 3 x 3 matrix under K, intrinsics or camera_matrix
     segmentations_2d/ *.jpg, scene_pcd.glb, config_params.json, distilled_scene_graph.pkl.gz
 
-Read are frames, depth, confidence, poses and intrinsics. The masks are painted images with JPEG's smear, and the
-graph is a pickle, which runs whatever its writer wanted: neither is opened; objects are found anew by a `Predictor`.
-The documents name no world axes, so the world is turned until the cameras' mean "up" is z, and put down so that the
-first camera is at zero. Where images and depth differ in size, images are scaled to the depth, whose lens
-camera.yaml is.
+The reader uses frames, depth, confidence, poses and intrinsics. It does not open the masks, which are drawings with
+JPEG artefacts, nor the graph, which is a pickle and could run arbitrary code; a `Predictor` detects the objects again.
+The documentation does not define the world axes, so the world is rotated until the cameras' mean up direction is z, and
+shifted so that the first camera is at the origin. If images and depth differ in size, images are scaled to the depth,
+to which the intrinsics in camera.yaml belong.
 """
 
 import os
@@ -30,7 +30,7 @@ from ..perception.perceive import identifier
 
 _IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
 _MATRICES = ("K", "intrinsics", "camera_matrix")
-#: Share of a frame's pixels of least confidence whose depth is not used.
+#: Share of a frame's pixels, those of least confidence, whose depth is not used.
 _UNTRUSTED_SHARE = 0.15
 
 
@@ -43,17 +43,18 @@ def read_authors_tree(
     images: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Recording:
-    """Writes a recording of the authors' output folder.
+    """Converts the authors' output folder to a recording.
 
     Args:
-      root: the folder above.
+      root: the folder described above.
       folder: of the recording.
       predictor: finds objects and surfaces in the frames.
       rate: frames per second.
       images: the frames' folder; default: `images` in the root.
 
     Raises:
-      ValidationError: a part is missing, parts of different number, or numbers that are no pose, depth or lens.
+      ValidationError: a part is missing, parts have different lengths, or values are not valid poses, depths or
+        intrinsics.
     """
     root = pathlib.Path(root)
     rgb_files = _files(pathlib.Path(images) if images is not None else root / "images", _IMAGE_SUFFIXES)
@@ -106,7 +107,7 @@ def _array(path: pathlib.Path, dimensions: int) -> np.ndarray:
 
 
 def _poses(folder: pathlib.Path) -> np.ndarray:
-    """(n, 4, 4) as they stand."""
+    """(n, 4, 4) poses as stored."""
     files = _files(folder, (".npy",))
     poses = _array(files[0], 3) if len(files) == 1 else np.stack([_array(path, 2) for path in files])
     if poses.shape[1:] != (4, 4):
@@ -120,14 +121,14 @@ def _poses(folder: pathlib.Path) -> np.ndarray:
 
 
 def _upright(poses: np.ndarray) -> np.ndarray:
-    """The same poses in a world whose z is the cameras' mean up, the first camera at zero."""
+    """Transforms poses to a world whose z is the cameras' mean up direction, with the first camera at the origin."""
     up = -poses[:, :3, 1].mean(0)
     turn, _ = Rotation.align_vectors([[0.0, 0.0, 1.0]], [up / np.linalg.norm(up)])
     T = np.eye(4)
     T[:3, :3] = turn.as_matrix()
     T[:3, 3] = -T[:3, :3] @ poses[0, :3, 3]
     turned = T @ poses
-    # Rotations are stored in 32 bits there: the nearest true ones.
+    # Rotations are stored in 32 bits; they are replaced by the nearest orthogonal matrices.
     u, _, vt = np.linalg.svd(turned[:, :3, :3])
     turned[:, :3, :3] = u @ vt
     turned[:, 3] = [0.0, 0.0, 0.0, 1.0]

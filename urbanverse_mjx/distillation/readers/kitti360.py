@@ -7,7 +7,7 @@
     data_3d_bboxes/train/<sequence>.xml
     data_3d_raw/<sequence>/velodyne_points/data/<frame>.bin          float32 x, y, z, reflectance
 
-Only frames with a pose and an image are taken. The world is shifted to the first camera; z is up there already.
+Only frames with a pose and an image are used. The world is shifted to the first camera; its z axis is up already.
 """
 
 import dataclasses
@@ -25,7 +25,7 @@ from .kitti360_boxes import Kitti360Box, read_boxes
 from .kitti360_depth import boxes_depth, scan_depth
 from .kitti360_labels import BY_ID, INSTANCES, object_id
 
-#: Hz, of the cameras (the data set's documentation).
+#: Hz, frame rate of the cameras (documentation of the data set).
 RATE = 10.0
 SOURCE = Source("KITTI-360", "CC BY-NC-SA 3.0", "Karlsruhe", "Germany")
 GROUND_TRUTH = "boxes.json"
@@ -33,15 +33,15 @@ GROUND_TRUTH = "boxes.json"
 
 @dataclasses.dataclass(frozen=True)
 class Kitti360Options:
-    """The part of the data to read.
+    """Selection of the data to read.
 
     Attributes:
       sequence: such as "2013_05_28_drive_0000_sync".
-      first, last: frames, both included.
-      step: every so many of them.
-      depth: "scan" takes the laser's points, "boxes" the annotated boxes and the road's level; "auto" the laser where
-        its scans are there.
-      camera: 0 or 1, of the perspective pair.
+      first, last: first and last frame, both included.
+      step: distance from one frame to the next.
+      depth: "scan" uses the laser's points, "boxes" the annotated boxes and the road's level, "auto" the laser if its
+        scans exist.
+      camera: 0 or 1, camera of the perspective pair.
     """
 
     sequence: str
@@ -63,10 +63,10 @@ def read_kitti360(
     options: Kitti360Options,
     progress: Callable[[int, int], None] | None = None,
 ) -> Recording:
-    """Writes a recording of a stretch of a sequence, and beside it `boxes.json`: the static objects near it.
+    """Converts a section of a sequence to a recording, and writes the static objects near it to `boxes.json`.
 
     Raises:
-      ValidationError: a file is missing or not in KITTI-360's format; no recording is written before all is read.
+      ValidationError: a file is missing or not in KITTI-360's format; nothing is written before all files are read.
     """
     root, name = pathlib.Path(root), options.sequence
     camera, T_imu_camera = _calibration(root / "calibration", options.camera)
@@ -109,7 +109,7 @@ def read_kitti360(
 
 
 def _near(boxes: Sequence[Kitti360Box], origin: np.ndarray, positions: np.ndarray) -> tuple:
-    """Static objects with a label of ours within 60 m of the path."""
+    """Static objects with a label of the ontology within 60 m of the path."""
     kept = {}
     for box in boxes:
         if box.timestamp < 0 and box.kind.label is not None and box.instance > 0:
@@ -120,12 +120,12 @@ def _near(boxes: Sequence[Kitti360Box], origin: np.ndarray, positions: np.ndarra
 
 
 def _at(boxes: Sequence[Kitti360Box], frame: int) -> dict[str, Kitti360Box]:
-    """id -> the box that holds at a frame."""
+    """id -> the box that is valid at a frame."""
     return {box.id: box for box in boxes if box.timestamp in (-1, frame)}
 
 
 def _split(folder: pathlib.Path, name: str) -> pathlib.Path:
-    """`folder`/{train, test, train_full}/`name`, the first that is there."""
+    """`folder`/{train, test, train_full}/`name`, the first that exists."""
     for path in sorted(folder.glob(f"*/{name}"), key=lambda p: p.parent.name != "train"):
         return path
     raise v.fail(str(folder), f"no {name} in it", "KITTI-360's labels of this sequence", "download them")
@@ -149,7 +149,7 @@ def _numbers(words: Sequence[str], count: int, where: str) -> np.ndarray:
 
 
 def _rows(numbers: np.ndarray) -> np.ndarray:
-    """(4, 4) of 12 numbers, row by row."""
+    """(4, 4) matrix from 12 numbers, row by row."""
     return np.vstack([numbers.reshape(3, 4), [0.0, 0.0, 0.0, 1.0]])
 
 
@@ -164,12 +164,12 @@ def _poses(path: pathlib.Path) -> dict[int, np.ndarray]:
 
 
 def _rigid(path: pathlib.Path) -> np.ndarray:
-    """(4, 4) of a file that holds one transform."""
+    """(4, 4) transform from a file that holds one."""
     return _rows(_numbers(" ".join(_lines(path)).split(), 12, str(path)))
 
 
 def _calibration(folder: pathlib.Path, camera: int) -> tuple[Camera, np.ndarray]:
-    """The rectified camera and T_imu_camera (4, 4): the rectification turns the camera as it was mounted."""
+    """The rectified camera and T_imu_camera (4, 4), which includes the rotation of the rectification."""
     values = {}
     for path in (folder / "perspective.txt", folder / "calib_cam_to_pose.txt"):
         for line in _lines(path):
@@ -187,7 +187,7 @@ def _calibration(folder: pathlib.Path, camera: int) -> tuple[Camera, np.ndarray]
     turn = np.eye(4)
     turn[:3, :3] = numbers(f"R_rect_{camera:02d}", 9).reshape(3, 3)
     mounted = _rows(numbers(f"image_{camera:02d}", 12))
-    # P counts from the centre of the first pixel, our pixels from its corner.
+    # The origin of pixel coordinates is the centre of the first pixel in P, and its corner here.
     lens = Camera(width, height, P[0, 0], P[1, 1], P[0, 2] + 0.5, P[1, 2] + 0.5)
     return lens, mounted @ np.linalg.inv(turn)
 
@@ -213,7 +213,8 @@ def _surfaces(semantic: np.ndarray) -> np.ndarray:
 
 
 def _objects(instance: np.ndarray) -> tuple[np.ndarray, list[Detection]]:
-    """(H, W) row of the detections, -1 = none; and one detection per instance of a class with a label of ours."""
+    """(H, W) row of the detections, -1 = none; and one detection per instance of a class with a label of the
+    ontology."""
     numbers, where = np.unique(instance, return_inverse=True)
     rows = np.full(len(numbers), -1)
     detections = []

@@ -1,4 +1,4 @@
-"""KITTI-360's annotated 3D boxes: `data_3d_bboxes/*/<sequence>.xml`, an OpenCV storage with a node per object.
+"""Reads KITTI-360's annotated 3D boxes: `data_3d_bboxes/*/<sequence>.xml`, an OpenCV storage with a node per object.
 
 A node holds `index`, `semanticId` (numbered as in `Kitti360Class.box_id`), `instanceId`, `start_frame`, `end_frame`,
 `timestamp` (-1 = static), `transform` (4 x 4, with the size in its columns) and `vertices` (n x 3) before it.
@@ -19,12 +19,12 @@ from .kitti360_labels import BY_BOX_ID, Kitti360Class, object_id
 
 @dataclasses.dataclass(frozen=True)
 class Kitti360Box:
-    """One annotated object, at one time if it moves.
+    """One annotated object; a moving object has one box per time.
 
     Attributes:
       kind: its class.
       instance: its number within the class.
-      timestamp: the frame it is meant for, -1 = all.
+      timestamp: the frame for which it is valid, -1 = all.
       corners: (n, 3) m in KITTI-360's world, z up.
       heading: rad, of its own x axis seen from above.
     """
@@ -37,11 +37,11 @@ class Kitti360Box:
 
     @property
     def id(self) -> str:
-        """The name that its pixels have in the instance images, too."""
+        """The object's id, which also identifies its pixels in the instance images."""
         return object_id(self.kind, self.instance)
 
     def upright(self, origin: np.ndarray) -> GraphObject:
-        """The upright box around it with its heading, `origin` (3,) m taken off."""
+        """The upright box around the object with its heading, relative to `origin` (3,) m."""
         turn = rotations.about_z(-self.heading)
         local = (self.corners - origin) @ turn.T
         low, high = local.min(0), local.max(0)
@@ -53,7 +53,7 @@ def read_boxes(path: str | os.PathLike[str]) -> list[Kitti360Box]:
     """Reads a sequence's file; classes that are not in the label images are skipped.
 
     Raises:
-      ValidationError: no such file, no XML, or a node that is not as described above.
+      ValidationError: the file does not exist, is not XML, or has a node of another structure.
     """
     path = pathlib.Path(path)
     try:

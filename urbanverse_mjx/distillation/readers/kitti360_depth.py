@@ -1,4 +1,4 @@
-"""Depth for KITTI-360's frames, which come without any: the laser's points, or the annotated boxes and the road."""
+"""Computes depth for KITTI-360's frames from the laser's points, or from the annotated boxes and the road's level."""
 
 import pathlib
 from collections.abc import Mapping, Sequence
@@ -12,19 +12,19 @@ from ...datatypes import validation as v
 from ...datatypes.recording import SKY
 from .kitti360_boxes import Kitti360Box
 
-#: m, the cameras over the road (the data set's sensor drawing).
+#: m, height of the cameras above the road (sensor drawing of the data set).
 CAMERA_HEIGHT = 1.55
-#: Pixels to which one of the laser's points spreads: its lines lie 6 to 8 pixels apart.
+#: Pixels around a laser point that take its depth; the laser's lines are 6 to 8 pixels apart.
 _POINT_SPREAD = 3
 #: m; farther away the view of the road is too flat to derive distance from its height.
 _ROAD_RANGE = 40.0
 
 
 def scan_depth(path: pathlib.Path, T_camera_scan: np.ndarray, camera: Camera) -> np.ndarray:
-    """(H, W) f32 m: every pixel within `_POINT_SPREAD` of a point takes the nearest point's depth, 0 elsewhere.
+    """(H, W) f32 m, depth of the nearest laser point within `_POINT_SPREAD` pixels, 0 elsewhere.
 
     Raises:
-      ValidationError: no such scan, or one that is no list of four floats each.
+      ValidationError: the scan does not exist or does not hold four floats per point.
     """
     try:
         raw = path.read_bytes()
@@ -55,12 +55,13 @@ def boxes_depth(
     T_world_camera: np.ndarray,
     camera: Camera,
 ) -> np.ndarray:
-    """(H, W) f32 m: an object's pixels where their rays enter its box, the ground's where they meet the road's level.
+    """(H, W) f32 m, depth of object pixels where their rays enter the box, and of ground pixels where their rays meet
+    the road's level.
 
     Args:
       masks, detections, surfaces: of the frame; tracks are the boxes' ids.
-      boxes: that hold at the frame.
-      origin: (3,) m, of the recording's world in KITTI-360's.
+      boxes: boxes valid at the frame.
+      origin: (3,) m, origin of the recording's world in that of KITTI-360.
     """
     rays = camera.rays() @ T_world_camera[:3, :3].T
     camera_position = T_world_camera[:3, 3]
@@ -77,8 +78,8 @@ def boxes_depth(
 
 
 def _entry(corners: np.ndarray, rays: np.ndarray) -> np.ndarray:
-    """(n,) how often a ray (n, 3) from the zero point fits up to where it enters the hull of (k, 3) corners; 0 where
-    it passes by: outlines drawn by hand are a pixel or two wide."""
+    """(n,) factor on a ray (n, 3) from the origin at which it enters the hull of (k, 3) corners; 0 if it misses,
+    because outlines drawn by hand are a pixel or two too wide."""
     try:
         planes = ConvexHull(corners).equations
     except (QhullError, ValueError):

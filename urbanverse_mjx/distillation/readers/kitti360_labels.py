@@ -1,4 +1,4 @@
-"""KITTI-360's classes (Liao, Xie, Geiger 2022; ids of its label images and of its box files) in our words."""
+"""Maps KITTI-360's classes (Liao, Xie, Geiger 2022; ids of its label images and box files) to labels and surfaces."""
 
 import dataclasses
 
@@ -12,9 +12,9 @@ class Kitti360Class:
 
     Attributes:
       name, id: as label images have them.
-      box_id: its number in the 3D boxes' files, -1 = has none.
-      label: our leaf for its instances; None where it has none that stand for an object.
-      surface: code of a recording's surface images; 0 where it is no ground and no sky.
+      box_id: its number in the 3D boxes' files, -1 = none.
+      label: leaf of the ontology for its instances; None if its instances are not objects.
+      surface: code in a recording's surface images; 0 if it is neither ground nor sky.
     """
 
     name: str
@@ -66,10 +66,11 @@ CLASSES = (
 )
 BY_ID = {c.id: c for c in CLASSES}
 BY_BOX_ID = {c.box_id: c for c in CLASSES if c.box_id >= 0}
-#: A pixel of an instance image is `INSTANCES` times its class id plus the instance's number; 0 is no single one.
+#: A pixel of an instance image is `INSTANCES` times its class id plus the instance's number; number 0 is no single
+#: instance.
 INSTANCES = 1000
 
 
 def object_id(kind: Kitti360Class, instance: int) -> str:
-    """One name for an instance in images and boxes."""
+    """Identifier of an instance, the same in images and boxes."""
     return f"{kind.name.replace(' ', '_')}_{instance}"

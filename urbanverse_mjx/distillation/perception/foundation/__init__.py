@@ -1,4 +1,4 @@
-"""Foundation models behind `Predictor`, which need their weights: OWLv2, SAM 2, Mask2Former, metric depth."""
+"""`Predictor` implemented by foundation models, whose weights are needed: OWLv2, SAM 2, Mask2Former, metric depth."""
 
 from .predictor import FoundationPredictor
 

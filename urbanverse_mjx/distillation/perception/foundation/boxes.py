@@ -1,4 +1,4 @@
-"""Outputs of open-vocabulary detectors and box-prompted segmenters, as labels, boxes and one image of masks."""
+"""Converts outputs of open-vocabulary detectors and box-prompted segmenters to labels, boxes and one mask image."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclasses.dataclass(frozen=True)
 class Boxes:
-    """k objects found: box (k, 4) left, top, right, bottom in pixels; label (k,) row of the queries; score (k,)."""
+    """k detected objects: box (k, 4) left, top, right, bottom in pixels; label (k,) row of the queries; score (k,)."""
 
     box: np.ndarray
     label: np.ndarray
@@ -16,7 +16,7 @@ class Boxes:
 
 
 def decode_owl(logits: np.ndarray, boxes: np.ndarray, height: int, width: int, least: float) -> Boxes:
-    """OWLv2's answer (Minderer et al., NeurIPS 2023).
+    """Decodes the output of OWLv2 (Minderer et al., NeurIPS 2023).
 
     Args:
       logits: (p, q) of every patch for every query.
@@ -36,7 +36,7 @@ def decode_owl(logits: np.ndarray, boxes: np.ndarray, height: int, width: int, l
 
 
 def joined(parts: Sequence[Boxes], starts: Sequence[int]) -> Boxes:
-    """Answers to several lists of queries as one; `starts`: number of each list's first query."""
+    """Concatenates the detections of several lists of queries; `starts`: number of each list's first query."""
     return Boxes(
         np.concatenate([p.box for p in parts]),
         np.concatenate([p.label + s for p, s in zip(parts, starts, strict=True)]),
@@ -45,8 +45,8 @@ def joined(parts: Sequence[Boxes], starts: Sequence[int]) -> Boxes:
 
 
 def suppressed(found: Boxes, most: float = 0.6) -> Boxes:
-    """The surest of boxes that overlap by more than `most` (of their joint area), whatever their labels: words that
-    mean nearly the same find one object twice."""
+    """Keeps the box with the highest score of those that overlap by more than `most` (intersection over union),
+    whatever their labels, because similar words find one object twice."""
     order = np.argsort(-found.score, kind="stable")
     kept: list[int] = []
     for i in order:
@@ -64,7 +64,7 @@ def _area(box: np.ndarray) -> np.ndarray:
 
 
 def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple[np.ndarray, np.ndarray]:
-    """One image of masks: small objects are drawn over large ones, since they are usually in front.
+    """Draws all masks into one image; small objects are drawn over large ones, since they are usually in front.
 
     Args:
       masks: (k, H, W) bool.

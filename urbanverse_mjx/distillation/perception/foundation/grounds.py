@@ -1,4 +1,4 @@
-"""Classes of street segmenters (Cityscapes, Mapillary Vistas) as codes of a recording's surfaces."""
+"""Maps classes of street segmenters (Cityscapes, Mapillary Vistas) to the surface codes of a recording."""
 
 from collections.abc import Mapping
 
@@ -7,7 +7,7 @@ import numpy as np
 from ....datatypes import KIND_INDEX, ValidationError
 from ....datatypes.recording import SKY
 
-#: Words of a class's name -> surface; the first that a name holds counts.
+#: Words in a class's name -> surface; the first match counts.
 _WORDS = (
     ("crosswalk", "crosswalk"),
     ("lane marking", "road_marking"),
@@ -32,7 +32,7 @@ def surface_codes(names: Mapping[int, str]) -> np.ndarray:
     """(most number + 1,) u8 code of every class: 0 for objects, `SKY` for the sky.
 
     Raises:
-      ValidationError: none of the names is a road: the model was trained for something else.
+      ValidationError: none of the names is a road, so the model was not trained for streets.
     """
     codes = np.zeros(max(names) + 1, np.uint8)
     for number, name in names.items():

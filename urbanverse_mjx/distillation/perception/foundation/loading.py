@@ -1,4 +1,4 @@
-"""Loads a model of the transformers library from a folder or by its name on the hub."""
+"""Loads models of the transformers library from a folder or by their name on the hub."""
 
 import dataclasses
 import pathlib
@@ -35,7 +35,7 @@ DEPTH = Part(
 
 @dataclasses.dataclass(frozen=True)
 class Loaded:
-    """A model in evaluation mode and what prepares its inputs; `device` is where it lies."""
+    """A model in evaluation mode with its input processor; `device` holds its parameters."""
 
     model: Any
     processor: Any
@@ -46,7 +46,7 @@ def load(part: Part, models: pathlib.Path | None) -> Loaded:
     """Loads a part.
 
     Args:
-      models: folder with a folder per part; a part that is not there, and None, mean the name on the hub.
+      models: folder with one folder per part; a missing part, or None, is loaded by its name on the hub.
 
     Raises:
       ValidationError: torch or transformers is not installed, or there are no weights.

@@ -47,7 +47,7 @@ class FoundationPredictor:
         return FoundationPredictor(tuple(labels), detector, segmenter, ground, depth, grounds.surface_codes(names))
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
-        """See `Predictor`; the metric model does not take a lens, so its depth is corrected by the scale of the
+        """See `Predictor`. The depth model takes no focal length; its depth is corrected later by the scale of the
         poses."""
         image = Image.fromarray(rgb)
         found = boxes.suppressed(self._detect(image))
