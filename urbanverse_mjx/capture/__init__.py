@@ -1,4 +1,4 @@
-"""A scene of a bank seen along a camera path: recordings with the ground truth in them."""
+"""Renders a scene of a bank along a camera path to recordings with ground truth."""
 
 from .filming import FilmOptions, film_scene
 from .ground_truth import true_graph, true_objects

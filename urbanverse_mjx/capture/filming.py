@@ -1,4 +1,4 @@
-"""`film_scene`: renders a scene along a camera path into a `Recording` that carries the ground truth."""
+"""`film_scene`: renders a scene along a camera path to a `Recording` with ground truth."""
 
 import dataclasses
 import os
@@ -30,9 +30,9 @@ class FilmOptions:
     Attributes:
       width, height: pixels.
       fovy: rad, vertical field of view (50° and 16:9 see 79° wide, as an action camera does).
-      samples: rays per pixel and side of the RGB image; depth and masks take the middle of each pixel.
+      samples: rays per pixel and side of the RGB image; depth and masks use the centre of each pixel.
       shadows: whether the sun casts shadows.
-      rgb: False leaves the images black: enough where geometry alone is asked for.
+      rgb: whether to render the images; if False they are black, and only geometry is recorded.
       min_pixels: objects that cover fewer pixels of a frame are not in its masks.
     """
 
@@ -60,9 +60,9 @@ def film_scene(
     """Films one scene; `truth.json` in the recording's folder holds the true graph of its objects and ground.
 
     Args:
-      bank, scene: to film.
-      folder: of the recording.
-      path: of the camera; options of `walk`, or the path itself.
+      bank, scene: bank, and number of the scene in it.
+      folder: folder of the recording.
+      path: camera path, or options of `walk`.
       options: size, field of view and quality.
       progress: called with (frames done, frames in all).
 
@@ -70,7 +70,7 @@ def film_scene(
       the recording: RGB, planar depth, masks with true labels and the objects' ids as tracks, ground kinds, poses.
 
     Raises:
-      ValidationError: a scene that the bank does not hold, or a folder that cannot be written.
+      ValidationError: the bank does not have the scene, or the folder cannot be written.
     """
     if not 0 <= scene < bank.num_scenes:
         raise ValidationError(f"scene: found {scene}, needed 0 to {bank.num_scenes - 1}, the scenes of the bank.")
@@ -90,11 +90,11 @@ def film_scene(
 
 
 class _Labels:
-    """Turns the renderer's slots and categories into detections and ground kinds."""
+    """Converts the renderer's slots and categories to detections and ground kinds."""
 
     def __init__(self, bank: SceneBank, scene: int) -> None:
         categories = bank.meta["categories"]
-        # One row more: -1, the sky, picks the last.
+        # The additional last row is the sky, whose index is -1.
         self.surface = np.zeros(len(categories) + 1, np.uint8)
         for row, name in enumerate(categories):
             if name.startswith(GROUND_PREFIX):

@@ -1,4 +1,4 @@
-"""The true graph of a bank's scene, from the meshes that the renderer draws."""
+"""Computes the ground-truth graph of a bank's scene from the meshes that the renderer draws."""
 
 import numpy as np
 import shapely
@@ -23,10 +23,10 @@ def object_id(bank: SceneBank, scene: int, slot: int) -> str:
 
 
 def true_objects(bank: SceneBank, scene: int) -> tuple[GraphObject, ...]:
-    """Every object with its label and the box around its mesh, turned with the asset's +x.
+    """Every object with its label and the box around its mesh, aligned with the asset's +x.
 
     Raises:
-      ValidationError: an object that does not stand upright.
+      ValidationError: an object is not upright.
     """
     objects = []
     for slot in object_slots(bank, scene):
@@ -63,7 +63,7 @@ def _regions(bank: SceneBank, scene: int) -> tuple[GroundRegion, ...]:
 
 
 def true_graph(bank: SceneBank, scene: int, path: CameraPath | None = None, source: Source = SOURCE) -> SceneGraph:
-    """The graph of everything in a scene, seen or not.
+    """The graph of everything in a scene, visible or not.
 
     Raises:
       ValidationError: see `true_objects`.

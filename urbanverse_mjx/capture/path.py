@@ -1,4 +1,4 @@
-"""A walker's path through a street: along one side, over the road and back along the other."""
+"""Camera path of a pedestrian through a street: along one side, over the road and back along the other."""
 
 import dataclasses
 
@@ -13,14 +13,14 @@ from .street import CELL, StreetGrid, street_grid
 
 @dataclasses.dataclass(frozen=True)
 class WalkOptions:
-    """How near to objects a walker goes and how smoothly; chosen manually.
+    """Clearance and smoothness of the path; chosen manually.
 
     Attributes:
       min_clearance: m, least distance to objects: half a shoulder's width and a hand.
-      comfort_clearance: m: paths nearer than this to objects cost more.
+      comfort_clearance: m; paths nearer than this to objects cost more.
       corner_window: m, window over which corners are rounded.
-      lookahead: m, distance along the path to the point that the walker heads for.
-      turn_step: s, time step on which turns are spread.
+      lookahead: m, distance along the path to the point that the camera moves towards.
+      turn_step: s, time step of the smoothing of turns.
     """
 
     min_clearance: float = 0.35
@@ -35,7 +35,7 @@ _WALK = WalkOptions()
 
 @dataclasses.dataclass(frozen=True)
 class PathOptions:
-    """How the walker goes.
+    """Options of the camera's motion.
 
     Attributes:
       speed: m/s; 1.4 is a usual walking speed.
@@ -44,9 +44,9 @@ class PathOptions:
       sway: rad, amplitude of the camera's yaw to both sides.
       sway_period: s of one oscillation.
       pitch: rad, upwards.
-      turn_time: s over which a change of direction is spread; a person that films turns about in some seconds (at 3 s
-        by 60° a second), not from one frame to the next.
-      frames: their exact number, repeating the path where it is too short; None = the path once.
+      turn_time: s over which a change of direction is spread. A person with a camera takes some seconds to turn around
+        (60° a second at 3 s).
+      frames: exact number of frames, repeating the path if it is too short; None = the path once.
     """
 
     speed: float = 1.4
@@ -71,22 +71,22 @@ class PathOptions:
 
 @dataclasses.dataclass(frozen=True)
 class CameraPath:
-    """time_s (n,) s; T_world_camera (n, 4, 4), OpenCV axes (x right, y down, z forward)."""
+    """Camera poses over time: time_s (n,) s; T_world_camera (n, 4, 4), OpenCV axes (x right, y down, z forward)."""
 
     time_s: np.ndarray
     T_world_camera: np.ndarray
 
     def plan(self) -> np.ndarray:
-        """(n, 4) x, y, z (m) and yaw (rad) of the camera, as a `SceneGraph` keeps it."""
+        """(n, 4) x, y, z (m) and yaw (rad) of the camera, the format of a `SceneGraph`."""
         forward = self.T_world_camera[:, :3, 2]
         return np.c_[self.T_world_camera[:, :3, 3], np.arctan2(forward[:, 1], forward[:, 0])]
 
 
 def walk(bank: SceneBank, scene: int, options: PathOptions | None = None) -> CameraPath:
-    """The path along both sides of a scene's street.
+    """Plans the path along both sides of a scene's street.
 
     Raises:
-      ValidationError: no ground where a walker fits.
+      ValidationError: no ground is wide enough for a pedestrian.
     """
     options = options or PathOptions()
     street = street_grid(bank, scene)
@@ -94,7 +94,7 @@ def walk(bank: SceneBank, scene: int, options: PathOptions | None = None) -> Cam
     lengths = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))]
     step = options.speed / options.rate
     count = options.frames or max(1, int(lengths[-1] / step))
-    # Round trips end where they began, so the path can repeat.
+    # The path is closed, so it can repeat.
     along = (np.arange(count) * step) % lengths[-1]
     place = _at(along, lengths, ring)
     time_s = np.arange(count) / options.rate
@@ -109,7 +109,7 @@ def _at(along: np.ndarray, lengths: np.ndarray, ring: np.ndarray) -> np.ndarray:
 
 
 def _heading(ring: np.ndarray, lengths: np.ndarray, time_s: np.ndarray, options: PathOptions) -> np.ndarray:
-    """(n,) rad: where the walker faces; the path's direction, each change spread evenly over `turn_time`."""
+    """(n,) rad, heading of the camera: the path's direction, with each change spread evenly over `turn_time`."""
     half = round(options.turn_time / 2 / _WALK.turn_step)
     ticks = np.arange(-half, round(time_s[-1] / _WALK.turn_step) + half + 1) * _WALK.turn_step
     along = np.clip(ticks, 0.0, time_s[-1]) * options.speed
@@ -131,7 +131,7 @@ def camera_poses(position: np.ndarray, yaw: np.ndarray, pitch: float | np.ndarra
 
 
 def _floor(street: StreetGrid, place: np.ndarray) -> np.ndarray:
-    """(n,) m: the ground under places, without the jump of a kerb."""
+    """(n,) m, height of the ground under points, smoothed over kerbs."""
     missing = np.isnan(street.height)
     nearest = scipy.ndimage.distance_transform_edt(missing, return_distances=False, return_indices=True)
     filled = scipy.ndimage.gaussian_filter(street.height[tuple(nearest)], 0.5 / CELL)
@@ -140,7 +140,7 @@ def _floor(street: StreetGrid, place: np.ndarray) -> np.ndarray:
 
 
 def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
-    """(n, 2) m: from one end of a side to the other, across and back; closed."""
+    """(n, 2) m, closed path from one end of a side to the other, across the road and back."""
     component, _ = scipy.ndimage.label(street.clearance > _WALK.min_clearance, np.ones((3, 3)))
     sizes = np.bincount(component.ravel())
     if len(sizes) < 2:
@@ -161,7 +161,7 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
         wide = order[street.clearance[tuple(cells[order].T)] > _WALK.min_clearance]
         low, high = wide[np.argmin(along[wide])], wide[np.argmax(along[wide])]
         stops += [high, low] if backwards else [low, high]
-    # Walking in comfort is worth a detour of some steps; 20 keeps it off the rims of objects without closing gaps.
+    # The weight 20 of the comfort clearance keeps the path off the edges of objects without closing gaps.
     near = np.clip(_WALK.comfort_clearance - street.clearance, 0.0, None) / _WALK.comfort_clearance
     cost = np.where(street.clearance > _WALK.min_clearance, 1.0 + 20.0 * near**2, np.inf)
     paths = []
@@ -173,7 +173,7 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
 
 
 def _smooth(ring: np.ndarray) -> np.ndarray:
-    """The path with its corners rounded, a point every few centimetres to decimetres; ends stay."""
+    """Rounds the corners of a path, with a point every few centimetres to decimetres; the ends do not move."""
     window = max(3, int(_WALK.corner_window / CELL) | 1)
     half = window // 2
     padded = np.concatenate([np.repeat(ring[:1], half, 0), ring, np.repeat(ring[-1:], half, 0)])

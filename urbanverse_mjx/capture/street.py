@@ -1,4 +1,4 @@
-"""A bank's scene as a grid from above: what kind of ground, how high, and how far from the next solid object."""
+"""Grid of a bank's scene seen from above: kind and height of the ground, and distance to the nearest solid object."""
 
 import dataclasses
 
@@ -12,18 +12,17 @@ from ..geometry.polygons import filled
 from ..geometry.raster import outline
 
 CELL = 0.2  # m: a path is smoothed afterwards, and streets of 200 m stay under 200,000 cells
-#: m above the ground between which an object blocks a person with a camera.
+#: m above the ground; an object between these heights blocks a person with a camera.
 _MIN_OBSTACLE_HEIGHT, _MAX_OBSTACLE_HEIGHT = 0.3, 2.0
 GROUND_PREFIX = "ground:"
 
 
 @dataclasses.dataclass(frozen=True)
 class StreetGrid:
-    """Cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells of `CELL` m.
+    """A street as a grid; cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells of `CELL` m.
 
-    kind (X, Y) u8: `ground.GROUND_KINDS`, 0 = no ground.
-    height (X, Y) f32: m, top of the ground, NaN where there is none.
-    clearance (X, Y) f32: m to the nearest solid object or end of the ground that a walker may be on, 0 inside.
+    kind (X, Y) u8: `ground.GROUND_KINDS`, 0 = no ground. height (X, Y) f32: m, top of the ground, NaN where there is
+    none. clearance (X, Y) f32: m to the nearest solid object or end of the walkable ground, 0 inside.
     """
 
     origin: np.ndarray
@@ -38,11 +37,11 @@ class StreetGrid:
         return Grid(self.origin, CELL, (x, y))
 
     def cell(self, points: np.ndarray) -> np.ndarray:
-        """(..., 2) i64 cells of (..., 2) m, clipped into the grid."""
+        """(..., 2) i64, cells of points (..., 2) m, clipped to the grid."""
         return self.grid.cell(points)
 
     def middle(self, cells: np.ndarray) -> np.ndarray:
-        """(..., 2) m of cells' middles."""
+        """(..., 2) m, centres of cells."""
         return self.grid.centres(cells)
 
 
@@ -84,7 +83,7 @@ def _draw_heights(tops: list[tuple[int, int, np.ndarray]], grid: Grid) -> np.nda
 
 
 def _draw_solids(bank: SceneBank, scene: int, street: "StreetGrid") -> np.ndarray:
-    """(X, Y) bool: cells that a hull covers at a walker's height."""
+    """(X, Y) bool, cells that a hull covers at a pedestrian's height."""
     solid = np.zeros(street.kind.shape, bool)
     floor = np.nan_to_num(street.height, nan=0.0)
     for world in bank.standing_hulls(scene):
@@ -99,7 +98,7 @@ def _draw_solids(bank: SceneBank, scene: int, street: "StreetGrid") -> np.ndarra
 
 
 def street_grid(bank: SceneBank, scene: int) -> StreetGrid:
-    """The grid of one scene."""
+    """Computes the grid of one scene."""
     stride = max(1, round(CELL / float(bank.map_resolution)))
     kind = bank.map_kind[scene][stride // 2 :: stride, stride // 2 :: stride]
     origin = bank.map_origin[scene].astype(np.float64)

@@ -1,4 +1,4 @@
-"""From a scene graph to a layout: assets, materials, a sky, and no overlap of objects."""
+"""Converts a scene graph to layouts: chooses assets, materials and a sky, and resolves overlaps of objects."""
 
 from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
 from .shortlists import LeftOut

@@ -1,4 +1,4 @@
-"""Keeps the camera's path free: the camera passed there, so solid objects detected on it are wrong."""
+"""Keeps the camera's path free, because solid objects detected where the camera passed are errors."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 from ..datatypes import GraphObject
 from . import overlap
 
-#: m to both sides of the camera's path that were free: a person's shoulders, a delivery robot's half width and a hand.
+#: m to both sides of the camera's path that are free: half the width of a person or a delivery robot, plus 10 cm.
 HALF_WIDTH = 0.45
 
 
@@ -19,11 +19,11 @@ class ClearanceOptions:
     """Dimensions of the camera's free path; chosen manually.
 
     Attributes:
-      min_height: m over the ground; lower objects are not in a walker's way: kerbs.
-      max_height: m; higher ones are not either: branches and awnings.
-      max_step: m; two places of the trajectory farther apart (a cut, a lost stretch) are not joined.
-      min_kept_share: a building keeps at least this share of its ground when it is cut back from the path; else it is
-        left as it is.
+      min_height: m above the ground; lower objects (kerbs) do not block a person.
+      max_height: m above the ground; higher objects (branches, awnings) do not block a person.
+      max_step: m; points of the trajectory farther apart (a cut, lost tracking) are not connected.
+      min_kept_share: least share of its footprint that a building keeps when it is cut back from the path; otherwise it
+        is not cut.
     """
 
     min_height: float = 0.25
@@ -36,7 +36,7 @@ _OPTIONS = ClearanceOptions()
 
 
 def walked(path: np.ndarray) -> BaseGeometry:
-    """The strip that a trajectory (n, 2 or more) m passed over; empty without one."""
+    """The strip around a trajectory (n, 2 or more) m; empty without a trajectory."""
     steps = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
     parts = np.split(path[:, :2], np.flatnonzero(steps > _OPTIONS.max_step) + 1)
     lines = [shapely.LineString(p) if len(p) > 1 else shapely.Point(p[0]) for p in parts if len(p)]
@@ -44,7 +44,7 @@ def walked(path: np.ndarray) -> BaseGeometry:
 
 
 def blocks(body: overlap.Body, strip: BaseGeometry, ground: float) -> bool:
-    """Whether some part of an object at a walker's height reaches into the strip over ground of that height (m)."""
+    """Whether a part of an object at a person's height above the ground (m) extends into the strip."""
     if strip.is_empty or not strip.intersects(shapely.box(*body.bounds)):
         return False
     shift = np.array(body.offset)
@@ -55,18 +55,18 @@ def blocks(body: overlap.Body, strip: BaseGeometry, ground: float) -> bool:
 def obstructing(
     bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float] | None = None
 ) -> list[int]:
-    """Numbers of the objects that stand where the camera went.
+    """Indices of the objects that stand on the camera's path.
 
     Args:
-      floors: m, height of the ground below each; None: each stands on the ground below it, none hangs.
+      floors: m, height of the ground below each object; None if every object stands on the ground.
     """
     heights = [body.placed.position[2] for body in bodies] if floors is None else floors
     return [k for k, body in enumerate(bodies) if blocks(body, strip, heights[k])]
 
 
 def cut_back(building: GraphObject, strip: BaseGeometry) -> GraphObject:
-    """A building whose box reaches over the strip, without the part of it beyond: of the four sides the one is moved
-    that removes least. Depth blurs fronts outwards, and hidden parts of a house are estimates."""
+    """Cuts back a building whose box overlaps the strip by moving the side that removes least of the box. Depth errors
+    move fronts outwards, and hidden parts of a house are estimates."""
     crossed = overlap.ground_box(building).intersection(strip)
     if crossed.is_empty:
         return building

@@ -1,5 +1,5 @@
-"""Removes overlap of objects: duplicates go, then objects move slightly; those without a free place are left out and
-listed."""
+"""Resolves overlaps of objects: removes duplicates, moves objects slightly, and leaves out and lists those without a
+free position."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -11,16 +11,17 @@ from ..datatypes import GraphObject, PlacedObject
 from . import overlap
 from .shortlists import LeftOut
 
-#: Share of the smaller one's ground that two objects of one label share when they are one object detected twice.
+#: Overlap, as a share of the smaller footprint, from which two objects of one label are the same object detected twice.
 SAME_PLACE = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
 class Cleared:
-    """The placed objects and the changes made; see `cousins.Cousin`.
+    """The placed objects and the changes that were made; see `cousins.Cousin`.
 
     Attributes:
-      no_room: (id of an object that was left out for lack of space, id of the one that overlaps it).
+      no_room: pairs of the id of an object that was left out for lack of space and the id of the object that overlaps
+        it.
     """
 
     placed: tuple[PlacedObject, ...]
@@ -31,18 +32,18 @@ class Cleared:
 
     @property
     def crowded(self) -> tuple[str, ...]:
-        """Ids of the objects that found no room, and of those in their way."""
+        """Ids of the objects without a free position, and of those that block them."""
         return tuple(dict.fromkeys(name for pair in (*self.unresolved, *self.no_room) for name in pair))
 
 
 def clear(
     bodies: Sequence[overlap.Body], support: overlap.Support, graph_objects: Mapping[str, GraphObject]
 ) -> Cleared:
-    """Ends penetrations.
+    """Resolves penetrations.
 
     Objects are moved by at most `overlap.LIMIT`. Of a remaining pair, the movable one is left out, because contact
-    forces would throw it off; two fixed objects may overlap a little. An object sunk in a pavement without a free place
-    next to it is put on it.
+    forces would eject it; two fixed objects may overlap slightly. An object that penetrates a pavement and has no free
+    position next to it is put on top.
     """
     found = list(bodies)
     left = overlap.resolve(found, support, kerbs=True)
@@ -70,7 +71,8 @@ def clear(
 
 
 def found_twice(graph_objects: Sequence[GraphObject]) -> list[LeftOut]:
-    """The less certain ones of objects of one label whose boxes share most of the smaller one's ground."""
+    """Of pairs of objects of one label whose footprints overlap by most of the smaller one, those of lower
+    confidence."""
     boxes = np.array([overlap.ground_box(obj) for obj in graph_objects], dtype=object)
     doubles: dict[int, LeftOut] = {}
     for i, j in sorted((int(i), int(j)) for i, j in shapely.STRtree(boxes).query(boxes, "intersects").T if i < j):

@@ -1,7 +1,7 @@
-"""`materialise_cousins`: a scene graph becomes k layouts over the catalogue of 102,444 assets.
+"""`materialise_cousins`: makes k layouts from a scene graph with the catalogue of 102,444 assets.
 
-All cousins keep the graph's places, boxes, headings and affordances; assets, and with them masses and friction, ground
-materials and skies differ. Steps that do not depend on the cousin are done once.
+All cousins keep the graph's positions, boxes, headings and affordances. They differ in assets (and thereby in masses
+and friction), ground materials and skies. Steps that do not depend on the cousin are done once.
 """
 
 import dataclasses
@@ -35,28 +35,28 @@ from ..datatypes import validation as v
 from . import choice, clearance, clearing, ground_inpainting, kerbs, overlap, shortlists, standing, surroundings
 from .shortlists import Candidate, LeftOut
 
-#: Stands in the hashes of layouts.
+#: Part of the hashes of layouts.
 VERSION = f"cousins {versions.CODE['cousins'].version}"
-#: Largest number of cousins of a graph: that of the authors' release for one video.
+#: Largest number of cousins of a graph, that of the authors' release for one video.
 MOST = 64
-#: How `Source.video` begins in graphs that were composed, not filmed: the trajectory in them is a plan. Captures of our
-#: own blocks have "synthetic tour of ...".
+#: Pattern of `Source.video` in composed graphs, whose trajectory is a plan and was not filmed. Captures of generated
+#: blocks have "synthetic tour of ...".
 COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")
 
 
 @dataclasses.dataclass(frozen=True)
 class Cousin:
-    """A layout and how it came about.
+    """A layout and the decisions that led to it.
 
     Attributes:
       layout: the placed objects.
       left_out: omitted nodes with the reason.
-      moved: (object id, m) of objects moved to end a penetration.
+      moved: (object id, m) of objects moved to resolve a penetration.
       unresolved: pairs of ids of fixed objects that still penetrate.
       chosen: object id -> the asset and the quality of its fit.
       raised: ids of ground regions that got a kerb.
-      materials: the pieces of ground with all cousins' materials.
-      sky: this cousin's.
+      materials: the pieces of ground with the materials of all cousins.
+      sky: sky of this cousin.
     """
 
     layout: SceneLayout
@@ -77,18 +77,18 @@ def materialise_cousins(
     objects: ObjectLibrary | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
 ) -> list[Cousin]:
-    """The first cousins of a graph; the same inputs give the same layouts, and more of them begin with the same ones.
+    """Makes the first `count` cousins of a graph. The result is deterministic, and a larger count only appends layouts.
 
     Args:
-      graph: of the scene; descriptors, where it has them, select the appearance (see `describe`).
-      count: cousins, 1 to `MOST`.
-      seed: selects among equal fits.
-      kerb: m, of sidewalks whose step to the road the graph does not show; 0 leaves them.
+      graph: graph of the scene; its descriptors, if any, select the appearance (see `describe`).
+      count: number of cousins, 1 to `MOST`.
+      seed: seed of the choice among equal fits.
+      kerb: m, height of sidewalks whose step to the road the graph does not show; 0 leaves them level.
       objects: the catalogue; default: the packaged one.
-      hulls_of: collision hulls of a record.
+      hulls_of: function that returns the collision hulls of a record.
 
     Raises:
-      ValidationError: a seed, count or kerb out of range.
+      ValidationError: seed, count or kerb is out of range.
     """
     v.integer(count, "cousins", 1, MOST)
     return _materialise(graph, range(count), seed, kerb, objects, hulls_of)
@@ -102,23 +102,24 @@ def materialise_cousin(
     objects: ObjectLibrary | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
 ) -> Cousin:
-    """One cousin of a graph, the same as in `materialise_cousins` at that place.
+    """Makes one cousin of a graph, identical to that of `materialise_cousins`.
 
     Args:
-      cousin: its number, from 0. The others: see `materialise_cousins`.
+      cousin: number of the cousin, from 0. For the other arguments see `materialise_cousins`.
 
     Raises:
-      ValidationError: a cousin, seed or kerb out of range.
+      ValidationError: cousin, seed or kerb is out of range.
     """
     v.integer(cousin, "cousin", 0, MOST - 1)
     return _materialise(graph, (cousin,), seed, kerb, objects, hulls_of)[0]
 
 
 def check_labels(graph: SceneGraph, objects: ObjectLibrary | None = None) -> None:
-    """Whether an asset can stand for every object of a graph; `materialise_cousins` leaves the others out.
+    """Checks that there is an asset for every object of a graph; `materialise_cousins` leaves out objects without one.
 
     Raises:
-      ValidationError: names the first object that has none, the reason, and the three nearest leaves.
+      ValidationError: an object has no asset; the message names the first one, the reason, and the three nearest
+        leaves.
     """
     _, unknown = _leaves(graph.objects, _matcher(objects or library()))
     if unknown:
@@ -140,7 +141,7 @@ def _materialise(
     objects: ObjectLibrary | None,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> list[Cousin]:
-    """Cousins by their numbers; steps that do not depend on the cousin are done once."""
+    """Makes cousins by number; steps that do not depend on the cousin are done once."""
     count = numbers[-1] + 1
     v.integer(seed, "seed", 0)
     v.number(kerb, "kerb", 0.0, 1.0)
@@ -193,10 +194,10 @@ def _materialise(
 
 
 def index_of(layout: SceneLayout, objects: ObjectLibrary | None = None) -> AssetIndex:
-    """The catalogue's records that a layout uses, as an index to compile it with.
+    """Index of the catalogue's records that a layout uses, for its compilation.
 
     Raises:
-      ValidationError: the layout names an asset that the catalogue does not hold.
+      ValidationError: the layout uses an asset that the catalogue does not contain.
     """
     uids = sorted({placed.asset_uid for placed in layout.objects})
     return AssetIndex((objects or library()).records(uids))
@@ -213,7 +214,7 @@ def _catalogue_hash(objects: ObjectLibrary) -> str:
 
 
 def _leaves(graph_objects: Sequence[GraphObject], matcher: Matcher) -> tuple[dict[str, str], list[LeftOut]]:
-    """label -> leaf, and the objects whose label has none."""
+    """Maps labels to leaves; also returns the objects whose label has none."""
     leaves: dict[str, str] = {}
     reasons: dict[str, str] = {}
     for label in dict.fromkeys(obj.label for obj in graph_objects):
@@ -231,7 +232,7 @@ def _stand(
     graph: SceneGraph,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> list[overlap.Body]:
-    """Every object's asset in its place: objects on the ground first, then those on top of them."""
+    """Places the asset of every object: objects on the ground first, then those on top of them."""
     path = _trajectory(graph)
     bodies: dict[str, overlap.Body] = {}
     tops: list[standing.Top] = []
@@ -246,7 +247,7 @@ def _stand(
 
 
 def _trajectory_strip(graph: SceneGraph) -> BaseGeometry:
-    """The camera's path. Composed graphs keep all objects: no camera followed the trajectory of such a graph."""
+    """The strip of the camera's path; empty for composed graphs, whose trajectory no camera followed."""
     filmed = () if COMPOSED.match(graph.source.video) else graph.camera_path
     return clearance.walked(np.array(filmed).reshape(-1, 4))
 
@@ -256,7 +257,7 @@ def _cut_back(obj: GraphObject, leaves: Mapping[str, str], strip: BaseGeometry) 
 
 
 def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
-    """m, of the ground that an object stands on, or hangs over."""
+    """m, height of the ground that an object stands on or hangs above."""
     bottom = obj.center[2] - obj.size[2] / 2
     return max(support.under(obj) or support.near(obj, standing.REACH), default=bottom)
 
@@ -264,7 +265,7 @@ def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
 def _without_obstructing(
     bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
-    """Objects off the camera's path, and those on it, through which the camera passed."""
+    """Splits objects into those off and those on the camera's path."""
     gone = set(clearance.obstructing(bodies, strip, floors))
     reason = "the camera went through where it would stand"
     left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]
@@ -279,8 +280,8 @@ def _slimmer(
     graph: SceneGraph,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> dict[str, Candidate]:
-    """For objects without a free place, or that block another, an asset of their shortlist without contact, where there
-    is one: a crown that begins higher, a shorter car."""
+    """Finds other assets of the shortlist for objects without a free position, or that block another, so that there is
+    no contact: a tree with a higher crown, a shorter car."""
     now = {body.placed.id: body for body in bodies}
     found: dict[str, Candidate] = {}
     for name in crowded:
@@ -296,7 +297,7 @@ def _slimmer(
 
 
 def _trajectory(graph: SceneGraph) -> np.ndarray:
-    """(n, 2) m, the trajectory from above."""
+    """(n, 2) m, the trajectory in the ground plane."""
     return np.array([p[:2] for p in graph.camera_path]).reshape(-1, 2)
 
 
@@ -311,7 +312,8 @@ def _placed(obj: GraphObject, candidate: Candidate, place: standing.Placement, p
     scale = choice.scale_to((*candidate.box[:2], height), record)
     yaw = obj.yaw
     if candidate.match.yaw:
-        # Which of the two quarter turns shows the front is not in the box: the camera saw more of fronts than of backs.
+        # The box does not determine which of the two quarter turns shows the front. The front is assumed to face the
+        # trajectory, because captures show more fronts than backs.
         yaw += _turn_to(path, obj)
     return PlacedObject(
         id=obj.id,

@@ -1,7 +1,7 @@
-"""Ground that the camera never saw, because objects stood in front of it: parked cars leave holes in a road.
+"""Fills ground that objects hid from the camera, such as the road below parked cars.
 
-A free body over such a hole falls without end. Holes, and missing ground under standing objects, are added to the
-ground next to them.
+A free body would fall through such a hole. Holes, and missing ground under standing objects, are added to the adjacent
+ground.
 """
 
 import dataclasses
@@ -16,20 +16,23 @@ from ..datatypes import PAINT_KINDS, GraphObject, GroundRegion, SceneGraph
 from ..geometry.polygons import MAX_OVERLAP
 from . import overlap
 
-#: m²: larger holes are courtyards or were not observed. Share of a hole that houses may cover, else it is theirs.
+#: m², largest hole to fill; larger ones are courtyards or unobserved areas. Largest share of a hole that houses cover;
+#: otherwise it belongs to the houses.
 LARGEST, HOUSES = 400.0, 0.2
-#: m around an object that has ground under it; m that its foot may be off the ground beside it; m to that ground.
+#: m around an object that gets ground; m, largest height difference of its foot and the adjacent ground; m, largest
+#: distance to that ground.
 MARGIN, FOOT, REACH = 0.3, 0.5, 3.0
-#: m² below which a missing piece is the rounding of an outline; m that two pieces of ground may gape.
+#: m²; smaller missing pieces are due to the rounding of outlines. m, largest gap between two pieces of ground that is
+#: closed.
 SLIVER, GAPE = 0.02, 0.02
-#: m: corners of outlines lie on whole millimetres, as graphs keep them.
+#: m; corners of outlines are rounded to whole millimetres, as in graphs.
 GRID = 1e-3
-#: Kinds that grow under objects only where no other kind borders on the hole.
+#: Kinds that are extended under objects only if no other kind borders on the hole.
 LAST = frozenset({"crosswalk"})
 
 
 def fill(graph: SceneGraph, leaves: Mapping[str, str]) -> SceneGraph:
-    """The graph with ground where objects hid it.
+    """Adds ground to a graph where objects hid it.
 
     Args:
       leaves: label -> leaf; objects of other labels are ignored.
@@ -69,7 +72,7 @@ def _under(
     houses: BaseGeometry,
     carrying: Sequence[GroundRegion],
 ) -> list[BaseGeometry]:
-    """Missing ground under objects that stand at the height of the ground next to them."""
+    """Missing ground under objects that stand at the height of the adjacent ground."""
     support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
     found = []
     for obj in graph_objects:
@@ -85,7 +88,7 @@ def _under(
 
 
 def _give(part: shapely.Polygon, regions: Sequence[GroundRegion], shapes: dict[str, shapely.Polygon]) -> None:
-    """Joins a piece to the region that shares the longest border with it, where both make one plain outline."""
+    """Merges a piece into the region with the longest common border if the result is a simple polygon."""
     near = part.buffer(GAPE)
     borders = {r.id: shapes[r.id].exterior.intersection(near).length for r in regions if r.id in shapes}
     order = sorted(regions, key=lambda r: (r.kind in LAST, -borders[r.id], r.id))
@@ -99,8 +102,8 @@ def _give(part: shapely.Polygon, regions: Sequence[GroundRegion], shapes: dict[s
 
 
 def _beside_others(own: str, grown: BaseGeometry, shapes: Mapping[str, shapely.Polygon]) -> BaseGeometry:
-    """A region that has grown, without what it shares with others: drawn streets have corners off the raster, and
-    moving them by half a millimetre lays long edges over a neighbour's."""
+    """Removes the overlap of an extended region with others. Corners of hand-made streets are off the raster, and
+    rounding them by half a millimetre makes long edges overlap the neighbour."""
     near = [p for name, p in shapes.items() if name != own and p.intersects(grown)]
     over = [p for p in near if p.intersection(grown).area > MAX_OVERLAP]
     return grown.difference(shapely.union_all(over)) if over else grown

@@ -1,4 +1,4 @@
-"""Sidewalks stand over the road: where a graph shows no kerb, they are raised by one (paper: 15 cm)."""
+"""Raises the sidewalks of graphs without kerbs (paper: by 15 cm)."""
 
 import dataclasses
 import itertools
@@ -12,19 +12,19 @@ from ..datatypes.ground import height_at
 
 #: m, height of a kerb of unknown height (paper, section on scene creation).
 KERB = 0.15
-#: m of step at a border from which a graph shows a kerb itself; fitted planes differ by less where there is none.
+#: m, least step at a border that counts as a kerb of the graph; fitted planes differ by less without a kerb.
 SEEN = 0.05
-#: m between regions that count as neighbours, and between the points of a border where heights are compared.
+#: m, largest distance between neighbouring regions, and spacing of the border points at which heights are compared.
 GAP, SPACING = 0.3, 1.0
 WALKED, DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
 
 
 def raise_sidewalks(graph: SceneGraph, kerb: float = KERB) -> tuple[SceneGraph, tuple[str, ...]]:
-    """The graph with kerbs, and the ids of the regions that were raised.
+    """Adds kerbs to a graph; returns it and the ids of the regions that were raised.
 
-    Pieces of sidewalk and ground that touch each other are treated together: if one step to the road anywhere is `SEEN`
-    or more, the graph has its kerbs, dropped ones included. Otherwise they rise until the median step is `kerb`, and
-    the objects that stand on them with them. A graph without road stays as it is.
+    Touching regions of sidewalk and ground form a group. If any step from a group to the road is `SEEN` or more, its
+    kerbs, including dropped ones, are kept. Otherwise the group is raised with the objects on it until the median step
+    is `kerb`. A graph without road is not changed.
     """
     walked = [r for r in graph.ground if r.kind in WALKED]
     driven = [r for r in graph.ground if r.kind in DRIVEN]
@@ -42,7 +42,7 @@ def raise_sidewalks(graph: SceneGraph, kerb: float = KERB) -> tuple[SceneGraph, 
 
 
 def _pieces(regions: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
-    """Regions that touch each other, in groups."""
+    """Groups of regions that touch each other."""
     shapes = [shapely.Polygon(r.polygon).buffer(GAP / 2, join_style="mitre") for r in regions]
     parts = shapely.get_parts(shapely.union_all(shapes)) if shapes else []
     groups = [
@@ -52,7 +52,7 @@ def _pieces(regions: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
 
 
 def _steps(walked: GroundRegion, driven: GroundRegion) -> list[float]:
-    """Heights (m) of a region over its neighbour, along their common border; empty where they have none."""
+    """Heights (m) of a region above its neighbour along their common border; empty without a common border."""
     border = shapely.Polygon(walked.polygon).exterior.intersection(shapely.Polygon(driven.polygon).buffer(GAP))
     if border.length < GAP:
         return []
@@ -66,7 +66,7 @@ def _lifted(region: GroundRegion, by: float) -> GroundRegion:
 
 
 def _with_ground(obj: GraphObject, raised: Sequence[tuple[shapely.Polygon, float]]) -> GraphObject:
-    """The object, raised with the ground under its middle."""
+    """Raises an object with the ground under its centre."""
     x, y, z = obj.center
     by = next((lift for polygon, lift in raised if polygon.covers(shapely.Point(x, y))), 0.0)
     return dataclasses.replace(obj, center=(x, y, z + by)) if by else obj

@@ -1,7 +1,7 @@
-"""Penetrations between placed objects, and small moves that end them.
+"""Finds penetrations between placed objects and resolves them by small movements.
 
-An object is the prisms over its collision hulls seen from above, each over its own range of heights: a lamp may hang
-over a car and a chair may stand under a sunshade, but no two objects share a place.
+An object is represented by vertical prisms over the outlines of its collision hulls, each with its range of heights, so
+that a lamp may hang above a car and a chair may stand under a sunshade.
 """
 
 import dataclasses
@@ -16,14 +16,14 @@ from ..datatypes import AssetRecord, GraphObject, HullSet, PlacedObject
 from ..datatypes import validation as v
 from ..geometry.polygons import rectangle
 
-#: m that two objects may share: collision hulls overstate curved shapes by about this much.
+#: m, tolerated penetration; collision hulls of curved shapes are too large by about this much.
 TOUCH = 0.01
-LIMIT = 0.5  # m, the farthest an object is moved from where the graph has it
+LIMIT = 0.5  # m, largest movement of an object from its position in the graph
 STEP = 0.05  # m
-#: m: steps up to this are kerbs; m of a step, and m² of an object's outline over it, below which it stands next to it.
+#: m, highest step that is a kerb; m of a step and m² of overlap below which an object stands next to the kerb.
 HIGHEST_KERB, KERB_TOUCH, SHARED_KERB = 0.35, 0.02, 1e-3
 DIRECTIONS = 16
-#: Never moved: objects anchored in the ground. Trees and poles keep their regular spacing.
+#: Objects anchored in the ground, which are never moved, so that trees and poles keep their regular spacing.
 ROOTED = frozenset(
     {"tree", "street light", "lamppost", "traffic light", "utility pole", "bus shelter", "fountain", "manhole cover"}
 )
@@ -50,10 +50,10 @@ class Body:
     """A placed object while penetrations are being resolved.
 
     Attributes:
-      placed: where the graph has it.
-      record: its asset.
-      prisms: its shape at that place.
-      offset: (dx, dy) m that it has been moved.
+      placed: the object at its position in the graph.
+      record: record of its asset.
+      prisms: its shape at that position.
+      offset: (dx, dy) m, movement so far.
     """
 
     placed: PlacedObject
@@ -62,19 +62,19 @@ class Body:
     offset: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        #: (prisms, 6) x, y, z from and to of every prism, and (6,) of the whole, before any move.
+        #: (prisms, 6) lower and upper x, y, z of every prism, and (6,) of the whole object, without the offset.
         self.boxes = np.array([[*p.corners.min(0), p.low, *p.corners.max(0), p.high] for p in self.prisms])
         self.box = np.concatenate([self.boxes[:, :3].min(0), self.boxes[:, 3:].max(0)])
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """x, y from and to, after the move."""
+        """Lower and upper x, y with the offset."""
         dx, dy = self.offset
         return self.box[0] + dx, self.box[1] + dy, self.box[3] + dx, self.box[4] + dy
 
     @property
     def distance(self) -> float:
-        """m that it has been moved, to the millimetre."""
+        """m, length of the movement, rounded to millimetres."""
         return round(math.hypot(*self.offset), 3)
 
     @property
@@ -85,7 +85,7 @@ class Body:
 
 
 def moved(body: Body, lift: float = 0.0) -> PlacedObject:
-    """The object where it has been moved to, and `lift` m higher."""
+    """The placed object with its offset, raised by `lift` m."""
     x, y, z = body.placed.position
     dx, dy = body.offset
     return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), round(z + lift, 4)))
@@ -118,9 +118,9 @@ def prisms_of(placed: PlacedObject, hulls: HullSet) -> list[Prism]:
 
 
 def _depth(a: Prism, b: Prism, shift: np.ndarray) -> float:
-    """Least distance (m) by which one of two convex outlines must move to part from the other; 0 = apart.
+    """Penetration depth (m): the shortest movement that separates two convex outlines; 0 if they are apart.
 
-    `shift` (2,) is added to a's corners. Convex outlines that are apart are apart along an edge's normal.
+    `shift` (2,) is added to the corners of `a`. By the separating axis theorem only the edges' normals are tested.
     """
     normals = np.concatenate([a.normals, b.normals])
     on_a, on_b = (a.corners + shift) @ normals.T, b.corners @ normals.T
@@ -129,7 +129,7 @@ def _depth(a: Prism, b: Prism, shift: np.ndarray) -> float:
 
 
 def penetration(a: Body, b: Body, offset: tuple[float, float] | None = None) -> float:
-    """Deepest penetration (m, horizontal) between two objects; `offset` tries another one for `a`."""
+    """Deepest horizontal penetration (m) between two objects; `offset` replaces that of `a`."""
     shift = np.subtract(a.offset if offset is None else offset, b.offset)
     move = np.array([shift[0], shift[1], 0.0])
     low, high = a.box[:3] + move, a.box[3:] + move
@@ -144,7 +144,7 @@ def penetration(a: Body, b: Body, offset: tuple[float, float] | None = None) -> 
 
 
 def penetrating_pairs(bodies: Sequence[Body]) -> list[tuple[int, int]]:
-    """Pairs (i < j) of objects that share a place."""
+    """Pairs (i < j) of objects that penetrate each other."""
     boxes = np.array([shapely.box(*b.bounds) for b in bodies], dtype=object)
     left, right = shapely.STRtree(boxes).query(boxes, predicate="intersects")
     near = sorted({(int(i), int(j)) for i, j in zip(left, right, strict=True) if i < j})
@@ -152,12 +152,12 @@ def penetrating_pairs(bodies: Sequence[Body]) -> list[tuple[int, int]]:
 
 
 def ground_box(obj: GraphObject) -> shapely.Polygon:
-    """A graph's box from above."""
+    """Footprint of a graph object's box."""
     return rectangle(*obj.size[:2], obj.yaw, *obj.center[:2])
 
 
 class Support:
-    """The ground that an object stands on, so that no move takes it over a kerb or onto another surface."""
+    """The ground under objects; used to reject movements over a kerb or onto another surface."""
 
     def __init__(self, regions: Sequence[tuple[shapely.Polygon, str, tuple[float, float, float]]]) -> None:
         self._regions = regions
@@ -173,9 +173,10 @@ class Support:
         return sorted(surfaces)
 
     def under(self, obj: GraphObject) -> list[float]:
-        """Height (m) of every region under a box, each at its place nearest to the box's middle.
+        """Height (m) of every region under a box, each at its point nearest to the centre of the box.
 
-        A lamp stands on the pavement while the middle of its box is over the road, so the middle alone will not do.
+        The centre alone does not suffice: the centre of a lamp's box may be above the road while the lamp stands on the
+        pavement.
         """
         box = ground_box(obj)
         middle, heights = shapely.Point(obj.center[:2]), []
@@ -186,7 +187,7 @@ class Support:
         return heights
 
     def near(self, obj: GraphObject, reach: float) -> list[float]:
-        """Height (m) of the region nearest to an object's middle, at its nearest place; empty beyond `reach` m."""
+        """Height (m) of the region nearest to an object's centre, at its nearest point; empty beyond `reach` m."""
         middle = shapely.Point(obj.center[:2])
         found = self._tree.query_nearest(middle, max_distance=reach, all_matches=False)
         if not len(found):
@@ -196,7 +197,7 @@ class Support:
         return [a * place.x + b * place.y + c]
 
     def in_kerb(self, body: Body, offset: tuple[float, float]) -> bool:
-        """Whether an object on the ground reaches into higher ground next to it: a wheel in the kerb."""
+        """Whether an object on the ground penetrates adjacent higher ground, such as a wheel in a kerb."""
         foot = body.placed.position[2]
         for prism in body.prisms:
             if prism.low > foot + HIGHEST_KERB:
@@ -212,7 +213,7 @@ class Support:
         return False
 
     def step_up(self, body: Body) -> float:
-        """m that an object must rise to stand on the pavement which its origin is over and which it is sunk in."""
+        """m by which an object must be raised to stand on the pavement that it penetrates below its origin."""
         if not self.in_kerb(body, body.offset):
             return 0.0
         x, y, z = body.placed.position
@@ -220,12 +221,12 @@ class Support:
         return max((h for h in heights if 0.0 < h <= HIGHEST_KERB), default=0.0)
 
     def carries(self, body: Body, offset: tuple[float, float]) -> bool:
-        """Whether the ground under an object's origin, after a move, is as high as the object stands."""
+        """Whether the ground below an object's origin has the object's height after a movement."""
         x, y, z = body.placed.position
         return any(abs(h - z) < 0.01 for h, _ in self.at(x + offset[0], y + offset[1]))
 
     def same(self, x: float, y: float, dx: float, dy: float) -> bool:
-        """Whether the ground (height within 1 cm and kind) is the same after a move."""
+        """Whether the ground (height within 1 cm, and kind) is the same after a movement."""
         before, after = self.at(x, y), self.at(x + dx, y + dy)
         if not before or not after:
             return not before and not after
@@ -233,14 +234,14 @@ class Support:
 
 
 def _within_reach(body: Body, bounds: tuple[float, float, float, float]) -> bool:
-    """Whether an object could come to touch a rectangle (x, y from and to) by any allowed move."""
+    """Whether an object could touch a rectangle (lower and upper x, y) after any allowed movement."""
     x0, y0, x1, y1 = body.box[[0, 1, 3, 4]]
     bx0, by0, bx1, by1 = bounds
     return bool(bx0 < x1 + LIMIT and x0 - LIMIT < bx1 and by0 < y1 + LIMIT and y0 - LIMIT < by1)
 
 
 def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bool) -> tuple[float, float] | None:
-    """The smallest offset from the graph's place at which the object is free of contact, or None within `LIMIT`."""
+    """The smallest offset within `LIMIT` at which the object has no contact; None if there is none."""
     stuck = kerbs and support.in_kerb(body, body.offset)
     others = [o for o in bodies if o is not body and _within_reach(body, o.bounds)]
     for ring in range(1, round(LIMIT / STEP) + 1):
@@ -255,15 +256,15 @@ def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bo
 
 
 def resolve(bodies: Sequence[Body], support: Support, kerbs: bool = False) -> list[tuple[int, int]]:
-    """Moves objects (changing their `offset`) until none penetrate; returns the pairs that stay.
+    """Moves objects (by changing their `offset`) to resolve penetrations; returns the pairs that remain.
 
-    With `kerbs` objects also leave higher ground that they reach into; one that cannot stays where it is.
+    With `kerbs`, objects are also moved out of higher ground that they penetrate, if possible.
 
-    Of a pair the movable and lighter object moves first, anchored objects never. A move is taken only to a place
-    without any contact, so every move lowers the number of penetrations.
+    Of a pair, the movable or lighter object is moved first; anchored objects are never moved. Objects are moved only to
+    positions without contact, so every movement reduces the number of penetrations.
     """
     pairs, stuck = penetrating_pairs(bodies), set[int]()
-    # An object in a kerb is its own other one.
+    # A pair of equal indices is an object that penetrates a kerb.
     pairs += [(i, i) for i, body in enumerate(bodies) if kerbs and support.in_kerb(body, body.offset)]
     while True:
         candidates = {i for pair in pairs for i in pair if not bodies[i].rooted and i not in stuck}
@@ -279,5 +280,5 @@ def resolve(bodies: Sequence[Body], support: Support, kerbs: bool = False) -> li
             continue
         bodies[mover].offset = shift
         pairs = [pair for pair in pairs if mover not in pair]
-        # the place it left may be what another object was looking for
+        # the position that it left may now be free for another object
         stuck = {i for i in stuck if not _within_reach(bodies[i], left_behind)}

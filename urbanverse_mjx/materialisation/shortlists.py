@@ -1,7 +1,7 @@
-"""Which assets may stand for an object: three steps of the paper (`assets.selection.matching`), then k that differ.
+"""Selects assets for an object by the paper's three steps (`assets.selection.matching`), then k different ones.
 
-Semantics, box and appearance give a ranking; of it the ones that could do what the best one can are kept, and k are
-drawn for k cousins, other base shapes first.
+Semantics, box and appearance determine a ranking. Assets with the affordances of the best one are kept, and k are drawn
+for k cousins, preferring different base shapes.
 """
 
 import dataclasses
@@ -16,20 +16,21 @@ from ..datatypes import AssetRecord, GraphObject, ValidationError
 from . import choice
 from .choice import Vector
 
-#: Distortion above the least one's (mean |log| of a side) up to which a box fits as well: scaling takes it away.
+#: Difference to the least distortion (mean |log| of a side) up to which boxes fit equally well, because scaling removes
+#: it.
 SLACK = 0.08
-#: Distortion that turning an asset by a quarter must save; a bench of 0.65 x 1.8 m saves 0.68.
+#: Least reduction of the distortion for a quarter turn of an asset; for a bench of 0.65 x 1.8 m it is 0.68.
 TURN_GAIN = 0.2
 #: Number of matches considered.
 DEPTH = 40
-#: Categories whose objects are chosen one by one; all others come in series (lamps, bollards, chairs of one cafe) and
-#: share an asset where boxes and descriptors are similar.
+#: Categories whose objects are chosen individually; objects of other categories form series (lamps, bollards, chairs of
+#: one cafe) and share an asset if their boxes and descriptors are similar.
 SINGLES = frozenset({"street user", "vehicle", "building"})
-#: Sides (a factor) and descriptors (mean difference of a number) within which objects are of one series.
+#: Largest ratio of sides and largest mean difference of descriptors within a series.
 ALIKE_SIDE, ALIKE_DESCRIPTOR = 1.15, 12.0
-#: Leaves of the ontology that are the ground itself: regions hold it, no asset stands for it.
+#: Leaves of the ontology that are ground, which is represented by regions and not by assets.
 GROUND_LEAVES = frozenset({"road", "sidewalk"})
-#: Score of a leaf (`semantics.rank_leaves`) below which a label has no more than some letters in common with it.
+#: Least score of a leaf (`semantics.rank_leaves`); labels below it only share some letters with the leaf.
 LEAST_SCORE = 0.35
 
 
@@ -48,7 +49,7 @@ class Series:
     """Objects that share their appearance.
 
     Attributes:
-      objects: at least one, the first gives the label, the box and the descriptor that are matched.
+      objects: at least one; label, box and descriptor of the first are matched.
     """
 
     graph_objects: tuple[GraphObject, ...]
@@ -60,7 +61,7 @@ class Series:
 
 @dataclasses.dataclass(frozen=True)
 class LeftOut:
-    """A node that is not in a layout, and why, in words that follow "left out because"."""
+    """A node that is left out of a layout, and the reason, a clause that follows "left out because"."""
 
     id: str
     label: str
@@ -68,7 +69,8 @@ class LeftOut:
 
 
 def in_series(graph_objects: Sequence[GraphObject], leaf_of: dict[str, str]) -> list[Series]:
-    """Objects grouped by label, box and appearance; singles alone. Each joins the first group that it fits, by id.
+    """Groups objects by label, box and appearance; objects of `SINGLES` form groups of one. Each object, by id, joins
+    the first group that it fits.
 
     Args:
       leaf_of: label -> leaf, for every label.
@@ -98,10 +100,10 @@ def _alike(a: GraphObject, b: GraphObject) -> bool:
 
 
 def leaf_for(label: str, matcher: Matcher) -> str:
-    """The leaf that a label's assets come from.
+    """The leaf from which the assets for a label are taken.
 
     Raises:
-      ValidationError: no leaf matches the label, or it means the ground itself; the message states which.
+      ValidationError: no leaf matches the label, or the label denotes ground; the message states which.
     """
     try:
         nearest, score = rank_leaves(label, 1)[0]
@@ -115,7 +117,7 @@ def leaf_for(label: str, matcher: Matcher) -> str:
 
 
 def shortlist(series: Series, matcher: Matcher, objects: ObjectLibrary) -> list[Candidate]:
-    """Assets for a series that fit its label and box and afford the same, best first, at least one."""
+    """Assets that fit the label and box of a series and have the same affordances, best first, at least one."""
     obj = series.graph_objects[0]
     matches = matcher.match(
         obj.label, obj.size, obj.descriptor, count=DEPTH, slack=SLACK, turn_gain=TURN_GAIN
@@ -145,10 +147,10 @@ def affordances(record: AssetRecord) -> tuple[object, ...]:
 
 
 def one_each(candidates: Sequence[Candidate], count: int, seed: int, key: str) -> list[Candidate]:
-    """`count` candidates for as many cousins, all different while there are enough.
+    """Selects a candidate for each of `count` cousins, all different as long as there are enough.
 
-    With appearances known the first is the best one (the nearest cousin) and the others are drawn among the next;
-    without, all fit equally well and every one is drawn.
+    If the appearance is known, the first cousin gets the best candidate and the others are drawn among the next ones.
+    Otherwise all candidates fit equally well and are drawn at random.
     """
     known = candidates[0].match.appearance_distance is not None
     pool = _other_shapes_first(candidates)
@@ -156,7 +158,7 @@ def one_each(candidates: Sequence[Candidate], count: int, seed: int, key: str) -
 
 
 def _other_shapes_first(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """The candidates in their order, round by round: first the best of each base shape, then the second of each."""
+    """Reorders candidates: first the best of each base shape, then the second of each, and so on."""
     seen: dict[str, int] = {}
     rounds = []
     for place, candidate in enumerate(candidates):

@@ -1,4 +1,4 @@
-"""The support of an object: the ground, another object, or none, because it hangs."""
+"""Determines the support of an object: the ground, another object, or none if it hangs."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -10,24 +10,25 @@ from ..assets.categories.priors import prior
 from ..datatypes import GraphObject
 from . import overlap
 
-#: m: a box whose lower end is this near to the surface below stands on it.
+#: m; a box stands on the surface below if its lower end is within this distance of it.
 SNAP = 0.3
-#: m: how far off any ground the ground's height still counts (house fronts stand behind the pavement).
+#: m; distance from ground up to which its height is used (house fronts stand behind the pavement).
 REACH = 10.0
-#: Categories that never hang, whatever their box: the lower part was hidden.
+#: Categories that never hang; if their box ends above the ground, the lower part was hidden.
 GROUNDED = frozenset({"parked", "rolls", "alive"})
-#: Factor over the greatest height that is known of a leaf up to which a hidden lower part explains a high foot.
+#: Largest ratio of the completed height to the greatest known height of a leaf for which a high lower end is explained
+#: by a hidden part.
 HIDDEN = 1.1
 
 
 @dataclasses.dataclass(frozen=True)
 class Placement:
-    """Where an object's asset is put.
+    """Vertical placement of an object's asset.
 
     Attributes:
       z: m, height of the asset's origin.
-      height: m, of the box that the asset fills: more than the graph's where a lower part was hidden.
-      on: id of the object that carries it, or None.
+      height: m, height of the box that the asset fills; more than the graph's if a lower part was hidden.
+      on: id of the object that supports it, or None.
     """
 
     z: float
@@ -37,7 +38,7 @@ class Placement:
 
 @dataclasses.dataclass(frozen=True)
 class Top:
-    """An even top that objects may stand on: id of its owner, outline from above, height (m)."""
+    """A level top on which objects may stand: id of its object, outline, height (m)."""
 
     id: str
     outline: BaseGeometry
@@ -45,11 +46,11 @@ class Top:
 
 
 def place_on_support(obj: GraphObject, leaf: str, support: overlap.Support, tops: Sequence[Top] = ()) -> Placement:
-    """Puts an object on what carries it.
+    """Places an object on its support.
 
-    On the ground where its foot is within `SNAP` of it. Else on another object's top that is as near; else, where it
-    cannot hang or where its leaf grows tall enough to reach down, on the ground with its upper end where it was seen;
-    else where it is: signs and awnings hang on walls.
+    The support is the ground if the object's lower end is within `SNAP` of it; otherwise another object's top within
+    `SNAP`. Otherwise an object that cannot hang, or whose leaf is tall enough to reach the ground, stands on the ground
+    and keeps its upper end. All others hang at their height (signs and awnings on walls).
     """
     middle, size = obj.center, obj.size
     foot, head = middle[2] - size[2] / 2, middle[2] + size[2] / 2
@@ -65,7 +66,7 @@ def place_on_support(obj: GraphObject, leaf: str, support: overlap.Support, tops
         return Placement(foot, size[2])
     row = prior(leaf)
     reaches = row.rest != "hangs" and 0.0 < head - below <= HIDDEN * row.height[2]
-    if foot < below:  # sunk, or from a wrong depth: no object is placed below the ground
+    if foot < below:  # below ground by an error of depth: no object is placed below the ground
         return Placement(below, size[2])
     if reaches:
         return Placement(below, head - below)

@@ -1,4 +1,5 @@
-"""Ground materials and skies for k cousins: by pixel-wise error and HSV histograms where a graph has descriptors."""
+"""Selects ground materials and skies for k cousins, by pixel-wise error and HSV histograms if a graph has
+descriptors."""
 
 import dataclasses
 import functools
@@ -16,14 +17,14 @@ from ..assets.appearances.sky_maps import sky_records
 from ..datatypes import GroundRegion, PlacedGround, SceneGraph
 from .choice import one_each, pick
 
-#: Kinds that the large collection has materials for; the others have a few of their own.
+#: Kinds for which the large collection has materials; the others have a few materials of their own.
 COLLECTED = ("road", "sidewalk")
-#: Conditions of a ground, and times of a sky, that fit a street without descriptors.
+#: Conditions of the ground that fit a street without descriptors, and times of the sky.
 PLAIN_CONDITIONS = frozenset({"dry", "worn", "cracked", "patched"})
 DAYTIMES = frozenset({"morning", "noon", "afternoon", "evening"})
-#: Hellinger's distance of HSV histograms from which a sky is like no stored one (1: disjoint).
+#: Hellinger distance of HSV histograms from which a sky matches no stored one (1: disjoint).
 STRANGE_SKY = 0.9
-#: m between regions of a kind that are one piece and have one material.
+#: m; regions of a kind within this distance form one piece with one material.
 GAP = 0.05
 
 
@@ -45,10 +46,10 @@ class Ground:
 
 
 def grounds(graph: SceneGraph, count: int, seed: int) -> list[Ground]:
-    """Materials of every piece of ground for `count` cousins.
+    """Selects materials of every piece of ground for `count` cousins.
 
-    Regions of a kind that touch are one piece. All roads of a street have one material, pavements may differ. Where a
-    graph names materials (see `_parted`), regions have theirs.
+    Regions of a kind that touch form one piece. All roads of a street have one material, pavements may differ. If a
+    graph names materials (see `_parted`), regions get the named ones.
     """
     found = []
     for kind in dict.fromkeys(r.kind for r in graph.ground):
@@ -73,7 +74,8 @@ def _pieces(regions: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
 
 
 def _parted(kind: str, piece: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
-    """The piece, or its parts where it was given several materials by name; regions without one join the first.
+    """The piece, or its parts if several materials are named for it; regions without a named material join the first
+    part.
 
     A descriptor equal to a material's in every number selects it; one from a camera image is never equal.
     """
@@ -103,7 +105,7 @@ def _seen(piece: Sequence[GroundRegion]) -> np.ndarray | None:
 
 
 def _ranked(kind: str, descriptor: np.ndarray | None) -> list[RankedAppearance]:
-    """All materials that may be taken, best first where something was seen."""
+    """All candidate materials, best first if there is a descriptor."""
     if kind not in COLLECTED:
         own = list(material_ids(kind))
         if descriptor is None:
@@ -124,8 +126,8 @@ def _own_descriptors(kind: str) -> np.ndarray:
 
 
 def skies(graph: SceneGraph, count: int, seed: int) -> list[RankedAppearance]:
-    """A sky for each of `count` cousins: the nearest ones by HSV histogram; any by day where none was seen, or one like
-    no sky (walls taken for sky, black frames)."""
+    """Selects a sky for each of `count` cousins: the nearest ones by HSV histogram; any daytime sky if there is no
+    descriptor or it matches no sky (walls taken for sky, black frames)."""
     ranked: list[RankedAppearance] = []
     if graph.sky_descriptor is not None:
         found = appearance_search.rank_skies(graph.sky_descriptor)
@@ -135,7 +137,8 @@ def skies(graph: SceneGraph, count: int, seed: int) -> list[RankedAppearance]:
 
 
 def _one_each(ranked: Sequence[RankedAppearance], count: int, seed: int, key: str) -> list[RankedAppearance]:
-    """As `shortlists.one_each`: the best first where something was seen, the others drawn among the next."""
+    """Like `shortlists.one_each`: the first cousin gets the best entry if there is a descriptor, the others are drawn
+    among the next ones."""
     known = ranked[0].distance is not None
     return one_each(ranked, known, count, lambda appearance: pick(2**62, "look", seed, key, appearance.uid))
 
@@ -158,6 +161,6 @@ def _sky_yaw(graph: SceneGraph, cousin: int, seed: int) -> float:
 
 
 def placed_ground(graph: SceneGraph, pieces: Sequence[Ground], cousin: int) -> tuple[PlacedGround, ...]:
-    """The regions with one cousin's materials, in the graph's order."""
+    """The regions with the materials of one cousin, in the graph's order."""
     material = {name: piece.materials[cousin].uid for piece in pieces for name in piece.regions}
     return tuple(PlacedGround(r.id, r.kind, r.polygon, r.plane, material[r.id]) for r in graph.ground)

@@ -1,4 +1,4 @@
-"""Packing: many `SceneGeometry` become one `SceneBank`. Equal hulls, meshes and textures are stored once."""
+"""Packs many `SceneGeometry` into one `SceneBank`. Equal hulls, meshes and textures are stored once."""
 
 import dataclasses
 import hashlib
@@ -47,12 +47,12 @@ def _fingerprint(*arrays: np.ndarray) -> bytes:
 
 
 def _spread(count: int, slots: int) -> np.ndarray:
-    """Slots of `count` objects in spatial order, so that equal slots lie at like places in every scene."""
+    """Slots of `count` objects in spatial order, so that a slot is at a similar position in every scene."""
     return np.arange(count) * slots // max(count, 1)
 
 
 def _fill(rows: Sequence[np.ndarray], fill: float, dtype: Any, width: int | None = None) -> np.ndarray:
-    """Arrays with one leading axis of different length as one padded array."""
+    """Stacks arrays whose leading axes differ in length to one padded array."""
     width = max([len(r) for r in rows] + [1]) if width is None else width
     out = np.full((len(rows), width, *rows[0].shape[1:]), fill, dtype)
     for line, row in zip(out, rows, strict=True):
@@ -66,16 +66,16 @@ def pack(
     skies: Mapping[str, Sky],
     hashes: Mapping[str, str] | None = None,
 ) -> SceneBank:
-    """One bank of all scenes.
+    """Makes one bank of all scenes.
 
     Args:
-      scenes: at least one, ids unique.
-      splits: of each, one of `SPLITS`.
-      skies: by id, every sky a scene names, all of one image size.
-      hashes: recorded in the bank's meta.
+      scenes: at least one, with unique ids.
+      splits: split of each scene, one of `SPLITS`.
+      skies: id -> sky, for every sky that a scene names; all have one image size.
+      hashes: hashes to record in the bank's metadata.
 
     Raises:
-      ValidationError: no scene, an id twice, a missing sky, or skies of different sizes.
+      ValidationError: there is no scene, an id occurs twice, a sky is missing, or skies differ in size.
     """
     if not scenes:
         raise v.fail("bank", "no scene", "at least one", "compile a scene first")
@@ -110,10 +110,10 @@ def pack(
 
 
 def with_agents(bank: SceneBank, appearances: Sequence[AgentAppearance]) -> SceneBank:
-    """The bank with the appearances of moving people and vehicles in place of those it had.
+    """Replaces the appearances of moving people and vehicles in a bank.
 
     Raises:
-      ValidationError: no appearance.
+      ValidationError: there is no appearance.
     """
     if not appearances:
         raise v.fail("bank agents", "no appearance", "at least one")

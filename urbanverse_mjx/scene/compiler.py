@@ -1,4 +1,4 @@
-"""`SceneLayout` -> `CompiledScene`: the folder that stock MuJoCo loads, with maps, routes and episodes."""
+"""Compiles a `SceneLayout` to a `CompiledScene`: a folder that stock MuJoCo loads, with maps, routes and episodes."""
 
 import dataclasses
 import os
@@ -40,7 +40,7 @@ class CompiledScene:
       folder: `scene.xml`, `meshes/`, `textures/`, `episodes.npz`, `layout.json`, `metadata.json`, `geometry.npz`, and
         in the files of CraftBench-Nav `map.json`, `layers.npz`, `annotations.json`, `routes.json`, `routes.txt` and
         the waypoints `<route>.npy` of its delivery robot.
-      layout, geometry: its inputs.
+      layout, geometry: the inputs of the compilation.
       metadata: the content of `metadata.json`.
     """
 
@@ -51,10 +51,10 @@ class CompiledScene:
 
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> "CompiledScene":
-        """Reads a folder that `compile_scene` wrote, or had put aside when it was killed.
+        """Reads a folder that `compile_scene` wrote, or had moved aside when it was killed.
 
         Raises:
-          ValidationError: the folder is none.
+          ValidationError: the folder is not a compiled scene.
         """
         folder = pathlib.Path(folder)
         recover(folder)
@@ -84,21 +84,22 @@ def compile_scene(
     place: Source | None = None,
     movable: bool = False,
 ) -> CompiledScene:
-    """Compiles a layout and writes its folder whole or not at all.
+    """Compiles a layout and writes its folder atomically.
 
     Args:
-      controller: drives every episode once over the ground.
-      size: of the robot for route planning.
-      rules: of the episode table.
-      source: builds meshes and hulls of records; default: the packaged recipes and hull store.
+      controller: robot and controller that drive every episode once over the ground.
+      size: size of the robot for route planning.
+      rules: rules of the episode table.
+      source: source of the meshes and hulls of records; default: the packaged recipes and hull store.
       freeze_unstable: whether objects that do not keep their place for two seconds at rest (`stability.displacements`:
         a bicycle without its stand) become fixed in the compiled scene and in the folder's `layout.json`.
-      place: the city and country for `metadata.json`: the `source` of the layout's graph.
-      movable: whether movable objects are free bodies in `scene.xml` (`resting.resting`); else they are fixed there, as
-        all objects. All other files are the same.
+      place: city and country for `metadata.json`, the `source` of the layout's graph.
+      movable: whether movable objects are free bodies in `scene.xml` (see `resting.resting`); otherwise all objects are
+        fixed. The other files do not depend on it.
 
     Raises:
-      ValidationError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
+      ValidationError: ground overlaps, there is no room for episodes, an asset is unknown, or the output folder holds
+        other files.
     """
     out_dir = pathlib.Path(out_dir)
     check_out_dir(out_dir)
@@ -132,10 +133,10 @@ def compile_scene(
 
 
 def check_out_dir(out_dir: pathlib.Path) -> None:
-    """Refuses to write over anything other than a compiled scene.
+    """Raises an error if the output folder holds anything other than a compiled scene.
 
     Raises:
-      ValidationError: it names the folder's contents.
+      ValidationError: the folder has other contents, which the message names.
     """
     if out_dir.is_dir() and not ((out_dir / "metadata.json").is_file() and (out_dir / "geometry.npz").is_file()):
         if any(out_dir.iterdir()):
@@ -145,10 +146,10 @@ def check_out_dir(out_dir: pathlib.Path) -> None:
 
 
 def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource | None = None) -> SceneGeometry:
-    """Everything that stands in the layout, as arrays; its episode table is empty.
+    """Converts the contents of the layout to arrays; the episode table is empty.
 
     Raises:
-      ValidationError: overlapping ground regions or an unknown asset, material or sky.
+      ValidationError: ground regions overlap, or an asset, material or sky is unknown.
     """
     ground.check_regions(layout.ground)
     objects = sorted(layout.objects, key=lambda o: (o.position[0], o.position[1], o.id))
@@ -195,7 +196,8 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
 
 
 def _with_unstable_frozen(geometry: SceneGeometry, layout: SceneLayout) -> tuple[SceneGeometry, SceneLayout]:
-    """Until all that is movable stays at rest: fixing one object may take away what another one leaned on."""
+    """Fixes unstable movable objects, and repeats this until all others stay at rest, because fixing one object may
+    remove the support of another."""
     while moves := displacements(geometry):
         names = {m.id for m in moves}
         falls = np.array([name in names for name in geometry.object_ids])
@@ -233,7 +235,7 @@ class _Assets:
         self.hull_rows: list[range] = []
 
     def add(self, placed: PlacedObject) -> int:
-        """Number of the pair's mesh, which is also the row of `hull_rows`."""
+        """Adds a pair and returns the number of its mesh, which is also the row of `hull_rows`."""
         key = (placed.asset_uid, *placed.scale)
         if key not in self._rows:
             record = self._index.get(placed.asset_uid)
@@ -266,7 +268,7 @@ def _body_counts(geometry: SceneGeometry, unstable: int, bodies: RestingScene | 
 
 
 def _comment(counts: dict[str, int], objects: int) -> str:
-    """What the file says about its bodies."""
+    """Text for the file's comment about its bodies."""
     left = f"{counts['unstable_fixed']} do not stay in place by themselves and are fixed"
     if counts["free"]:
         laid = f"{counts['laid']} of them laid where they come to rest"

@@ -1,5 +1,5 @@
-"""Drives every episode once in C MuJoCo over the ground alone: an episode that fails here has a route no robot can
-drive."""
+"""Drives every episode once in C MuJoCo over the ground without objects, to remove episodes whose route cannot be
+driven."""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ from .planner import FreeSpace, path_length, resample
 
 #: The task's control period, s (paper: 5 Hz).
 CONTROL_PERIOD = 0.2
-#: The robot steers for the point this far ahead on its path, m; within the action's reach of 1 m.
+#: m, distance along the path to the point that the robot steers for; within the action's range of 1 m.
 LOOKAHEAD = 1.0
 #: Distance (m) to the goal that counts as arrived.
 ARRIVED = 0.5
@@ -27,10 +27,10 @@ _PATH_SPACING = 0.1
 
 @dataclasses.dataclass(frozen=True)
 class Controller:
-    """A robot and its own waypoint controller over a batch.
+    """A robot and its batched waypoint controller.
 
     Attributes:
-      robot: that drives.
+      robot: the robot.
       command: waypoints (n, 2) m in the body frame -> actuator commands (n, nu), for steps of `CONTROL_PERIOD`.
     """
 
@@ -40,7 +40,7 @@ class Controller:
 
 @dataclasses.dataclass(frozen=True)
 class Drive:
-    """How a row was driven: seconds to the goal, or -1 and why it failed."""
+    """Result of driving a row: seconds to the goal, or -1 and the reason of the failure."""
 
     seconds: float
     reason: str
@@ -61,7 +61,7 @@ def ground_model(scene: SceneGeometry, robot: RobotSpec) -> mujoco.MjModel:
 def drive_all(
     model: mujoco.MjModel, controller: Controller, space: FreeSpace, starts: np.ndarray, paths: Sequence[np.ndarray]
 ) -> list[Drive]:
-    """Drives each path (n, 2) from its start (E, 4) = x, y, ground z, yaw; all of them in step."""
+    """Drives each path (n, 2) from its start (E, 4) = x, y, ground z, yaw; all simultaneously."""
     robot, data = controller.robot, mujoco.MjData(model)
     adr = int(model.jnt_qposadr[model.body(f"robot/{robot.root_body}").jntadr[0]])
     state = _initial_states(model, data, adr, robot, starts)

@@ -1,4 +1,4 @@
-"""Episode tables: starts and goals 10-30 m apart, a geodesic between them, each way driven once."""
+"""Builds episode tables: starts and goals 10-30 m apart with the geodesic between them, each driven once."""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -13,20 +13,20 @@ from .drive import Drive
 from .geometry import EpisodeTable
 from .planner import POOL, FreeSpace, GoalField, RobotSize, path_length, resample
 
-#: (starts (E, 4), paths) -> how each drive went.
+#: Function (starts (E, 4), paths) -> result of each drive.
 DriveAll = Callable[[np.ndarray, Sequence[np.ndarray]], list[Drive]]
 
 
 @dataclasses.dataclass(frozen=True)
 class SamplingOptions:
-    """How many starts and goals are tried; chosen manually.
+    """Numbers of starts and goals to try; chosen manually.
 
     Attributes:
-      starts_per_goal: starts tried for every goal; the mix is chosen among them.
-      samples: places tried for starts in sight of a goal.
-      goal_spacing: m that goals keep from each other while places last.
-      min_island: smallest share of the largest connected place's size at which another place is used too.
-      min_crossing: m of crosswalk on a route from which it counts as a crossing.
+      starts_per_goal: starts tried for every goal, among which rows are selected.
+      samples: positions tried for starts with a free straight line to the goal.
+      goal_spacing: m, least distance between goals, as long as there are enough positions.
+      min_island: least size of a connected area that is used, as a share of the largest one.
+      min_crossing: m, least length of crosswalk on a route that counts as a crossing.
     """
 
     starts_per_goal: int = 28
@@ -44,12 +44,12 @@ class EpisodeRules:
     """Rules of an episode table (paper: goals 10-30 m away; here 256 rows, 32 goals, waypoints every 5 m).
 
     Attributes:
-      rows, goals: their numbers.
+      rows, goals: number of rows and of goals.
       distance: (low, high) m, straight from start to goal.
-      detour: longest path in straight distances.
+      detour: largest ratio of path length to straight distance.
       spacing: m between waypoints.
       yaw: rad, largest deviation of the start's yaw from its first segment.
-      line_share, crossing_share: wanted shares of rows with a free straight line, and of rows over a crosswalk.
+      line_share, crossing_share: target shares of rows with a free straight line, and of rows over a crosswalk.
     """
 
     rows: int = 256
@@ -78,9 +78,9 @@ class _Row:
 def build_episodes(
     space: FreeSpace, size: RobotSize, seed: int, drive: DriveAll, rules: EpisodeRules | None = None
 ) -> EpisodeTable:
-    """The table of one scene; the same for the same seed.
+    """Builds the table of one scene, deterministically for a seed.
 
-    Rows that `drive` fails are replaced by others while there are any.
+    Rows that `drive` fails are replaced by others as long as there are any.
 
     Raises:
       NoRoomError: the walkable ground has too little room for `MIN_ROWS` rows.
@@ -104,7 +104,7 @@ def build_episodes(
 
 
 class NoRoomError(v.ValidationError):
-    """The walkable ground has too little room for a table."""
+    """Error: the walkable ground has too little room for a table."""
 
 
 def _no_room(found: str) -> Exception:
@@ -113,9 +113,9 @@ def _no_room(found: str) -> Exception:
 
 
 def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
-    """(n, 2) planning cells for starts and goals: sidewalk where there is any, well away from everything.
+    """(n, 2) planning cells for starts and goals, away from obstacles, on sidewalks if there are any.
 
-    Islands much smaller than the largest connected place are left out: routes there are too short.
+    Areas much smaller than the largest connected one are left out, because routes there are too short.
     """
     place, _ = ndimage.label(space.cost > 0, np.ones((3, 3)))
     sizes = np.bincount(place.ravel())
@@ -128,7 +128,7 @@ def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
 
 
 def _candidate_pool(space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rng: np.random.Generator) -> list[_Row]:
-    """Paths to `rules.goals` goals that have enough of them and, if possible, keep their distance."""
+    """Paths to `rules.goals` goals that have enough paths and, if possible, are far enough from each other."""
     order = rng.permutation(len(cells))
     pool: list[_Row] = []
     taken: list[np.ndarray] = []
@@ -151,7 +151,8 @@ def _candidates(
 ) -> list[_Row]:
     """Paths to one goal from starts whose straight distances fill the allowed range evenly.
 
-    Every other start is searched in sight of the goal: in a full street such places are rare.
+    Half of the starts are searched among positions with a free straight line to the goal, which are rare in a crowded
+    street.
     """
     field = GoalField(space, goal)
     end = space.coarse_center(goal)
@@ -185,7 +186,7 @@ def _crosses(space: FreeSpace, path: np.ndarray) -> bool:
 
 
 def _mixed_order(pool: list[_Row], rules: EpisodeRules, rng: np.random.Generator) -> list[int]:
-    """Numbers of the pool such that every stretch of it has the wanted mix and all goals take part."""
+    """Order of the pool in which every section has the target mix and all goals occur."""
     order = rng.permutation(len(pool))
     turn = dict.fromkeys(range(rules.goals), 0)
     rank = []
@@ -201,7 +202,7 @@ def _mixed_order(pool: list[_Row], rules: EpisodeRules, rng: np.random.Generator
 
 
 def _interleave(queues: list[list[int]], shares: list[float]) -> list[int]:
-    """All entries, always next from the queue that lags most behind its share."""
+    """Merges the queues; the next entry comes from the queue that is farthest below its share."""
     taken, out = [0] * len(queues), []
     while any(len(q) > t for q, t in zip(queues, taken, strict=True)):
         open_queues = [k for k, q in enumerate(queues) if taken[k] < len(q)]

@@ -1,7 +1,7 @@
-"""Maps in the files of CraftBench-Nav (docs/sources/reference_systems.md b.2): `map.json` and `layers.npz`, reading and
-writing.
+"""Reads and writes maps in the files of CraftBench-Nav (docs/sources/reference_systems.md b.2): `map.json` and
+`layers.npz`.
 
-Theirs are images: row 0 at y_max, column 0 at x_min. Ours count from the lower corner, x first.
+CraftBench-Nav stores images: row 0 at y_max, column 0 at x_min. Arrays here begin at the lower corner, x first.
 """
 
 import dataclasses
@@ -26,13 +26,13 @@ _GRID = ("x_min", "y_max", "res", "width", "height")
 
 @dataclasses.dataclass(frozen=True)
 class ExchangeMap:
-    """A scene's map with all that CraftBench-Nav's files hold.
+    """A scene's map with all fields of CraftBench-Nav's files.
 
     Attributes:
       scene: id.
       map: ground height, kind and clearance.
       top: (X, Y) float32 m, height of the highest object in a cell, NaN without ground.
-      info: further fields of `map.json`: how the map was made.
+      info: further fields of `map.json` about the origin of the map.
     """
 
     scene: str
@@ -69,10 +69,10 @@ def save_map(folder: str | os.PathLike[str], exchange: ExchangeMap) -> None:
 
 
 def load_map(folder: str | os.PathLike[str]) -> ExchangeMap:
-    """Reads a map, ours or theirs.
+    """Reads a map of this package or of CraftBench-Nav.
 
     Raises:
-      ValidationError: a file is missing, damaged, or its layers do not fit the grid.
+      ValidationError: a file is missing or damaged, or its layers do not fit the grid.
     """
     folder = pathlib.Path(folder)
     path = folder / "map.json"

@@ -1,4 +1,4 @@
-"""Route files of CraftBench-Nav, format 1 (docs/sources/reference_systems.md b.2), read and written.
+"""Reads and writes route files of CraftBench-Nav, format 1 (docs/sources/reference_systems.md b.2).
 
 `<scene>.json` holds the annotations; the folder `<scene>/` the routes planned from them for one robot: `routes.json`,
 `<id>.npy` (N x 4 float64: x, y, z, yaw) and `routes.txt`.
@@ -31,10 +31,10 @@ class PlannedRoutes:
     """Contents of a folder of planned routes.
 
     Attributes:
-      scene: id.
-      robot: its name.
-      size: of the robot.
-      grid: the map's place, as in `map.json`.
+      scene: id of the scene.
+      robot: name of the robot.
+      size: size of the robot.
+      grid: position of the map, as in `map.json`.
       routes: planned ones and failures, in the file's order.
     """
 
@@ -46,7 +46,7 @@ class PlannedRoutes:
 
     @property
     def planned(self) -> list[Route]:
-        """Those that could be planned."""
+        """The routes that could be planned."""
         return [r for r in self.routes if isinstance(r, Route)]
 
 
@@ -56,7 +56,7 @@ def plan_all(planner: RoutePlanner, scene: str, grid: dict[str, Any], wanted: Se
 
 
 def save_annotations(path: str | os.PathLike[str], scene: str, wanted: Sequence[Wanted]) -> None:
-    """Writes `<scene>.json`; points to the millimetre."""
+    """Writes `<scene>.json` with points rounded to millimetres."""
     routes = [
         {"id": w.id, "start": _mm(w.start), "via": [_mm(p) for p in w.via], "goal": _mm(w.goal), "note": w.note}
         for w in wanted
@@ -68,7 +68,7 @@ def load_annotations(path: str | os.PathLike[str]) -> tuple[str, list[Wanted]]:
     """The scene's id and its annotated routes.
 
     Raises:
-      ValidationError: not such a file, or one of a newer format.
+      ValidationError: the file has another or a newer format.
     """
     body = _checked(path, "routes", ("format", "scene", "routes"), ("saved",))
     wanted = []
@@ -90,8 +90,8 @@ def load_annotations(path: str | os.PathLike[str]) -> tuple[str, list[Wanted]]:
 
 
 def save_planned(folder: str | os.PathLike[str], planned: PlannedRoutes) -> None:
-    """Writes `routes.json`, `routes.txt` and the waypoints into the scene's folder; waypoints of an earlier
-    `routes.json` there go."""
+    """Writes `routes.json`, `routes.txt` and the waypoints to the scene's folder, and removes the waypoints of an
+    earlier `routes.json`."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     stale = _waypoint_files(folder)
@@ -121,7 +121,7 @@ def save_planned(folder: str | os.PathLike[str], planned: PlannedRoutes) -> None
 
 
 def _waypoint_files(folder: pathlib.Path) -> set[str]:
-    """Names of the waypoints that a folder's `routes.json` lists; none where there is none that can be read."""
+    """Names of the waypoint files that a folder's `routes.json` lists; empty if it cannot be read."""
     try:
         return {f"{route.id}.npy" for route in load_planned(folder).planned}
     except v.ValidationError:
@@ -129,7 +129,7 @@ def _waypoint_files(folder: pathlib.Path) -> set[str]:
 
 
 def load_planned(folder: str | os.PathLike[str]) -> PlannedRoutes:
-    """Reads a scene's folder of planned routes, ours or theirs.
+    """Reads a scene's folder of planned routes, of this package or of CraftBench-Nav.
 
     Raises:
       ValidationError: a file is missing, damaged or of a newer format.

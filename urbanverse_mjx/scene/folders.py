@@ -1,4 +1,4 @@
-"""Compiled scenes on the disk."""
+"""Finds compiled scenes on disk."""
 
 import pathlib
 from collections.abc import Sequence
@@ -9,9 +9,9 @@ from .metadata import SCHEMA
 
 
 def scene_folders(places: Sequence[pathlib.Path]) -> list[pathlib.Path]:
-    """Compiled scenes among folders and, one or more levels down, in them; each once, sorted by name.
+    """Compiled scenes among folders and their subfolders at any depth; each once, sorted by name.
 
-    A scene that a killed compilation had put aside comes back first; one that is being compiled does not count.
+    A scene that a killed compilation had moved aside is restored first; one that is being compiled does not count.
 
     Raises:
       ValidationError: there are none, or two have one name.

@@ -1,6 +1,6 @@
 """`SceneGeometry`: one compiled scene as plain arrays, before it is written as MJCF or packed into a bank.
 
-Both writers start from it, so `scene.xml` and the bank cannot differ. File: `geometry.npz`.
+`scene.xml` and the bank are both written from it, so they cannot differ. File: `geometry.npz`.
 """
 
 import dataclasses
@@ -44,7 +44,7 @@ class SceneMap:
       resolution: m.
       height: (X, Y) float32 m of the ground's top at the cell's centre, NaN where there is none.
       kind: (X, Y) uint8 over `ground.GROUND_KINDS`, paint included.
-      clearance: (X, Y) float32 m of free height above the ground, `FREE` where no hull hangs below 6.4 m.
+      clearance: (X, Y) float32 m, free height above the ground; `FREE` if no hull hangs below 6.4 m.
     """
 
     origin: np.ndarray
@@ -62,17 +62,17 @@ class SceneMap:
 
 @dataclasses.dataclass(frozen=True)
 class EpisodeTable:
-    """E episodes with at most W waypoints.
+    """Table of E episodes with at most W waypoints.
 
     Attributes:
       start: (E, 4) x, y, z of the ground, yaw.
       goal: (E, 3).
-      waypoints: (E, W, 3) every 5 m along the geodesic, the last is the goal and repeats.
+      waypoints: (E, W, 3) every 5 m along the geodesic; the last is the goal, which is repeated as padding.
       num_waypoints: (E,) i32.
       length: (E,) geodesic m.
-      line_free: (E,) bool, the straight line from start to goal is free.
-      crosses_road: (E,) bool, the path uses a crosswalk.
-      drive_time: (E,) s of the controller without obstacles, -1 where it was not driven.
+      line_free: (E,) bool, whether the straight line from start to goal is free.
+      crosses_road: (E,) bool, whether the path uses a crosswalk.
+      drive_time: (E,) s that the controller needs without obstacles, -1 if it was not driven.
     """
 
     start: np.ndarray
@@ -90,7 +90,7 @@ class EpisodeTable:
 
 @dataclasses.dataclass(frozen=True)
 class SceneGeometry:
-    """The geometry of a scene, as arrays.
+    """The geometry of a scene as arrays.
 
     Attributes:
       scene_id: unique in a bank.
@@ -115,7 +115,7 @@ class SceneGeometry:
       meshes: distinct visual meshes.
       sky: id of the sky.
       sky_yaw: rad.
-      map, episodes: see there.
+      map, episodes: see `SceneMap` and `EpisodeTable`.
     """
 
     scene_id: str
@@ -146,7 +146,7 @@ class SceneGeometry:
     episodes: EpisodeTable
 
     def with_objects(self, keep: np.ndarray) -> "SceneGeometry":
-        """The same ground with some of the objects; `keep`: (O,) bool. Meshes and hulls stay as they are."""
+        """The scene with only the objects of `keep` (O,) bool; ground, meshes and hulls do not change."""
         number = np.cumsum(keep, dtype=np.int32) - 1
         rows = keep[self.inst_object]
         names = ("position", "quaternion", "mesh", "mass", "friction", "movable")
@@ -160,7 +160,7 @@ class SceneGeometry:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes `geometry.npz`: arrays by name, lists of arrays concatenated with their starts."""
+        """Writes `geometry.npz`: arrays by name, and lists of arrays concatenated together with their offsets."""
         body: dict[str, np.ndarray] = {}
         meta: dict[str, Any] = {"schema": SCHEMA}
         for field in dataclasses.fields(self):
@@ -209,7 +209,7 @@ class SceneGeometry:
 
 
 def _join(name: str, arrays: Any) -> dict[str, np.ndarray]:
-    """Arrays of different shapes as one flat array, the shapes beside it."""
+    """Stores arrays of different shapes as one flat array and their shapes."""
     arrays = list(arrays)
     dims = max((a.ndim for a in arrays), default=1)
     flat = np.concatenate([a.ravel() for a in arrays]) if arrays else np.zeros(0, np.float32)

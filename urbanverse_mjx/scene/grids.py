@@ -1,4 +1,4 @@
-"""Per-scene grids that list the hulls and prisms near a place."""
+"""Per-scene grids that list the hulls and prisms near each position."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ HEADROOM = 2.0
 
 
 def box_distance(points: np.ndarray, centre: np.ndarray, rotation: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Distance (m) in the ground plane from points (n, 2) to an oriented box turned about z alone."""
+    """Distance (m) in the ground plane from points (n, 2) to a box that is rotated about z only."""
     local = (points - centre[:2]) @ rotation[:2, :2]
     return np.linalg.norm(np.maximum(np.abs(local) - half[:2], 0.0), axis=-1)
 
@@ -28,13 +28,13 @@ def build_grid(
     reach: float = REACH,
     ceiling: float = np.inf,
 ) -> list[list[list[int]]]:
-    """For every cell the numbers of the boxes within `reach` of any point of it, nearest to the centre first.
+    """Lists for every cell the numbers of the boxes within `reach` of any of its points, nearest to the centre first.
 
     Args:
       origin: (2,) m.
       shape: cells in x and y.
       centres: (n, 3) world centres.
-      rotations: (n, 3, 3) turned about z alone.
+      rotations: (n, 3, 3) about z only.
       halves: (n, 3) m.
       reach: m.
       ceiling: boxes whose lower side is above it are left out.

@@ -1,4 +1,4 @@
-"""Ground regions -> convex prisms to stand on and one visual mesh each."""
+"""Converts each ground region to convex collision prisms and a visual mesh."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -13,15 +13,16 @@ from ..datatypes.ground import KIND_INDEX, PAINT_KINDS
 from ..geometry.polygons import MAX_OVERLAP
 from .polygons import convex_parts, triangulate
 
-#: Corners of a prism's ring; two rings make 16 vertices (design, section 3).
+#: Largest number of corners of a prism's ring; two rings make 16 vertices.
 MAX_RING = 8
 #: Prisms end this far (m) below the scene's lowest ground, so that no kerb is open underneath.
 THICKNESS = 0.3
 #: Paint is drawn this high (m) above its surface.
 PAINT_LIFT = 0.003
-#: Frames of regions sit on this raster (m), a power of two: float32 holds it exactly, so seams stay level.
+#: m; frames of regions lie on this raster, a power of two that float32 represents exactly, so that seams stay level.
 _FRAME_RASTER = 1 / 64
-#: m within which a road borders on a crosswalk, and the shortest border that gives the direction of traffic.
+#: m, distance within which a road borders on a crosswalk, and length of the shortest border that determines the
+#: direction of traffic.
 _MIN_BORDER = 0.05
 
 
@@ -44,7 +45,7 @@ class Prism:
 
     Attributes:
       region: number of its region.
-      position: (3,) m, where its frame sits (no rotation).
+      position: (3,) m, origin of its frame (without rotation).
       corners: (2n, 3) float32 in that frame: the top ring, then the bottom ring.
     """
 
@@ -54,10 +55,10 @@ class Prism:
 
 
 def check_regions(regions: Sequence[Region]) -> None:
-    """Refuses non-paint regions that overlap, and a scene without ground to stand on.
+    """Raises an error if non-paint regions overlap or there is no ground to stand on.
 
     Raises:
-      ValidationError: naming the two regions, or saying that there is no ground.
+      ValidationError: two regions overlap, or there is no ground.
     """
     solid = [r for r in regions if r.kind not in PAINT_KINDS]
     if not solid:
@@ -90,7 +91,7 @@ def _lowest(region: Region) -> float:
 
 
 def ground_prisms(regions: Sequence[Region]) -> list[Prism]:
-    """Few convex prisms whose tops cover every non-paint region exactly and lie in its plane."""
+    """A small number of convex prisms whose tops cover every non-paint region exactly and lie in its plane."""
     solid = [(i, r) for i, r in enumerate(regions) if r.kind not in PAINT_KINDS]
     bottom = min(_lowest(r) for _, r in solid) - THICKNESS
     prisms = []
@@ -104,9 +105,10 @@ def ground_prisms(regions: Sequence[Region]) -> list[Prism]:
 
 
 def traffic_turn(region: Region, regions: Sequence[Region]) -> float:
-    """rad in (-pi/2, pi/2], direction of the traffic over a crosswalk: across its borders with the roads.
+    """rad in (-pi/2, pi/2], direction of the traffic over a crosswalk: perpendicular to its borders with the roads.
 
-    0 for other kinds, and where no road is near. Borders count by length and whichever way round (doubled angles).
+    0 for other kinds, or if no road is near. Borders are weighted by length, regardless of their orientation (doubled
+    angles).
     """
     if region.kind != "crosswalk":
         return 0.0
@@ -125,10 +127,10 @@ def traffic_turn(region: Region, regions: Sequence[Region]) -> float:
 def region_mesh(
     region: Region, texture: np.ndarray, tile: float, roughness: float, metallic: float = 0.0, turn: float = 0.0
 ) -> tuple[np.ndarray, AssetMesh]:
-    """Visual mesh of a region and where its frame sits.
+    """Visual mesh of a region, and the position of its frame.
 
-    The top is textured in world coordinates, `tile` metres a repetition and u at `turn` rad from +x; other kinds
-    than paint get a skirt down to `THICKNESS` below their lowest point, which shows as the kerb's face.
+    The top is textured in world coordinates with `tile` metres per repetition and u at `turn` rad from +x. Kinds other
+    than paint get a skirt down to `THICKNESS` below their lowest point, which is visible as the face of kerbs.
 
     Returns:
       (3,) m position without rotation, and the mesh in that frame.
@@ -155,12 +157,12 @@ def region_mesh(
 
 
 def _turned(angle: float) -> np.ndarray:
-    """(2, 2) that takes row vectors to axes turned by `angle`."""
+    """(2, 2) matrix that transforms row vectors to axes rotated by `angle`."""
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def _skirt(top: np.ndarray, bottom: float, tile: float, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices, uv and faces of the vertical sides below a ring, numbered from `first`; every side has its own."""
+    """Vertices, uv and faces of the vertical sides below a ring, numbered from `first`; sides do not share vertices."""
     after = np.roll(top, -1, 0)
     low, low_after = top.copy(), after.copy()
     low[:, 2] = low_after[:, 2] = bottom

@@ -1,4 +1,4 @@
-"""Half-length scenes (paper, "spatial horizon": each scene truncated to about 100 m, two of every one)."""
+"""Splits scenes into halves (paper, "spatial horizon": each scene is truncated to about 100 m, which gives two)."""
 
 import dataclasses
 
@@ -8,16 +8,16 @@ import shapely
 from ..datatypes import PlacedGround, SceneLayout
 from ..datatypes import validation as v
 
-#: Corners nearer to each other than this (m) are one. Corners are not rounded: neighbours still meet after the cut.
+#: m; closer corners are merged. Corners are not rounded, so that neighbours still touch after the cut.
 _MERGE_DISTANCE = 1e-4
-#: Pieces of ground smaller than this (m²) are left out.
+#: m²; smaller pieces of ground are left out.
 _MIN_AREA = 0.05
 
 
 def half_layouts(layout: SceneLayout) -> tuple[SceneLayout, SceneLayout]:
-    """A layout cut in two across its longer direction where half of the ground lies on either side.
+    """Cuts a layout across its longer direction, with half of the ground on either side.
 
-    Objects belong to the half that their origin stands in; ground is cut. Ids end in `_Half_01` and `_Half_02`.
+    Objects belong to the half that contains their origin; ground is cut. Ids end in `_Half_01` and `_Half_02`.
 
     Raises:
       ValidationError: a half has no ground.
@@ -29,9 +29,9 @@ def half_layouts(layout: SceneLayout) -> tuple[SceneLayout, SceneLayout]:
 
 
 def _axis(layout: SceneLayout) -> tuple[np.ndarray, np.ndarray]:
-    """(2,) m, where the cut goes through, and (2,) the unit direction that it is square to, towards growing x or y."""
+    """(2,) m, a point of the cut, and (2,) its unit normal, towards positive x or y."""
     ground = [shapely.Polygon(r.polygon) for r in layout.ground]
-    # Ground as triangles: their middles, weighed by area, spread as the ground does.
+    # The centres of the ground's triangles, weighted by area, give the distribution of the ground.
     pieces = [t for g in ground for t in shapely.get_parts(shapely.constrained_delaunay_triangles(g))]
     middle, area = np.array([[t.centroid.x, t.centroid.y] for t in pieces]), np.array([t.area for t in pieces])
     mean = (middle * area[:, None]).sum(0) / area.sum()
@@ -45,7 +45,7 @@ def _axis(layout: SceneLayout) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _half(layout: SceneLayout, origin: np.ndarray, out: np.ndarray, span: float, number: int) -> SceneLayout:
-    """The part on the side of the cut that `out` points to."""
+    """The half on the side of the cut that `out` points to."""
     across = np.array([-out[1], out[0]]) * span
     far = out * span
     side = shapely.Polygon([origin - across, origin + across, origin + across + far, origin - across + far])

@@ -11,8 +11,8 @@ from ..datatypes import validation as v
 from ..datatypes.asset import MAX_HULL_VERTICES
 from ..datatypes.scene_bank import MAX_HULL_TRIANGLES
 
-#: Triangles smaller than this share of the hull's squared size are slivers of Qhull's triangulation of flat facets;
-#: their neighbours lie in the same plane and meet the same edges, so dropping them does not change the hull.
+#: Triangles with a smaller area, as a share of the hull's squared size, are slivers of Qhull's triangulation of flat
+#: facets. Their neighbours lie in the same plane and share their edges, so dropping them does not change the hull.
 _SLIVER = 1e-12
 
 
@@ -40,11 +40,10 @@ class ConvexPart:
 
 
 def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
-    """The convex hull of `points` (n, 3); the same points give the same part, which is cached and must not be written
-    to.
+    """Computes the convex hull of `points` (n, 3). The result is cached and must not be modified.
 
     Raises:
-      ValidationError: fewer than four points, all in one plane, or more than 32 corners.
+      ValidationError: there are fewer than four points, all lie in one plane, or the hull has more than 32 corners.
     """
     try:
         return _convex_part(np.ascontiguousarray(points, np.float32).tobytes())
@@ -53,10 +52,10 @@ def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
 
 
 class _NoPart(ValueError):
-    """Error with what was found, what was needed and what to try."""
+    """Error that states what was found, what was needed and what to try."""
 
 
-# A scene asks for a hull several times (its mass, its table), and cousins share assets.
+# Cached, because a scene uses a hull several times (mass, table), and cousins share assets.
 @functools.lru_cache(maxsize=8192)
 def _convex_part(content: bytes) -> ConvexPart:
     points = np.frombuffer(content, np.float32).reshape(-1, 3)
@@ -108,5 +107,5 @@ def hull_table(parts: Sequence[ConvexPart]) -> dict[str, np.ndarray]:
 
 
 def _padded(rows: np.ndarray, length: int) -> np.ndarray:
-    """`rows` followed by copies of its first row."""
+    """Pads `rows` with copies of the first row."""
     return np.concatenate([rows, np.repeat(rows[:1], length - len(rows), 0)])

@@ -1,5 +1,4 @@
-"""The sets of the scene library: their names, the folders of their graphs, scenes and banks, and the required contents
-of a bank.
+"""The sets of the scene library: names, folders of graphs, scenes and banks, and the required contents of a bank.
 
 `scenes/library.json` names the sets; `urbanverse scene library` builds them into the cache.
 """
@@ -14,8 +13,8 @@ from ..datatypes import validation as v
 from ..datatypes.reach_count import most_objects_in_reach, most_prisms_in_reach
 
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
-#: Modules that make the graphs of a set without files: `citygen.craftbench` and `citygen.validation_streets` by hand,
-#: `citygen.procedural_streets` and `citygen.procedural_places` from templates.
+#: Generators of sets whose graphs are not files: `citygen.craftbench` and `citygen.validation_streets` (hand-made),
+#: `citygen.procedural_streets` and `citygen.procedural_places` (from templates).
 GENERATORS = ("craft", "validation", "procedural", "places")
 _OPTIONAL = ("numbered", "builder", "validation")
 
@@ -25,13 +24,13 @@ class SceneSet:
     """A set of scenes.
 
     Attributes:
-      name: of its folder below `scenes/` and in the cache.
-      cousins: of each layout.
-      split: one of `SPLITS`.
-      seed: of materialisation and episodes.
+      name: name of its folder below `scenes/` and in the cache.
+      cousins: number of cousins of each layout.
+      split: split of its scenes, one of `SPLITS`.
+      seed: seed of materialisation and episodes.
       validation: layouts that are held out of `split` for validation, with all their cousins.
-      numbered: whether scene ids end in _Cousin_<k>, as the authors' do.
-      builder: "" where graphs are files, else the generator that makes them: one of `GENERATORS`.
+      numbered: whether scene ids end in _Cousin_<k>, like those of UrbanVerse's authors.
+      builder: "" if graphs are files, otherwise their generator, one of `GENERATORS`.
     """
 
     name: str
@@ -47,12 +46,12 @@ class SceneSet:
         return f"{layout}_Cousin_{cousin + 1:02d}" if self.numbered else layout
 
     def split_of(self, scene: str) -> str:
-        """The split of a scene of this set, by its id."""
+        """The split of the scene with an id of this set."""
         held_out = (self.scene_id(layout, k) for layout in self.validation for k in range(self.cousins))
         return "validation" if scene in held_out else self.split
 
     def graphs(self) -> dict[str, pathlib.Path]:
-        """Layout id -> its graph's file, by name; empty where a generator makes them."""
+        """Layout id -> file of its graph, sorted by name; empty if a generator makes the graphs."""
         root = settings.scene_root() / self.name
         return {path.parent.name: path for path in sorted(root.glob("*/graph.json*"))}
 
@@ -80,7 +79,7 @@ def sets() -> dict[str, SceneSet]:
 
 
 def scene_set(name: str) -> SceneSet:
-    """A set by name.
+    """Returns a set by name.
 
     Raises:
       ValidationError: no set has this name.
@@ -90,21 +89,21 @@ def scene_set(name: str) -> SceneSet:
 
 
 def held_out(scenes: Iterable[str]) -> list[str]:
-    """Those of some scene ids that a set of the library holds out for validation, in their order."""
+    """Selects the scene ids that a set of the library holds out for validation, in their order."""
     known = sets().values()
     return [scene for scene in scenes if any(s.validation and s.split_of(scene) == "validation" for s in known)]
 
 
 def folder(name: str) -> pathlib.Path:
-    """Where a set is built: `scenes/<id>/`, `records/<id>.json`, `report.json` and `bank.npz`."""
+    """Folder of a built set: `scenes/<id>/`, `records/<id>.json`, `report.json` and `bank.npz`."""
     return settings.cache_dir("library", scene_set(name).name)
 
 
 def bank_path(name: str) -> pathlib.Path:
-    """The bank of a set, which must have been built.
+    """Path of the bank of a set, which must have been built.
 
     Raises:
-      ValidationError: no such set, or it was not built; the message names the command that builds it.
+      ValidationError: the set does not exist or is not built; the message names the command that builds it.
     """
     path = folder(name) / BANK
     if not path.is_file():
@@ -121,8 +120,8 @@ def shipped_hashes(name: str) -> dict[str, dict[str, str]]:
 
 
 def most_in_reach(bank: SceneBank, scene: int) -> dict[str, int]:
-    """The most "hulls" of objects and "prisms" of ground within reach of any robot anywhere that it may be in a scene:
-    of the robot with the longest reach that the bank's grids allow."""
+    """Largest numbers of "hulls" of objects and of "prisms" of ground within reach of a robot at any allowed position
+    of a scene, for the longest reach that the bank's grids support."""
     reach = float(bank.meta["grid_reach"])
     return {
         "hulls": most_objects_in_reach(bank, scene, reach),

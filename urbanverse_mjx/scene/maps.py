@@ -1,4 +1,4 @@
-"""The 5 cm map of a scene: ground height, kind, free height, and how high objects reach."""
+"""Computes the 5 cm map of a scene: height and kind of the ground, free height, and height of objects."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -12,14 +12,14 @@ from .geometry import SceneMap
 from .ground import Region, kind_index, plane_height
 
 RESOLUTION = 0.05
-#: Clearance of a cell without a hull above it, and the height (m) from which hulls do not count (navbench's format).
+#: m, clearance of a cell without a hull above it, and height above which hulls are ignored (navbench's format).
 FREE, CEILING = 9.99, 6.4
-#: Ground-free cells around the regions, m.
+#: m, width of the margin without ground around the regions.
 _MAP_MARGIN = 0.5
 
 
 def ground_map(regions: Sequence[Region]) -> SceneMap:
-    """Height and kind of the ground, without objects."""
+    """Computes the map of the ground without objects."""
     rings = [np.asarray(r.polygon) for r in regions]
     low, high = np.min([r.min(0) for r in rings], 0), np.max([r.max(0) for r in rings], 0)
     origin = np.floor((low - _MAP_MARGIN) / RESOLUTION) * RESOLUTION
@@ -44,9 +44,9 @@ def ground_map(regions: Sequence[Region]) -> SceneMap:
 def with_clearance(
     scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray
 ) -> SceneMap:
-    """The map with the free height below the hulls (n, 3) standing at T_world_hull.
+    """Adds the free height below the hulls (n, 3) at T_world_hull to a map.
 
-    Below a hull the height of its lowest corner counts, and every cell that its footprint touches is below it.
+    The height of a hull is that of its lowest corner, for every cell that its footprint touches.
     """
     clearance = scene_map.clearance.copy()
     for i, j, low, high in _footprints(scene_map, hulls, rotations, positions):
@@ -60,7 +60,7 @@ def with_clearance(
 def tops(scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """(X, Y) float32 m: height of the highest object in each cell, ground included, NaN without ground.
 
-    Of a hull the height of its highest corner counts, as of its lowest in `with_clearance`.
+    The height of a hull is that of its highest corner.
     """
     top = scene_map.height.copy()
     for i, j, _, high in _footprints(scene_map, hulls, rotations, positions):
@@ -71,7 +71,7 @@ def tops(scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray
 def _footprints(
     scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray, float, float]]:
-    """Of each hull (n, 3) at T_world_hull the cells (i, j) that it touches from above, its lowest and highest z, m."""
+    """Yields for each hull (n, 3) at T_world_hull the cells (i, j) of its footprint and its lowest and highest z, m."""
     for corners, rotation, position in zip(hulls, rotations, positions, strict=True):
         world = corners @ rotation.T + position
         i, j = filled(scene_map.grid, grown_outline(world[:, :2], RESOLUTION * np.sqrt(0.5)))

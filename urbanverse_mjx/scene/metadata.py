@@ -31,7 +31,7 @@ def place_metadata(place: Source | None, routes: PlannedRoutes, geometry: SceneG
 def scene_metadata(
     layout: SceneLayout, index: AssetIndex, geometry: SceneGeometry, robot: RobotSpec, size: RobotSize
 ) -> dict[str, Any]:
-    """Inputs and counts of the scene; `size`: of the robot of its episodes."""
+    """Inputs and counts of the scene; `size`: size of the robot of its episodes."""
     table, m = geometry.episodes, geometry.map
     used = sorted({o.asset_uid for o in layout.objects})
     return {

@@ -1,4 +1,4 @@
-"""`SceneGeometry` -> MJCF that stock MuJoCo loads with no code of ours.
+"""Converts `SceneGeometry` to MJCF that stock MuJoCo loads without this package.
 
 Group 2: visual meshes, no contact. Group 3: CoACD hulls of objects and ground prisms. One body per object, named by its
 id, static or (movable ones, on request) with a free joint; ground prisms belong to the world.
@@ -18,11 +18,13 @@ from ..datatypes import AssetMesh
 from .geometry import SceneGeometry, Sky
 from .hulls import convex_part
 
-#: Physics step, s: at 20 ms sphere wheels bump 12 mm on skewed seams, at 10 ms 0.6 mm (docs/sources/measured.md).
+#: Physics step, s. Sphere wheels jump by 12 mm on oblique seams at 20 ms, and by 0.6 mm at 10 ms
+#: (docs/sources/measured.md).
 TIMESTEP = 0.01
 #: Side of a face of the skybox, pixels.
 _SKY_FACE = 64
-#: Face of MuJoCo's skybox file: direction of its centre, of the image's right and of its down (z-up world).
+#: Face of MuJoCo's skybox file -> directions of its centre, of the image's right side and of its lower side (z-up
+#: world).
 _SKY_FACES = {
     "right": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
     "left": ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
@@ -34,20 +36,20 @@ _SKY_FACES = {
 
 
 def _numbers(values: Sequence[float] | np.ndarray) -> str:
-    """Shortest text that reads back as the same float32 numbers."""
+    """Shortest text that is parsed to the same float32 numbers."""
     return " ".join(np.ravel(values).astype(np.float32).astype("U16").tolist())
 
 
 def scene_mjcf(
     scene: SceneGeometry, sky: Sky | None = None, visuals: bool = True, free: bool = False, comment: str = ""
 ) -> tuple[str, dict[str, bytes]]:
-    """The scene as MJCF text and the files it names.
+    """Converts the scene to MJCF text and the files that it references.
 
     Args:
-      sky: gives the skybox and the sun; without it there is no light.
-      visuals: whether to draw; physics is the same without.
-      free: whether movable objects have a free joint; else all objects are fixed to the world.
-      comment: first line of the file, for people; without "--", which XML does not allow there.
+      sky: defines the skybox and the sun; without it there is no light.
+      visuals: whether to include visual meshes, which do not affect physics.
+      free: whether movable objects have a free joint; otherwise all objects are fixed to the world.
+      comment: comment in the first line of the file; must not contain "--", which XML forbids.
 
     Returns:
       XML, and file contents by path relative to it (`meshes/`, `textures/`).
@@ -78,7 +80,7 @@ def scene_mjcf(
 def scene_spec(scene: SceneGeometry, sky: Sky | None = None, visuals: bool = False) -> mujoco.MjSpec:
     """The same scene as an `MjSpec` in memory; a robot can be attached to it."""
     text, files = scene_mjcf(scene, sky, visuals)
-    # MjSpec finds files by their name alone.
+    # MjSpec finds files by their names without folders.
     return mujoco.MjSpec.from_string(text, assets={path.split("/")[-1]: body for path, body in files.items()})
 
 
@@ -178,7 +180,7 @@ def _add_meshes(asset: ET.Element, scene: SceneGeometry) -> dict[str, bytes]:
 def msh_bytes(mesh: AssetMesh) -> bytes:
     """MuJoCo's binary mesh: counts, then positions, texture coordinates and faces (float32 is kept exactly).
 
-    Its texture coordinates count from the image's top row, ours from the lowest.
+    MuJoCo's texture coordinates begin at the image's top row, those of `VisualMesh` at the lowest.
     """
     uv = np.column_stack([mesh.uv[:, 0], 1.0 - mesh.uv[:, 1]]).astype("<f4")
     head = struct.pack("<4i", len(mesh.vertices), 0, len(uv), len(mesh.faces))
@@ -190,7 +192,7 @@ def png_bytes(pixels: np.ndarray) -> bytes:
     return _png_bytes(pixels.tobytes(), pixels.shape[0], pixels.shape[1])
 
 
-# The scene's MJCF, its USD and the cousins that follow show the same textures.
+# Cached, because a scene's MJCF, its USD and further cousins use the same textures.
 @functools.lru_cache(maxsize=512)
 def _png_bytes(content: bytes, height: int, width: int) -> bytes:
     buffer = io.BytesIO()
@@ -207,8 +209,8 @@ def _add_sky(
         files[f"textures/sky_{face}.png"] = png_bytes(_sky_face(sky.radiance, scene.sky_yaw, axes))
         names[f"file{face}"] = f"sky_{face}.png"
     ET.SubElement(asset, "texture", {"name": "sky", "type": "skybox", **names})
-    # MuJoCo adds display values, the sky's are linear: the shade shows the sky's light alone, sun and shade together
-    # show the sum of both.
+    # MuJoCo adds display values, whereas radiance is linear. The ambient light is the sky's display value; the sun's is
+    # the difference to that of sky and sun together.
     rows = (np.arange(len(sky.radiance)) + 0.5) / len(sky.radiance) * np.pi
     weight = np.where(rows < np.pi / 2, np.cos(rows) * np.sin(rows), 0.0)
     shade = (sky.radiance.mean(1) * weight[:, None]).sum(0) / weight.sum()

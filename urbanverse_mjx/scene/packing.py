@@ -1,4 +1,4 @@
-"""Compiled scene folders -> one bank."""
+"""Packs compiled scene folders into one bank."""
 
 import os
 from collections.abc import Sequence
@@ -12,14 +12,14 @@ from .compiler import CompiledScene
 
 
 def pack_bank(folders: Sequence[str | os.PathLike[str]], splits: Sequence[str]) -> SceneBank:
-    """The bank of compiled scenes.
+    """Makes a bank of compiled scenes.
 
     Args:
-      folders: what `compile_scene` wrote.
-      splits: of each, one of `SPLITS`.
+      folders: folders that `compile_scene` wrote.
+      splits: split of each scene, one of `SPLITS`.
 
     Raises:
-      ValidationError: a folder is no compiled scene, or an id comes twice.
+      ValidationError: a folder is not a compiled scene, or an id occurs twice.
     """
     if len(folders) != len(splits):
         raise v.fail("bank splits", f"{len(splits)} for {len(folders)} scenes", "one for each scene")

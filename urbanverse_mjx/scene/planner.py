@@ -1,7 +1,8 @@
-"""Where a robot can go, and the shortest paths there: fields on a coarse grid, paths pulled taut on the 5 cm map.
+"""Path planning for a robot: cost fields on a coarse grid, and paths shortened on the 5 cm map.
 
-Two price lists: `WALK`, by which our episodes keep to pavements and never meet a kerb (a free straight line is then
-always best), and `NAVBENCH`, by which CraftBench-Nav's robots climb kerbs and cross roads where that is worth it.
+There are two cost tables: `WALK`, with which episodes stay on pavements and never cross a kerb (a free straight line is
+then always optimal), and `NAVBENCH`, with which CraftBench-Nav's robots climb kerbs and cross roads where that is
+cheaper.
 """
 
 import dataclasses
@@ -16,16 +17,16 @@ from ..geometry.geodesics import extra_near
 from ..geometry.grids import cell_of, closed, pooled
 from .geometry import SceneMap
 
-#: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm.
+#: Cells of the 5 cm map along a side of a planning cell (20 cm) for episodes.
 POOL = 4
-#: Cost per metre by kind; near objects up to 1.0 more within 0.5 m (docs/sources/reference_systems.md b.2).
+#: Cost per metre by kind of ground; up to 1.0 is added within 0.5 m of objects (docs/sources/reference_systems.md b.2).
 KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
 NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
-#: A step (m) between neighbouring cells from which on it counts as a kerb (same source).
+#: m, least step between neighbouring cells that counts as a kerb (same source).
 KERB = 0.03
-#: Road at most this far (m) from painted stripes on two sides is part of the crosswalk (same source).
+#: m; road within this distance of painted stripes on two sides is part of the crosswalk (same source).
 _MAX_STRIPE_GAP = 0.6
-#: Further passes that shorten a path, an even number: each turns it round.
+#: Number of additional shortening passes; even, because each reverses the path.
 _SHORTENING_PASSES = 2
 
 
@@ -36,10 +37,10 @@ class RobotSize:
 
     Attributes:
       radius: m, half of the width that it needs.
-      margin: m, kept free beyond it while driving.
-      end_margin: m, kept free beyond the radius at starts and goals.
+      margin: m, additional clearance while driving.
+      end_margin: m, additional clearance at starts and goals.
       height: m.
-      step: m, the highest edge it may roll over.
+      step: m, the highest edge that it may drive over.
     """
 
     radius: float = 0.35
@@ -54,10 +55,10 @@ class PriceList:
     """The cost of a path and the resolution of its search grid.
 
     Attributes:
-      kinds: cost of a metre by kind of ground; other kinds are never entered.
+      kinds: cost per metre by kind of ground; other kinds are not traversable.
       pool: cells of the map along a side of a planning cell.
-      kerb: m of sidewalk with the cost of climbing one kerb. Above 0 a straight line is taken only where it costs no
-        more than the path it replaces.
+      kerb: m of sidewalk that cost as much as climbing one kerb. If above 0, a straight line replaces a path only if it
+        costs no more.
     """
 
     kinds: Mapping[str, float]
@@ -66,10 +67,10 @@ class PriceList:
 
 
 WALK = PriceList(KIND_COST)
-#: CraftBench-Nav: 10 cm cells, roads at six times a sidewalk's price, 5 m for a kerb.
+#: CraftBench-Nav: 10 cm cells; the cost of roads is six times that of sidewalks, that of a kerb is 5 m.
 NAVBENCH = PriceList({**KIND_COST, "road": 6.0, "road_marking": 6.0}, pool=2, kerb=5.0)
 
-#: CraftBench-Nav's robots: radius, height, and the step they climb.
+#: CraftBench-Nav's robots: radius, height, and the highest step that they climb.
 ROBOTS: dict[str, RobotSize] = {
     "delivery": RobotSize(0.35, margin=0.0, height=1.0, step=0.22),
     "quadruped": RobotSize(0.35, margin=0.0, height=0.5, step=0.25),
@@ -79,15 +80,15 @@ ROBOTS: dict[str, RobotSize] = {
 
 @dataclasses.dataclass(frozen=True)
 class FreeSpace:
-    """The 5 cm map for a robot's size.
+    """The traversable space of a robot on the 5 cm map.
 
     Attributes:
       map: its input.
-      distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken off.
-      free: (X, Y) bool, its centre may be there.
+      distance: (X, Y) m from a cell to the nearest obstacle or end of the ground, minus half a cell.
+      free: (X, Y) bool, whether the robot's centre may be in a cell.
       cost: (X // pool, Y // pool) per metre, -1 = not passable.
       pool: cells of the map along a side of a planning cell.
-      price: (X, Y) per metre where straight lines are weighed, else None: the free ones are best.
+      price: (X, Y) cost per metre of straight lines; None if free straight lines are always optimal.
     """
 
     map: SceneMap
@@ -107,12 +108,12 @@ class FreeSpace:
         return self.map.origin + (np.asarray(cells) + 0.5) * self.pool * self.map.resolution
 
     def coarse_cell(self, xy: np.ndarray) -> np.ndarray:
-        """(..., 2) numbers of the planning cells that points (..., 2) lie in; they may be outside the map."""
+        """(..., 2) indices of the planning cells that contain points (..., 2); they may be outside the map."""
         return cell_of(np.asarray(xy), self.map.origin, self.pool * self.map.resolution)
 
     def _lines(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Cells (i, j) under points at most one cell (half a cell where lines are weighed) apart on each way from a to
-        b, (n, 2) m, one way after the other, and (n,) where in them each way begins."""
+        """Cells (i, j) under points at most one cell (half a cell if lines have a cost) apart on the straight lines
+        from a to b, (n, 2) m, concatenated, and (n,) the index at which each line begins."""
         span, resolution = b - a, self.map.resolution
         apart = resolution if self.price is None else resolution / 2
         number = np.maximum(1, np.ceil(np.sqrt((span * span).sum(1)) / apart)).astype(np.intp)
@@ -124,13 +125,13 @@ class FreeSpace:
         return i, j, first
 
     def lines_free(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """(n,) bool: whether the robot can go straight from a to b, (n, 2) m each."""
+        """(n,) bool, whether the robot can drive straight from a to b, (n, 2) m each."""
         i, j, first = self._lines(a, b)
         return np.logical_and.reduceat(self.free[i, j], first[:-1])
 
     def line_prices(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """(n,) cost of the straight lines from a to b, (n, 2) m each, free or not; their length where all costs are
-        1."""
+        """(n,) cost of the straight lines from a to b, (n, 2) m each, free or not; equal to their length if all costs
+        are 1."""
         length = np.linalg.norm(b - a, axis=1)
         if self.price is None:
             return length
@@ -149,7 +150,7 @@ def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -
     price = of_kind[kind] + extra_near(distance, size.radius, NEAR_COST, NEAR_DISTANCE)
     cost = pooled(price, prices.pool, np.max)
     if prices.kerb:
-        # Both cells beside a kerb are its edge: crossing it goes over two of them.
+        # Both cells beside a kerb count as its edge, so crossing it passes two of them.
         kerb = _edges(scene_map.height, KERB) * (prices.kerb / (2 * resolution))
         cost, price = cost + pooled(kerb, prices.pool, np.mean), price + kerb
     cost = np.where(pooled(free, prices.pool, np.all), cost, -1.0)
@@ -157,8 +158,8 @@ def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -
 
 
 def whole_crosswalks(scene_map: SceneMap) -> SceneMap:
-    """The map with the road between the stripes of a crosswalk as crosswalk: the authors' maps hold the stripes alone,
-    and paths would weave from one to the next."""
+    """Marks the road between the stripes of a crosswalk as crosswalk. The authors' maps mark only the stripes, and
+    paths would weave between them."""
     stripes = scene_map.kind == KIND_INDEX["crosswalk"]
     road = np.isin(scene_map.kind, [KIND_INDEX["road"], KIND_INDEX["road_marking"]])
     between = closed(stripes, _MAX_STRIPE_GAP, scene_map.resolution) & road
@@ -179,24 +180,25 @@ def _edges(height: np.ndarray, step: float) -> np.ndarray:
 
 
 class GoalField:
-    """Cheapest paths from everywhere to one goal."""
+    """Cheapest paths from all cells to one goal."""
 
     def __init__(self, space: FreeSpace, goal: np.ndarray) -> None:
         """`goal`: (2,) numbers of a passable planning cell."""
         self._space = space
         self._search = MCP_Geometric(space.cost, fully_connected=True)
         costs, _ = self._search.find_costs([tuple(int(c) for c in goal)])
-        #: Cost to the goal of every planning cell, inf where there is no path.
+        #: Cost from every planning cell to the goal, inf without a path.
         self.cost: np.ndarray = costs * space.pool * space.map.resolution
 
     def paths(self, starts: np.ndarray) -> list[np.ndarray]:
-        """For planning cells (n, 2) with finite cost the shortened paths (k, 2) m from there to the goal."""
+        """Shortened paths (k, 2) m to the goal from planning cells (n, 2) of finite cost."""
         paths = []
         for start in starts:
             cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
             paths.append(self._space.coarse_center(cells))
         paths = _pull_all(self._space, paths)
-        # Corners lie on planning cells; cutting again between finer points, from either end, takes most of that back.
+        # Corners lie on planning cells; further shortening between finer points, from both ends, removes most of this
+        # discretisation.
         for _ in range(_SHORTENING_PASSES):
             fine = [np.concatenate([p[:1], resample(p, self._space.pool * self._space.map.resolution)]) for p in paths]
             paths = _pull_all(self._space, [p[::-1] for p in fine])
@@ -204,7 +206,7 @@ class GoalField:
 
 
 def _pull_all(space: FreeSpace, paths: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Pulls paths (k, 2) taut side by side: their questions are answered together, which numpy does faster."""
+    """Shortens several paths (k, 2) at once, so that NumPy checks their lines in one batch."""
     kept: list[np.ndarray] = [np.zeros((0, 2))] * len(paths)
     pulls = {n: _pull(len(path)) for n, path in enumerate(paths)}
     answers: dict[int, bool | None] = dict.fromkeys(pulls)
@@ -222,7 +224,7 @@ def _pull_all(space: FreeSpace, paths: Sequence[np.ndarray]) -> list[np.ndarray]
             b = np.array([paths[n][j] for n, (_, j) in asked.items()])
             good = space.lines_free(a, b)
             if running_costs is not None:
-                # One part in a thousand: sampling may price the same line a little differently.
+                # Tolerance of 0.1 %, because sampling changes the cost of the same line slightly.
                 along = np.array([running_costs[n][j] - running_costs[n][i] for n, (i, j) in asked.items()])
                 good &= space.line_prices(a, b) <= 1.001 * along
             answers = dict(zip(asked, good.tolist(), strict=True))
@@ -235,10 +237,10 @@ def _costs_along(space: FreeSpace, path: np.ndarray) -> np.ndarray:
 
 
 def _pull(count: int) -> Generator[tuple[int, int], bool | None, list[int]]:
-    """Cuts every stretch short that a straight line may replace, longest strides tried first by doubling.
+    """Coroutine that replaces sections of a path by straight lines; tries section lengths by doubling.
 
-    Yields two of the numbers of the path's `count` points, receives whether the line between them may be taken, and
-    returns the numbers of the points that stay.
+    Yields the indices of two of the path's `count` points, receives whether the line between them is allowed, and
+    returns the indices of the points that are kept.
     """
     kept, here, last = [0], 0, count - 1
     while here < last:
@@ -260,7 +262,7 @@ def path_length(path: np.ndarray) -> float:
 
 
 def resample(path: np.ndarray, spacing: float) -> np.ndarray:
-    """Points on a polyline (n, 2) every `spacing` m from its first point (left out) to its last (always there)."""
+    """Points on a polyline (n, 2) every `spacing` m, without its first point and always with its last."""
     span = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     number = max(1, int(np.ceil(span[-1] / spacing - 1e-6)))
     at = np.minimum(spacing * np.arange(1, number + 1), span[-1])

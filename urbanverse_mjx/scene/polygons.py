@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-#: Cross products (m^2) smaller than this count as straight.
+#: m^2; corners with a smaller cross product count as straight.
 _STRAIGHT_TOLERANCE = 1e-9
-#: Merge orders tried before the fewest parts found are taken.
+#: Number of merge orders to try.
 _MERGE_ORDERS = 64
 
 Ring = list[int]
@@ -30,8 +30,8 @@ def without_straight_corners(polygon: np.ndarray) -> np.ndarray:
 def convex_parts(polygon: np.ndarray, max_corners: int = 8) -> list[np.ndarray]:
     """Splits a simple counter-clockwise ring (n, 2) into few convex rings that cover it exactly.
 
-    No part is cut inside: the only cuts are diagonals that remove a reflex corner, or that keep a convex part at
-    `max_corners` or fewer. Corners of the parts are corners of the polygon, so no corner is rounded.
+    The only cuts are diagonals that remove a reflex corner or limit a convex part to `max_corners`. Corners of the
+    parts are corners of the polygon, so no corner is rounded.
     """
     ring = without_straight_corners(polygon)
     rings = [list(range(len(ring)))]
@@ -39,7 +39,7 @@ def convex_parts(polygon: np.ndarray, max_corners: int = 8) -> list[np.ndarray]:
     if reflex:
         rings = _fewest(ring, _triangles(ring), bound=(reflex + 1) // 2 + 1)
     rings = [part for whole in rings for part in _chunks(whole, max_corners)]
-    # Corners in one line, ramp tops along a pavement, may leave triangles without area.
+    # Collinear corners, such as ramp tops along a pavement, may leave triangles without area.
     return [ring[part] for part in rings if shapely.Polygon(ring[part]).area > _STRAIGHT_TOLERANCE]
 
 
@@ -63,7 +63,7 @@ def _triangles(corners: np.ndarray) -> list[Ring]:
 
 
 def _fewest(corners: np.ndarray, triangles: list[Ring], bound: int) -> list[Ring]:
-    """The best of several merge orders; stops at the theoretical least number of parts."""
+    """Tries several merge orders and returns the fewest parts; stops at the theoretical minimum."""
     generator = np.random.default_rng(0)
     best: list[Ring] = triangles
     for attempt in range(_MERGE_ORDERS):
@@ -76,7 +76,7 @@ def _fewest(corners: np.ndarray, triangles: list[Ring], bound: int) -> list[Ring
 
 
 def _merge(corners: np.ndarray, triangles: list[Ring], generator: np.random.Generator | None) -> list[Ring]:
-    """Removes every diagonal whose removal leaves a convex part, longest first or in random order."""
+    """Removes every diagonal whose removal leaves a convex part, the longest first or in random order."""
     owner: dict[tuple[int, int], int] = {}
     parts: dict[int, Ring] = dict(enumerate(triangles))
     for number, ring in parts.items():
@@ -103,7 +103,7 @@ def _join(left: Ring, right: Ring, a: int, b: int) -> Ring:
 
 
 def _chunks(ring: Ring, most: int) -> list[Ring]:
-    """A convex ring as rings of at most `most` corners, all with the first corner."""
+    """Splits a convex ring into rings of at most `most` corners that share the first corner."""
     parts = []
     while len(ring) > most:
         parts.append(ring[:most])

@@ -1,7 +1,7 @@
-"""Free bodies that rest: `scene.xml` with movable objects is stepped by whoever loads it, so nothing in it may creep.
+"""Makes movable objects stable as free bodies, so that nothing in `scene.xml` moves when it is simulated.
 
-Stands that end in the air and hulls that overlap by a centimetre make an object settle when it is let go. It is laid
-where it comes to rest; one that leaves its place, or does not come to rest, stays fixed.
+Supports that end above the ground and hulls that overlap by a centimetre make an object move when it is released. Such
+an object is placed where it comes to rest; one that leaves its place or does not come to rest stays fixed.
 """
 
 import dataclasses
@@ -13,22 +13,22 @@ from .mjcf import TIMESTEP
 from .stability import SHIFT, TILT, free_motion
 
 SECONDS = 5.0
-#: m and rad by which a free object may move within `SECONDS`; the promise of the file is 1 cm and 1 degree, and the
-#: trial without distant objects rounds otherwise than the whole scene.
+#: m and rad, largest movement of a free object within `SECONDS`. The documented limit is 1 cm and 1 degree; the margin
+#: covers rounding differences between this simulation, which omits distant objects, and the whole scene.
 STILL_SHIFT, STILL_TILT = 0.008, np.radians(0.8)
-#: Instants at which the trial looks, every step: an object may hop and come back.
+#: Number of times at which positions are checked: every step, because an object may hop and return.
 _INSTANTS = round(SECONDS / TIMESTEP)
 
 
 @dataclasses.dataclass(frozen=True)
 class RestingScene:
-    """A scene whose movable objects rest as free bodies.
+    """A scene whose movable objects are at rest as free bodies.
 
     Attributes:
-      geometry: with those objects alone movable that rest, and the laid ones where they come to rest; for writing MJCF
-        (maps and episodes are as they were).
-      laid: ids of the objects that were laid where they come to rest.
-      unstable: of those that do not and are fixed.
+      geometry: scene in which only objects at rest are movable, and laid objects are where they come to rest; for
+        writing MJCF (maps and episodes are unchanged).
+      laid: ids of the objects that were moved to where they come to rest.
+      unstable: ids of the objects that do not come to rest and are fixed.
     """
 
     geometry: SceneGeometry
@@ -37,10 +37,10 @@ class RestingScene:
 
 
 def resting(scene: SceneGeometry) -> RestingScene:
-    """Lays or fixes movable objects until all that are free stay within 1 cm and 1 degree for five seconds.
+    """Moves or fixes movable objects until all free ones stay within 1 cm and 1 degree for five seconds.
 
-    An object that settles by less than what `stability.displacements` calls leaving its place is laid once; one that
-    moves again, or farther, is fixed where the scene has it. C MuJoCo runs at the step of the scene's file.
+    An object that moves by less than the threshold of `stability.displacements` is placed once where it comes to rest;
+    one that moves again, or farther, is fixed at its original pose. C MuJoCo runs at the step of the scene's file.
     """
     row = {name: k for k, name in enumerate(scene.object_ids)}
     position, quaternion = scene.object_position.copy(), scene.object_quaternion.copy()

@@ -1,7 +1,6 @@
-"""Routes in the manner of CraftBench-Nav (docs/sources/reference_systems.md b.2): planned between given points or
-chosen ones.
+"""Plans routes as CraftBench-Nav does (docs/sources/reference_systems.md b.2), between given or chosen points.
 
-A `Wanted` route has the start and goal that a person clicked (or `RoutePlanner.choose` drew); a `Route` is planned from
+A `Wanted` route has a start and a goal that a person selected or `RoutePlanner.choose` drew; a `Route` is planned from
 it for one robot.
 """
 
@@ -21,18 +20,18 @@ Point = tuple[float, float]
 
 #: Distance (m) between waypoints of a route.
 SPACING = 0.5
-#: A change of direction (rad) that counts as a turn.
+#: rad, least change of direction that counts as a turn.
 TURN = np.pi / 6
-#: m in a row on these kinds that count as a road crossing.
+#: m, least continuous length on these kinds that counts as a road crossing.
 CROSSING = 1.0
 ROAD_KINDS = ("road", "road_marking", "crosswalk")
-#: m that a start, via point or goal on blocked ground may be moved.
+#: m by which a start, via point or goal on blocked ground may be moved.
 SNAP = 1.0
-#: Of each goal of the chosen routes, how far off the starts are, in shares of the costliest path there.
+#: For each goal of the chosen routes, the path costs of its starts, as shares of the largest path cost to it.
 SHARES = ((1.0, 0.75, 0.5, 0.25), (0.9, 0.65, 0.4, 0.2), (1.0, 0.7, 0.45, 0.2))
-#: m kept free beyond the radius at chosen starts and goals.
+#: m, additional clearance at chosen starts and goals.
 _START_CLEARANCE = 0.15
-#: Starts within this share of the wanted cost are equally good.
+#: Relative difference to the target cost within which starts are equally good.
 _COST_TOLERANCE = 0.03
 
 
@@ -52,11 +51,11 @@ class Route:
     """A planned route.
 
     Attributes:
-      id, note: of the `Wanted` one.
-      points: start, via points and goal as planned from, moved off blocked ground.
+      id, note: those of the `Wanted` route.
+      points: start, via points and goal, moved off blocked ground.
       path: (n, 2) m, its corners.
       waypoints: (N, 4) x, y, z, yaw every 0.5 m.
-      facts: its numbers in `routes.json`.
+      facts: its statistics in `routes.json`.
     """
 
     id: str
@@ -69,7 +68,7 @@ class Route:
 
 @dataclasses.dataclass(frozen=True)
 class NoRoute:
-    """A route that could not be planned, and why, in one sentence."""
+    """A route that could not be planned, and the reason in one sentence."""
 
     id: str
     note: str
@@ -80,18 +79,19 @@ class RoutePlanner:
     """Plans routes over one map for one robot."""
 
     def __init__(self, scene_map: SceneMap, robot: str = "delivery", size: RobotSize | None = None) -> None:
-        """`size`: of a robot that is not in `ROBOTS`."""
+        """`size`: size of a robot that is not in `ROBOTS`."""
         self.robot = robot
         self.size = size or ROBOTS[robot]
         self.space: FreeSpace = free_space(scene_map, self.size, NAVBENCH)
         self._fields: dict[tuple[int, int], GoalField] = {}
 
     def plan(self, wanted: Sequence[Wanted]) -> list[Route | NoRoute]:
-        """Each of them planned, or why it could not be."""
+        """Plans routes; returns for each the route or the reason of the failure."""
         return [self._plan(w) for w in wanted]
 
     def choose(self, seed: int = 0) -> list[Wanted]:
-        """Twelve routes that show the scene: to either end of the longest path and to its middle, from far and near.
+        """Chooses twelve routes across the scene: to both ends and the middle of the longest path, from several
+        distances.
 
         Empty without walkable ground for the robot.
         """
@@ -114,7 +114,7 @@ class RoutePlanner:
         return [Wanted(f"r{i:03d}", start, goal) for i, (start, goal) in enumerate(centres, 1) if start != goal]
 
     def _places(self) -> np.ndarray:
-        """(n, 2) roomy planning cells of the largest place whose parts reach each other, sidewalks where there are."""
+        """(n, 2) planning cells with clearance in the largest connected area, on sidewalks if there are any."""
         place, _ = ndimage.label(self.space.cost > 0, np.ones((3, 3)))
         sizes = np.bincount(place.ravel())
         sizes[0] = 0
@@ -125,7 +125,7 @@ class RoutePlanner:
         return cells[on_sidewalk if on_sidewalk.any() else roomy]
 
     def _field(self, cell: tuple[int, int]) -> GoalField:
-        """Paths to a planning cell; the last few are kept."""
+        """Paths to a planning cell; the last few fields are cached."""
         if cell not in self._fields:
             if len(self._fields) == 4:
                 del self._fields[next(iter(self._fields))]
@@ -191,7 +191,8 @@ class RoutePlanner:
         return np.round(np.column_stack([points, z, np.append(yaw, yaw[-1])]), 4)
 
     def _facts(self, path: np.ndarray) -> dict[str, Any]:
-        """Lengths in m; `curbs` counts steps over 3 cm, `climb_m` is highest less lowest ground (b.2's meanings)."""
+        """Statistics of a path: lengths in m; `curbs` counts steps over 3 cm, `climb_m` is the difference of the
+        highest and the lowest ground (definitions of CraftBench-Nav)."""
         m = self.space.map
         fine = np.concatenate([path[:1], resample(path, m.resolution)])
         cells = self.space.cell(fine)

@@ -1,4 +1,4 @@
-"""Whether movable objects keep their places as free bodies: two seconds of C MuJoCo."""
+"""Checks whether movable objects keep their places as free bodies, by two seconds of simulation in C MuJoCo."""
 
 import dataclasses
 
@@ -10,18 +10,19 @@ from .geometry import SceneGeometry
 from .mjcf import scene_mjcf
 
 SECONDS = 2.0
-#: s, half the scenes' own step: light objects on many hulls stay calm.
+#: s, half the step of the scenes, at which light objects on many hulls do not jitter.
 TIMESTEP = 0.005
-#: m and rad from which an object has moved: hulls may overlap by 1 cm and settle by as much; a tipping object turns.
+#: m and rad, thresholds from which an object has moved. Overlapping hulls separate by up to 1 cm; a tipping object
+#: rotates.
 SHIFT, TILT = 0.05, np.radians(10.0)
-#: m around movable objects within which fixed objects are included: an object that comes farther counts as moved
+#: m; fixed objects within this distance of movable objects are included. An object that moves farther counts as moved
 #: anyway.
 REACH = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
 class Displacement:
-    """An object that does not stay: its id, how far its centre of mass went (m), and how far it turned (rad)."""
+    """An object that moved: its id, the displacement of its centre of mass (m), and its rotation (rad)."""
 
     id: str
     shift: float
@@ -30,9 +31,9 @@ class Displacement:
 
 @dataclasses.dataclass(frozen=True)
 class Motion:
-    """What n objects let go of do: their ids, greatest distance of the centre of mass from its start (n,) m and
-    greatest turn (n,) rad at the instants looked at, infinite where a state is not finite; position (n, 3) m and
-    quaternion (n, 4) of the bodies at the end."""
+    """Motion of n released objects: their ids, largest displacement of the centre of mass (n,) m and largest rotation
+    (n,) rad at the checked times, infinite if a state is not finite; position (n, 3) m and quaternion (n, 4) of the
+    bodies at the end."""
 
     ids: tuple[str, ...]
     shift: np.ndarray
@@ -60,8 +61,8 @@ def displacements(
 
 
 def free_motion(scene: SceneGeometry, seconds: float, timestep: float = TIMESTEP, instants: int = 1) -> Motion:
-    """How the movable objects move within `seconds` as free bodies in C MuJoCo, by steps of `timestep` s; looked at
-    `instants` times, evenly spread, the last at the end."""
+    """Simulates the movable objects as free bodies in C MuJoCo for `seconds` with steps of `timestep` s, and checks
+    them at `instants` evenly spaced times, the last at the end."""
     scene = _around_movable(scene)
     if not scene.object_movable.any():
         return Motion((), np.zeros(0), np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)))

@@ -1,6 +1,6 @@
-"""Stability of a whole scene: all objects without a fixture, also cars and benches, are free bodies for two seconds.
+"""Measures the stability of a whole scene: all objects that are not fixed in reality are free bodies for two seconds.
 
-Fixed are: hanging objects (awnings, signs, air conditioners), anchored ones (trees, lamps, bollards), people and
+Fixed objects are hanging objects (awnings, signs, air conditioners), anchored ones (trees, lamps, bollards), people and
 animals, which balance actively, and houses, because the ground ends a few metres behind their fronts.
 """
 
@@ -15,7 +15,7 @@ from ..geometry.grids import cell_of
 from .geometry import SceneGeometry
 from .stability import Displacement, displacements
 
-#: m over the ground from which an object's lowest point hangs.
+#: m; an object hangs if its lowest point is higher than this above the ground.
 HANGS = 0.3
 #: Kinds of support (`assets.categories.priors`) of objects that stay fixed.
 HELD = frozenset({"fixed", "alive", "hangs"})
@@ -33,12 +33,12 @@ class StabilityTrial:
 
     @property
     def still_percent(self) -> float:
-        """Share of the standing objects that stay."""
+        """Percentage of the standing objects that do not move."""
         return 100.0 * (1.0 - len(self.moved) / max(self.standing, 1))
 
 
 def let_go(scene: SceneGeometry) -> StabilityTrial:
-    """Lets go of everything that is not held; some seconds for 300 objects."""
+    """Releases all objects that are not fixed and simulates them; takes some seconds for 300 objects."""
     hangs = hanging(scene)
     held = [prior(leaf).rest in HELD or category_of(leaf)[0] == "building" for leaf in scene.object_categories]
     loose = ~hangs & ~np.array(held, bool)
@@ -49,7 +49,7 @@ def let_go(scene: SceneGeometry) -> StabilityTrial:
 
 
 def hanging(scene: SceneGeometry) -> np.ndarray:
-    """(n,) bool: objects whose lowest point is over the ground below, and over the tops of other objects there."""
+    """(n,) bool, objects whose lowest point is above the ground and above the tops of other objects there."""
     rotation = rotations.matrix(scene.object_quaternion)
     low = np.full(len(scene.object_ids), np.inf)
     for hull, obj in zip(scene.inst_hull, scene.inst_object, strict=True):
@@ -60,6 +60,6 @@ def hanging(scene: SceneGeometry) -> np.ndarray:
     inside = ((cells >= 0) & (cells < ground.shape)).all(1)
     floor = np.full(len(low), np.nan)
     floor[inside] = ground[tuple(cells[inside].T)]
-    # Houses stand behind the ground: their own foot is their floor.
+    # Houses stand beyond the ground, so their own lowest point is used as ground height.
     floor = np.where(np.isfinite(floor), floor, np.where(np.isfinite(low), np.minimum(low, HANGS), 0.0))
     return np.isfinite(low) & (low > floor + HANGS)

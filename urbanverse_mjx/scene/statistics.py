@@ -1,4 +1,4 @@
-"""Statistics of a compiled scene: objects, ground, kerbs, and the free width of pavements."""
+"""Computes statistics of a compiled scene: objects, ground, kerbs, and the free width of pavements."""
 
 import collections
 import dataclasses
@@ -18,31 +18,31 @@ from .geometry import SceneGeometry, SceneMap
 from .maps import tops
 from .planner import KERB
 
-#: Objects at least this long and wide (m) and this high (m) that neither grow nor drive are houses.
+#: m, least horizontal sides and height of houses (vegetation and vehicles are excluded).
 HOUSE_SIDE, HOUSE_HEIGHT = 4.0, 3.0
 _NO_HOUSES = ("nature", "vehicle", "street user")
 #: Widths (m) below which a pavement is counted as narrow: a delivery robot (twice 0.35 m), the 36 inches of the U.S.
 #: accessible route (ADA Standards 403.5.1), the 48 inches of the U.S. pedestrian access route (PROWAG R302.2).
 NARROW = {"robot": 0.70, "ada": 0.915, "prowag": 1.22}
-#: Widths (m) between kerb and house that national surveys tell the shares of.
+#: m, widths between kerb and house for which national surveys report shares.
 WIDTHS = (2.0, 3.0)
-#: Objects nearer than this height (m) to the ground narrow a pavement: a delivery robot's height.
+#: m; objects below this height above the ground narrow a pavement (height of a delivery robot).
 HEAD = 1.0
-#: Narrower strips (m) are no pavement (rests before steps and in corners), and neither are gaps between houses up to
-#: this wide (m).
+#: m; narrower strips are not counted as pavement (remainders in corners and before steps), nor are gaps between houses
+#: up to the second width.
 LEAST, _SLIT = 0.9, 1.5
 
 
 @dataclasses.dataclass(frozen=True)
 class SectionOptions:
-    """How cross-sections of pavements are taken; chosen manually.
+    """Options of the cross-sections of pavements; chosen manually.
 
     Attributes:
       spacing: m between cross-sections.
-      pooled_cells: cells of the map along a cell of the grid that their middle lines are found on.
-      direction_radius: m from a cross-section's middle within which the middle line's direction is taken.
-      max_width_ratio: a cross-section that is this much wider than twice the distance to the nearest border reaches
-        into a corner.
+      pooled_cells: cells of the map along a side of a cell of the grid on which centre lines are computed.
+      direction_radius: m around the centre of a cross-section within which the centre line's direction is computed.
+      max_width_ratio: a cross-section wider than twice the distance to the nearest border by this factor extends into a
+        corner and is not used.
     """
 
     spacing: float = 0.5
@@ -60,7 +60,7 @@ class PavementWidths:
 
     Attributes:
       full: (n,) m between kerb and house.
-      clear: (n,) m, the widest gap that the objects standing there leave.
+      clear: (n,) m, the widest gap between the objects there.
     """
 
     full: np.ndarray
@@ -91,7 +91,7 @@ def scene_statistics(geometry: SceneGeometry) -> dict[str, Any]:
 
 
 def house_mask(geometry: SceneGeometry) -> np.ndarray:
-    """(O,) bool: which objects are houses, whose ground is not walkable."""
+    """(O,) bool, which objects are houses, whose ground is not walkable."""
     sizes = np.array([mesh.extent for mesh in geometry.meshes])[geometry.object_mesh].reshape(-1, 3)
     tall = (sizes[:, :2].min(1, initial=np.inf) >= HOUSE_SIDE) & (sizes[:, 2] >= HOUSE_HEIGHT)
     known = ontology.categories()
@@ -100,14 +100,15 @@ def house_mask(geometry: SceneGeometry) -> np.ndarray:
 
 
 def ground_areas(scene_map: SceneMap) -> dict[str, float]:
-    """m² of each kind of ground that there is."""
+    """Area in m² of each kind of ground in the scene."""
     cells = np.bincount(scene_map.kind.ravel(), minlength=len(GROUND_KINDS))
     named = zip(GROUND_KINDS[1:], cells[1:], strict=True)
     return {name: round(float(n) * scene_map.resolution**2, 1) for name, n in named if n}
 
 
 def kerbs(scene_map: SceneMap) -> dict[str, float]:
-    """Length (m) of the road's rim where the ground beside it is over 3 cm higher or lower, and that step's median."""
+    """Length (m) of the road's border at which the adjacent ground is over 3 cm higher or lower, and the median of
+    these steps."""
     road = np.isin(scene_map.kind, [KIND_INDEX[k] for k in ("road", "road_marking", "crosswalk")])
     known = np.isfinite(scene_map.height)
     step = ndimage.maximum_filter(np.where(known, scene_map.height, -np.inf), 3)
@@ -125,7 +126,7 @@ def kerbs(scene_map: SceneMap) -> dict[str, float]:
 
 
 def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -> PavementWidths:
-    """Widths of the pavements, with houses as their border, and of the free parts between the objects on them."""
+    """Widths of the pavements up to the houses, and of the free gaps between the objects on them."""
     m = geometry.map
     houses = house_mask(geometry) if houses is None else houses
     of_house = np.flatnonzero(houses[geometry.inst_object])
@@ -144,7 +145,7 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
     rim = ndimage.distance_transform_edt(pavement) * m.resolution
     full, gaps = [np.zeros(0)], [np.zeros(0)]
     reach = rim[tuple(spots.T)] if len(spots) else np.zeros(0)
-    # Cross-sections of like length are walked along together.
+    # Cross-sections of similar length are processed in one batch.
     for start in range(0, len(spots), 512):
         part = slice(start, start + 512)
         width, gap = _cross(pavement, clear, spots[part], directions[part], reach[part], m.resolution)
@@ -155,7 +156,7 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
 
 
 def _middle_lines(pavement: np.ndarray, resolution: float) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 2) cells on the middle lines of a mask, one in every `spacing` metres, and (n, 2) directions along them."""
+    """(n, 2) cells on the centre lines of a mask, one every `spacing` metres, and (n, 2) directions along them."""
     line = np.argwhere(skeletonize(pooled(pavement, _OPTIONS.pooled_cells, np.all)))
     if not len(line):
         return np.zeros((0, 2), int), np.zeros((0, 2))
@@ -184,7 +185,7 @@ def _cross(
     inside = np.all((cells >= 0) & (cells < np.array(pavement.shape)), axis=-1)
     i, j = np.where(inside[..., None], cells, 0).transpose(2, 0, 1)
     on = pavement[i, j] & inside
-    # Only the part connected to the middle: a pavement beyond a road is another one.
+    # Only the part connected to the centre counts; a pavement beyond a road is another one.
     outward = np.logical_and.accumulate(on[:, half:], axis=1)
     inward = np.logical_and.accumulate(on[:, half::-1], axis=1)
     own = np.concatenate([inward[:, :0:-1], outward], axis=1)

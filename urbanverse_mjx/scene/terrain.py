@@ -1,12 +1,13 @@
-"""Ground to learn to walk on: flat, kerbs, stairs, slopes and rough ground in grades of difficulty, as a scene bank.
+"""Generates training terrain for locomotion as a scene bank: flat ground, kerbs, stairs, slopes and rough ground by
+level of difficulty.
 
 In:   a seed.
 Out:  `SceneGeometry` of each kind and level; `SceneBank` of all.
 When: once, before training; it needs no asset.
 
-The ground is made of the same planar prisms as a street's, so both engines and C MuJoCo support it. Kerbs run straight
-across a scene along y, where the boxes around the prisms are tight; a robot that starts with any heading meets them at
-any angle.
+The ground consists of the same planar prisms as that of a street, so both engines and C MuJoCo support it. Kerbs run
+straight across a scene along y, where the boxes around the prisms are tight; robots start with any heading and
+therefore meet them at any angle.
 """
 
 import dataclasses
@@ -25,29 +26,30 @@ KINDS = ("flat", "kerbs", "stairs", "slopes", "rough")
 LEVELS = 10
 #: m, side of a scene.
 SIDE = 20.0
-#: Least and greatest: kerb (m), rise of a stair (m), slope, unevenness of rough ground (m), tilt of its pieces.
+#: Least and greatest height of a kerb (m), rise of a stair (m), slope, unevenness of rough ground (m), tilt of its
+#: pieces.
 KERB, RISE = (0.03, 0.22), (0.03, 0.17)
 SLOPE = (0.08, 0.45)  # the steepest is 24 degrees; a wheelchair ramp is 0.083
 ROUGH, TILT = (0.01, 0.07), (0.02, 0.15)
-#: m. No kerb to train on is as high as one to test on, to within `APART`.
+#: m; no training kerb has the height of a test kerb within `APART`.
 TEST_KERBS, APART = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20), 0.003
-#: A kerb is at least this share of its level's height.
+#: Least height of a kerb as a share of its level's height.
 LEAST_KERB = 0.7
 TREAD = (0.30, 0.38)  # m, as stairs out of doors have it
 KERB_APART, SLOPE_LENGTH, LANDING = (1.0, 2.5), (1.5, 3.0), (1.0, 1.6)  # m
 STAIRS = 4  # steps of a flight
 PIECE = (0.6, 1.2)  # m, of rough ground
-#: Of concrete under rubber; `envs` scale it.
+#: Friction of rubber on concrete; environments scale it.
 FRICTION = 0.8
 _TILE = 1.0  # m, a repetition of the image
 
-#: A strip of ground: its length along x (m), and its height (m) where it begins and ends.
+#: A strip of ground: its length along x (m), and its heights (m) at its beginning and end.
 Strip = tuple[float, float, float]
 
 
 @dataclasses.dataclass(frozen=True)
 class _Overcast:
-    """An even grey sky without sun; see `scene.geometry.Sky`."""
+    """A uniform grey sky without sun; see `scene.geometry.Sky`."""
 
     radiance: np.ndarray = dataclasses.field(default_factory=lambda: np.full((16, 32, 3), 0.8, np.float32))
     sun_direction: np.ndarray = dataclasses.field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
@@ -59,7 +61,7 @@ def _at(span: tuple[float, float], difficulty: float) -> float:
 
 
 def _kerb_height(rng: np.random.Generator, difficulty: float) -> float:
-    """m; never a height that is kept for the test."""
+    """m, random height of a kerb; never a height that is reserved for tests."""
     high = _at(KERB, difficulty)
     while True:
         height = rng.uniform(LEAST_KERB * high, high)
@@ -77,7 +79,7 @@ def _kerbs(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
     while True:
         height = sum(climbed)
         yield rng.uniform(*KERB_APART), height, height
-        # Up from the street; down, or once more up, from one pavement: every edge is a kerb of a height drawn.
+        # Steps up from the street, then down or up again; every edge is a kerb of random height.
         if not climbed or (len(climbed) == 1 and rng.random() < 0.3):
             climbed.append(_kerb_height(rng, difficulty))
         else:
@@ -124,7 +126,7 @@ def _rectangle(
 
 
 def strips_regions(strips: Iterator[Strip], side: float = SIDE) -> list[GroundRegion]:
-    """Regions of a square of `side` m about the origin, cut along x into strips until it is full."""
+    """Regions of a square of `side` m about the origin that is filled with strips along x."""
     regions: list[GroundRegion] = []
     x, half = -0.5 * side, 0.5 * side
     while x < half - 1e-6:
@@ -137,7 +139,7 @@ def strips_regions(strips: Iterator[Strip], side: float = SIDE) -> list[GroundRe
 
 
 def _rough_regions(rng: np.random.Generator, difficulty: float) -> list[GroundRegion]:
-    """Pieces like badly laid slabs, each at a height and a tilt of its own."""
+    """Pieces like unevenly laid slabs, each with a random height and tilt."""
     half, unevenness, tilt = 0.5 * SIDE, _at(ROUGH, difficulty), _at(TILT, difficulty)
     rows, columns = round(SIDE / PIECE[0]), round(SIDE / PIECE[1])
     xs, ys = (np.linspace(-half, half, n + 1).tolist() for n in (rows, columns))
@@ -145,7 +147,7 @@ def _rough_regions(rng: np.random.Generator, difficulty: float) -> list[GroundRe
     for i in range(rows):
         for j in range(columns):
             sx, sy = rng.uniform(-tilt, tilt, 2).tolist()
-            # Tilted about its middle: the height given is that of its lower corner.
+            # The piece is tilted about its centre; the height is that of its lower corner.
             height = rng.uniform(0.0, unevenness) - 0.5 * (sx * PIECE[0] + sy * PIECE[1])
             corners = (xs[i], ys[j]), (xs[i + 1], ys[j + 1])
             regions.append(_rectangle(len(regions), *corners, (sx, sy), height))
@@ -156,7 +158,7 @@ def terrain_regions(kind: str, level: int, seed: int = 0) -> list[GroundRegion]:
     """The ground of one scene.
 
     Raises:
-      ValidationError: no such kind or level.
+      ValidationError: the kind or level does not exist.
     """
     v.choice(kind, "terrain kind", KINDS)
     v.integer(level, "terrain level", 0, LEVELS - 1)
@@ -174,7 +176,7 @@ def _image() -> np.ndarray:
 
 
 def region_scene(name: str, regions: list[GroundRegion], friction: float = FRICTION) -> SceneGeometry:
-    """A scene of ground alone; its one episode leads 1 m along x from the middle."""
+    """A scene that has only ground; its single episode leads 1 m along x from the centre."""
     prisms, scene_map = ground.ground_prisms(regions), maps.ground_map(regions)
     visuals = [ground.region_mesh(r, _image(), _TILE, 0.9) for r in regions]
     i, j = scene_map.grid.cell(np.zeros(2))
@@ -211,12 +213,13 @@ def region_scene(name: str, regions: list[GroundRegion], friction: float = FRICT
 
 
 def pack_regions(scenes: list[SceneGeometry]) -> SceneBank:
-    """The bank of scenes that `region_scene` made."""
+    """Packs scenes that `region_scene` made into a bank."""
     return pack(scenes, ["train"] * len(scenes), {"overcast": _Overcast()})
 
 
 def terrain_bank(seed: int = 0, levels: int = LEVELS) -> SceneBank:
-    """The bank to train walking on: the first `levels` levels of all kinds, scene ids "<kind>-<level>"."""
+    """Makes the bank for locomotion training: the first `levels` levels of all kinds, with scene ids
+    "<kind>-<level>"."""
     v.integer(levels, "terrain levels", 1, LEVELS)
     names = [(kind, level) for kind in KINDS for level in range(levels)]
     return pack_regions([region_scene(f"{k}-{n}", terrain_regions(k, n, seed)) for k, n in names])

@@ -1,7 +1,8 @@
-"""A scene as USD for Isaac Sim: rigid bodies with mass and friction, convex colliders, the ground, the sky's light.
+"""Exports a scene as USD for Isaac Sim: rigid bodies with mass and friction, convex colliders, ground, light of the
+sky.
 
-z up, metres, kilograms; `/World` is the default prim. Each distinct asset stands once, as a class below
-`/World/Assets`, and every object refers to its own.
+z up, metres, kilograms; `/World` is the default prim. Each distinct asset is stored once as a class below
+`/World/Assets`, which its objects reference.
 """
 
 import os
@@ -17,9 +18,9 @@ from ..work_folder import replacing_folder
 from .geometry import SceneGeometry, Sky
 from .mjcf import png_bytes
 
-#: File of the stage in its folder.
+#: File names of the stage and of the sky in the folder.
 STAGE, SKY = "scene.usdc", "sky.hdr"
-#: Intensity for a radiance of 1, where a white surface in the open shows nearly white: Isaac Sim's own default light.
+#: Intensity for a radiance of 1, at which a white surface in the open is nearly white: Isaac Sim's default light.
 INTENSITY = 1000.0
 #: Angle of the sun's disc, degrees.
 SUN_ANGLE = 0.53
@@ -29,7 +30,7 @@ RESTITUTION = 0.3
 
 
 def export_usd(scene: SceneGeometry, sky: Sky, folder: str | os.PathLike[str]) -> pathlib.Path:
-    """Writes a folder with `scene.usdc`, its textures and the sky, whole or not at all; returns the stage's path.
+    """Writes a folder with `scene.usdc`, its textures and the sky atomically; returns the stage's path.
 
     Raises:
       ValidationError: usd-core is not installed.
@@ -59,7 +60,7 @@ def _write(scene: SceneGeometry, sky: Sky, folder: pathlib.Path) -> None:
 
 
 class _Surfaces:
-    """Materials of meshes and contacts, each written once."""
+    """Materials of meshes and physics materials, each written once."""
 
     def __init__(self, stage: Any, scene: SceneGeometry, folder: pathlib.Path) -> None:
         self._stage, self._meshes, self._folder = stage, scene.meshes, folder
@@ -68,7 +69,7 @@ class _Surfaces:
         self._contacts: dict[float, Any] = {}
 
     def surface(self, mesh: int) -> Any:
-        """The surface of a mesh."""
+        """The visual material of a mesh."""
         shown = self._meshes[mesh]
         key = shown.texture.tobytes()
         if key not in self._textures:
@@ -143,7 +144,7 @@ def _add_asset(
 
 
 def _add_light(stage: Any, scene: SceneGeometry, sky: Sky, folder: pathlib.Path) -> None:
-    """The panorama as dome light and the sun's disc beside it.
+    """Adds the panorama as dome light and the sun as distant light.
 
     In a dome light's latitude-longitude image the middle column is the direction +z, columns run towards -x, and +y is
     up (UsdLux, OpenEXR). After a rotation by 90° about x the middle is -y and columns run clockwise seen from above;
@@ -164,17 +165,18 @@ def _add_light(stage: Any, scene: SceneGeometry, sky: Sky, folder: pathlib.Path)
         return
     sun = UsdLux.DistantLight.Define(stage, "/World/Sun")
     sun.CreateAngleAttr(SUN_ANGLE)
-    sun.CreateNormalizeAttr(True)  # the intensity is then what falls on a surface that faces the sun
+    sun.CreateNormalizeAttr(True)  # the intensity is then the irradiance of a surface that faces the sun
     sun.CreateIntensityAttr(INTENSITY * strongest)
     sun.CreateColorAttr(Gf.Vec3f(*(irradiance / strongest).tolist()))
     x, y, z = np.asarray(sky.sun_direction, np.float64)
-    # Light leaves along the prim's -z: turned by the sun's distance from the zenith, then to its azimuth.
+    # Light is emitted along the prim's -z, which is rotated by the sun's zenith angle and then to its azimuth.
     sun.AddRotateZOp().Set(float(np.degrees(np.arctan2(y, x) + scene.sky_yaw)))
     sun.AddRotateYOp().Set(float(np.degrees(np.arccos(np.clip(z, -1.0, 1.0)))))
 
 
 def hdr_bytes(radiance: np.ndarray) -> bytes:
-    """(H, W, 3) linear radiance as a Radiance image (.hdr), pixels of 8-bit mantissas and one exponent, unpacked.
+    """Encodes (H, W, 3) linear radiance as an uncompressed Radiance image (.hdr) with 8-bit mantissas and a common
+    exponent per pixel.
 
     The format: G. Ward, "Real Pixels", Graphics Gems II, 1991.
     """
@@ -189,7 +191,7 @@ def hdr_bytes(radiance: np.ndarray) -> bytes:
 
 
 def _names(ids: Sequence[str]) -> list[str]:
-    """Names that USD allows for ids, all different."""
+    """Valid and unique USD names for ids."""
     from pxr import Tf
 
     names: list[str] = []
