@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.assets COMMAND`: make, see and take out assets; `--help` lists the commands."""
+"""`python -m urbanverse_mjx.assets COMMAND`: builds, draws and exports assets; `--help` lists the commands."""
 
 import pathlib
 
@@ -34,7 +34,8 @@ def build(out: pathlib.Path | None = None) -> None:
 
 
 def index(jobs: int = 2) -> None:
-    """Writes what assets_index/ holds of the recipes: base shapes, their measures, the hash of the catalogue they give.
+    """Writes the files of assets_index/ that depend on the recipes: base shapes, their measures, and the catalogue's
+    hash.
 
     Args:
       jobs: processes at once.
@@ -58,12 +59,12 @@ def index(jobs: int = 2) -> None:
 
 
 def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
-    """Makes the collision hulls of every record whose mesh has none yet, and drops unused hulls.
+    """Makes missing collision hulls of records' meshes and drops unused hulls.
 
     Args:
       jobs: processes at once.
       leaf: only this leaf.
-      again: also where there are hulls already (after a change of the decomposition itself).
+      again: also make existing hulls again (after a change of the decomposition).
     """
     from .collision.decompose import build_missing
 
@@ -107,7 +108,7 @@ def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), co
 
 
 def thumbnails(leaf: str | None = None) -> None:
-    """Draws the thumbnail of every base shape that has none in the cache yet; may be interrupted and called again.
+    """Draws the missing thumbnails of base shapes into the cache; can be interrupted and continued.
 
     Args:
       leaf: only this leaf.
@@ -122,10 +123,10 @@ def thumbnails(leaf: str | None = None) -> None:
 
 
 def labels(folder: pathlib.Path | None = None) -> None:
-    """Writes assets_index/labels.csv: every label of six public vocabularies with its leaf, or with none.
+    """Writes assets_index/labels.csv, which maps every label of six public vocabularies to a leaf or to none.
 
     Args:
-      folder: where the vocabularies' lists lie; without it the labels of the stored table are mapped anew.
+      folder: folder of the vocabularies' lists; without it, the labels of the stored table are mapped again.
     """
     from urbanverse_mjx.settings import asset_root
 
@@ -137,7 +138,7 @@ def labels(folder: pathlib.Path | None = None) -> None:
     Console().print(f"{path.name}: {len(rows)} labels, {empty} of them without a leaf")
 
 
-#: Also behind `urbanverse assets`; one line a command.
+#: Commands, also of `urbanverse assets`.
 COMMANDS = {
     "build": build,
     "index": index,

@@ -1,1 +1,1 @@
-"""Ground materials and skies: how they are painted, described and found."""
+"""Generates, describes and ranks ground materials and skies."""

@@ -1,7 +1,7 @@
-"""Thumbnails of skies and grounds, and their ranking against crops of a video as in the paper.
+"""Ranks skies and grounds by their thumbnails against crops of a video, as in the paper.
 
-Grounds: pixel-wise mean squared error between crop and thumbnail. Skies: HSV histograms. Thumbnails are stored: two
-sheets in the asset index (`ground_thumbnails.jpg`, `sky_thumbnails.jpg`), made by `build_thumbnails`, so ranking
+Grounds: pixel-wise mean squared error between crop and thumbnail. Skies: HSV histograms. The thumbnails are stored in
+two sheets in the asset index (`ground_thumbnails.jpg`, `sky_thumbnails.jpg`) made by `build_thumbnails`, so ranking
 generates no images.
 """
 
@@ -25,26 +25,27 @@ from .grounds import GroundRecord, ground_records, paint_ground
 from .sky_maps import SkyRecord, paint_sky, sky_records
 from .sky_maps.painting import preview, with_disc
 
-#: (height, width) px of a thumbnail, multiples of JPEG's 8 px blocks, so that neighbours on a sheet do not mix.
+#: (height, width) in pixels of a thumbnail; multiples of JPEG's 8-pixel blocks, so that neighbours on a sheet are
+#: independent.
 GROUND_THUMBNAIL, SKY_THUMBNAIL = (96, 96), (80, 160)
 _COLUMNS = 18
-#: Side of the images whose pixels are compared.
+#: Side, in pixels, of the images that are compared.
 MATCH_SIZE = 32
-#: Cells a side of a ground's descriptor: 4 · 4 · 3 mean colours and 4 · 4 contrasts are 64 numbers.
+#: Cells along a side of a ground descriptor: 4 · 4 · 3 mean colours and 4 · 4 contrasts are 64 numbers.
 GROUND_CELLS = 4
-#: Saturation below which a colour has no hue worth counting; value bins of such greys, and hue, saturation and value
-#: bins of the others: 16 + 8 · 3 · 2 = 64 numbers.
+#: Saturation below which a colour counts as grey; number of value bins of greys, and of hue, saturation and value bins
+#: of other colours: 16 + 8 · 3 · 2 = 64 numbers.
 _GREY = 0.10
 _GREYS, _HUES, _SATURATIONS, _VALUES = 16, 8, (0.10, 0.25, 0.45), 2
 
 
 def ground_thumbnail(uid: str) -> np.ndarray:
-    """(96, 96, 3) uint8, painted now: the whole tile, lit from above."""
+    """Generates the thumbnail (96, 96, 3) uint8 of a ground: the whole tile, lit from above."""
     return _shrunk(paint_ground(uid).preview, GROUND_THUMBNAIL)
 
 
 def sky_thumbnail(uid: str) -> np.ndarray:
-    """(80, 160, 3) uint8, painted now: the panorama with the disc of its sun."""
+    """Generates the thumbnail (80, 160, 3) uint8 of a sky: the panorama with the sun's disc."""
     sky = paint_sky(uid, 160)
     return _shrunk(preview(with_disc(sky)), SKY_THUMBNAIL)
 
@@ -65,7 +66,7 @@ _SHEETS = {
 def build_thumbnails(
     name: str, folder: str | os.PathLike[str] | None = None, progress: Callable[[Iterable], Iterable] = iter
 ) -> pathlib.Path:
-    """Paints all thumbnails of a sheet (two minutes) and writes it, into the asset index by default."""
+    """Generates all thumbnails of a sheet (two minutes) and writes it, by default to the asset index."""
     records, paint, size = _SHEETS[v.choice(name, "sheet of thumbnails", _SHEETS)]
     all_of = records()
     sheet = np.zeros((-(-len(all_of) // _COLUMNS) * size[0], _COLUMNS * size[1], 3), np.uint8)
@@ -109,7 +110,7 @@ class StoredSheet:
     name: str
 
     def load(self, uids: Sequence[str]) -> np.ndarray:
-        """(n, h, w, 3) uint8.
+        """Thumbnails (n, h, w, 3) uint8.
 
         Raises:
           ValidationError: the sheet is missing, damaged, or does not fit the table.
@@ -117,7 +118,7 @@ class StoredSheet:
         return np.stack([_sheet(self.name)[uid] for uid in uids])
 
     def problems(self) -> list[str]:
-        """The fault of the file's present contents."""
+        """A sentence about the fault of the file, if any."""
         _sheet.cache_clear()
         try:
             _sheet(self.name)
@@ -126,7 +127,7 @@ class StoredSheet:
         return []
 
     def repair(self) -> None:
-        """Paints the sheet anew (some two minutes)."""
+        """Generates the sheet again (about two minutes)."""
         build_thumbnails(self.name)
         _sheet.cache_clear()
 
@@ -199,15 +200,15 @@ def rank_grounds(crops: np.ndarray | Sequence[np.ndarray], kind: str) -> list[tu
     """All materials of a kind by pixel-wise mean squared error against crops of the ground, best first.
 
     Args:
-      crops: one or more (h, w, 3) uint8 sRGB images of ground alone; each is brought to 32 x 32 pixels, and the errors
-        of several are averaged.
+      crops: one or more (h, w, 3) uint8 sRGB images of only ground; each is scaled to 32 x 32 pixels, and the errors
+        are averaged.
       kind: "road" or "sidewalk".
 
     Returns:
       (uid, mean squared error in [0, 1]).
 
     Raises:
-      ValidationError: no crop, a crop of another form, or another kind.
+      ValidationError: there is no crop, a crop has another shape, or the kind is unknown.
     """
     uids, thumbnails = _flat_grounds(v.choice(kind, "kind of ground", ("road", "sidewalk")))
     flat = np.stack([_shrunk(c, (MATCH_SIZE, MATCH_SIZE)).ravel() for c in _checked(crops)]).astype(np.float32) / 255.0
@@ -218,7 +219,7 @@ def rank_grounds(crops: np.ndarray | Sequence[np.ndarray], kind: str) -> list[tu
 
 
 def ground_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
-    """Crops of the ground as 64 numbers of 8 bits, as `GroundRegion.descriptor` holds them.
+    """Descriptor of crops of the ground: 64 8-bit numbers, the format of `GroundRegion.descriptor`.
 
     Each crop becomes 32 x 32 pixels, then 4 x 4 cells: 48 mean colours, and 16 times the standard deviation of the
     cell's luminance (doubled, at most 255), which measures the visible roughness independently of where the joints lie.
@@ -230,7 +231,7 @@ def ground_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ..
 
 
 def ground_crop_descriptor(crop: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
-    """`ground_descriptor` of the largest square of an image (H, W, 3) uint8 that a mask (H, W) fills.
+    """`ground_descriptor` of the largest square of an image (H, W, 3) uint8 that lies within a mask (H, W).
 
     Raises:
       ValidationError: an empty mask.
@@ -296,10 +297,10 @@ def _checked(crops: np.ndarray | Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
-    """HSV histogram of crops of the sky as 64 numbers of 8 bits, as `SceneGraph.sky_descriptor` holds it.
+    """HSV histogram of crops of the sky: 64 8-bit numbers, the format of `SceneGraph.sky_descriptor`.
 
-    16 bins of value for what is nearly grey, then 8 hues x 3 saturations x 2 values; each is the root of its share,
-    times 255, so that small shares keep their weight (Hellinger's distance compares roots).
+    16 value bins for nearly grey pixels, then 8 hues x 3 saturations x 2 values; each number is 255 times the square
+    root of the bin's share (the Hellinger distance compares square roots).
     """
     bins = np.zeros(64)
     for crop in _checked(crops):
@@ -308,10 +309,10 @@ def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
 
 
 def sky_crop_descriptor(crop: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
-    """`sky_descriptor` of the pixels of an image (H, W, 3) uint8 in a mask (H, W): the sky between roofs.
+    """`sky_descriptor` of the pixels of an image (H, W, 3) uint8 within a mask (H, W).
 
-    Of the rows that the mask touches the upper half counts, as the paper takes the upper half of frames: at a street's
-    end the sky reaches down into haze and far land.
+    Only the upper half of the rows that the mask touches is used, as the paper uses the upper half of frames, because
+    at the end of a street the sky extends down to haze and distant land.
 
     Raises:
       ValidationError: an empty mask.
@@ -343,13 +344,13 @@ def _roots(shares: np.ndarray) -> tuple[int, ...]:
 def _sky_descriptors() -> tuple[list[str], np.ndarray]:
     uids = [record.uid for record in sky_records()]
     thumbnails = _sheet("sky_thumbnails.jpg")
-    # A street camera shows the sky up to some 45 degrees: the lower half of the upper half.
+    # A street camera shows the sky up to about 45 degrees, which is the lower half of the upper half.
     half = SKY_THUMBNAIL[0] // 2
     return uids, np.array([sky_descriptor(thumbnails[uid][half // 2 : half]) for uid in uids], np.float64)
 
 
 def own_ground_descriptor(uid: str) -> tuple[int, ...]:
-    """The descriptor that finds a material of the collection ("road/...", "sidewalk/...") first.
+    """The descriptor for which a material of the collection ("road/...", "sidewalk/...") ranks first.
 
     Raises:
       ValidationError: no such material.
@@ -369,7 +370,7 @@ def own_sky_descriptor(uid: str) -> tuple[int, ...]:
 
 
 def rank_skies(descriptor: Sequence[int]) -> list[tuple[str, float]]:
-    """All skies by Hellinger's distance of HSV histograms, best first: (uid, distance in [0, 1]).
+    """All skies by Hellinger distance of HSV histograms, best first: (uid, distance in [0, 1]).
 
     Args:
       descriptor: 64 numbers from `sky_descriptor`.

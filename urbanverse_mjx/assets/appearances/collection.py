@@ -29,7 +29,7 @@ class Record(Protocol):
 
 @dataclasses.dataclass(frozen=True)
 class Filter:
-    """A value one can ask for: `name` is the argument (a list of words, a range (low, high), or True/False)."""
+    """A filter of a search: `name` is the argument (a list of words, a range (low, high), or True/False)."""
 
     name: str
     field: str
@@ -38,7 +38,7 @@ class Filter:
 
 
 class Thumbnails(Protocol):
-    """Where a collection's thumbnails lie."""
+    """Source of a collection's thumbnails."""
 
     def load(self, uids: Sequence[str]) -> np.ndarray:
         """(n, h, w, 3) uint8."""
@@ -49,7 +49,7 @@ class Thumbnails(Protocol):
         ...
 
     def repair(self) -> None:
-        """Makes the thumbnails anew."""
+        """Makes the thumbnails again."""
         ...
 
 
@@ -59,13 +59,13 @@ class Collection[R: Record]:
     Args:
       kind: name of one record, for messages.
       records: at least one.
-      levels: fields that classify the records, the wider first.
-      filters: by name.
-      meanings: field -> its meaning, of the fields without a filter.
-      thumbnails: their source.
+      levels: fields that classify the records, the most general first.
+      filters: name -> filter.
+      meanings: field -> meaning, for fields without a filter.
+      thumbnails: source of the thumbnails.
 
     Raises:
-      ValidationError: a field of the records that neither a filter nor a meaning explains.
+      ValidationError: a field of the records has neither a filter nor a meaning.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Collection[R: Record]:
         return list(self._records)
 
     def categories(self, level: int = 1) -> list[str]:
-        """The names of a level, the widest being 1, in the table's order.
+        """The names of a level (1 is the most general), in the table's order.
 
         Raises:
           ValidationError: another level.
@@ -112,7 +112,7 @@ class Collection[R: Record]:
         return self._records[uid]
 
     def get_uids_conditioned(self, query: str | None = None, top_k: int = 100, **filters: object) -> list[str]:
-        """Uids that meet every filter; with `query` the `top_k` that its words describe best, best first.
+        """Uids that match every filter; with `query` the `top_k` best matches of its words, best first.
 
         Raises:
           ValidationError: an unknown filter, an empty range, or a filter of the wrong form.
@@ -148,17 +148,17 @@ class Collection[R: Record]:
         return dict(zip(wanted, self._thumbnails.load(wanted), strict=True))
 
     def check_integrity(self) -> list[str]:
-        """One sentence per file that is missing or damaged; empty where all is well."""
+        """One sentence per missing or damaged file; empty if there is none."""
         return self._thumbnails.problems()
 
     def repair(self) -> list[str]:
-        """Paints damaged thumbnails again (minutes); returns the remaining faults."""
+        """Generates damaged thumbnails again (minutes); returns the remaining faults."""
         if self._thumbnails.problems():
             self._thumbnails.repair()
         return self._thumbnails.problems()
 
     def explain_annotation(self, name: str | None = None) -> str:
-        """Meaning and values of a field or a filter; all filters without a name.
+        """Meaning and values of a field or a filter; of all filters without a name.
 
         Raises:
           ValidationError: no such field and no such filter.
@@ -202,7 +202,7 @@ class Collection[R: Record]:
 
 
 def rank_descriptions(query: str, texts: Sequence[str]) -> list[float]:
-    """How well each text answers a query: cosine of words weighted by how rare they are (TF-IDF); works offline."""
+    """Similarity of each text to a query: cosine of TF-IDF word vectors; works offline."""
     bags = [Counter(_words(text)) for text in texts]
     seen = Counter(word for bag in bags for word in bag)
     weight = {word: math.log(1 + len(texts) / count) for word, count in seen.items()}
@@ -216,7 +216,7 @@ def rank_descriptions(query: str, texts: Sequence[str]) -> list[float]:
 
 
 def _words(text: str) -> list[str]:
-    """Lower-case words; a plural s falls."""
+    """Lower-case words without a plural s."""
     return [w[:-1] if len(w) > 3 and w.endswith("s") else w for w in re.findall(r"[a-z0-9]+", text.lower())]
 
 

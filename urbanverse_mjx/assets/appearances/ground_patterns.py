@@ -1,4 +1,4 @@
-"""Patterns that ground textures are laid from: courses, herringbone, setts, stones, cracks, stripes. They all wrap."""
+"""Patterns for ground textures: courses, herringbone, setts, stones, cracks, stripes. All of them are tileable."""
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def crack(rng: np.random.Generator, count: int, width: float = 1.0) -> np.ndarra
 def bricks(
     rng: np.random.Generator, rows: int, columns: int, joint_px: float, shift: float = 0.5
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Courses of slabs: (joint in [0, 1], a random number per slab in [-1, 1]), both (256, 256)."""
+    """Courses of slabs: (joint in [0, 1], random number per slab in [-1, 1]), both (256, 256)."""
     y, x = np.mgrid[0:SIZE, 0:SIZE] + 0.5
     row = np.floor(y / SIZE * rows).astype(int)
     along = (x / SIZE * columns + shift * row) % columns
@@ -104,10 +104,10 @@ def paved(
     """(256, 256, 3): units that differ in brightness, and the joints between them.
 
     Args:
-      pattern: of `bricks`, `herringbone` or `setts`.
-      varied: by what share units differ.
-      grain: slope of the noise on them and its share.
-      filled: how much of a joint has its own colour.
+      pattern: result of `bricks`, `herringbone` or `setts`.
+      varied: relative difference of the brightness of units.
+      grain: spectral slope and amplitude of the noise on units.
+      filled: share of a joint that has the joint's colour.
     """
     joint, value = pattern
     image = tone(colour, value * varied, noise.periodic_noise(rng, SIZE, grain[0]) * grain[1])

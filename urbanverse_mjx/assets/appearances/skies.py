@@ -1,4 +1,4 @@
-"""Procedural skies: linear HDR panoramas with the sun taken out, plus the sun itself.
+"""Procedural skies: linear HDR panoramas without the sun's disc, and the sun as a directional light.
 
 Clear air is single scattering through a spherical atmosphere (Rayleigh and Mie, exponential density, ozone-free),
 integrated numerically for red, green and blue; grey skies follow the gradation of the CIE standard overcast sky
@@ -25,12 +25,11 @@ EARTH_RADIUS = 6_371_000.0
 AIR_TOP = 60_000.0
 #: Colour of sunlight above the air, relative to green (ASTM E-490 spectrum at the three wavelengths).
 SUNLIGHT = np.array([1.02, 1.0, 1.0])
-#: Light scattered more than once, as a share of the mean first-order radiance, and its growth with haze (1/m):
-#: it whitens and evens out the sky.
+#: Multiply scattered light as a share of the mean first-order radiance, and its growth with haze (1/m).
 MULTIPLE_SCATTERING, MULTIPLE_IN_HAZE = 0.5, 4e4
 BRIGHTEST = 5.0
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec. 709
-#: Clouds are drawn this much finer than the panorama and then averaged, so that they have soft edges.
+#: Supersampling factor of clouds.
 FINER = 3
 
 
@@ -276,7 +275,7 @@ def _clouds(directions: np.ndarray, weather: _Weather, name: str) -> tuple[np.nd
     # The noise is close to normal: its quantile gives the wanted cover.
     threshold = np.quantile(value, 1.0 - weather.cover) if weather.cover > 0 else np.inf
     thickness = np.clip((value - threshold) / 1.5, 0.0, 1.0)
-    # Far clouds drown in the air in front of them.
+    # Distant clouds fade into the air in front of them.
     near = np.clip(directions[:, 2] / 0.22, 0.0, 1.0) ** 0.7
     opacity = weather.density * np.clip(thickness * 3.0, 0.0, 1.0) * near
     return opacity, thickness
@@ -293,7 +292,7 @@ def _cloudless(sun: np.ndarray, weather: _Weather) -> tuple[np.ndarray, np.ndarr
     upper = _directions()[: HEIGHT // 2].reshape(-1, 3)
     sky, direct = _clear(upper, sun, weather.mie)
     sky = sky.reshape(HEIGHT // 2, WIDTH, 3)
-    # Images show walls as well as ground: exposure treats a low sun as one at 20 degrees.
+    # Exposure assumes a sun at 20 degrees or higher, because images show walls as well as ground.
     from_sun = float(direct @ LUMINANCE) * max(float(sun[2]), 0.35)
     from_sky = float(_irradiance(sky) @ LUMINANCE)
     return sky * (weather.diffuse / (1 - weather.diffuse) * from_sun / from_sky), direct
@@ -333,11 +332,11 @@ def _map_uids() -> frozenset[str]:
 
 
 def _from_map(uid: str) -> Sky:
-    """A sky of the large collection at the size that scenes use."""
+    """A sky of the large collection at the resolution that scenes use."""
     painted = sky_maps.paint_sky(uid, 2 * HEIGHT)
     record = painted.record
     radiance = painted.radiance.reshape(HEIGHT, 2, WIDTH, 2, 3).mean((1, 3))
-    # A lamp that has set still needs a direction for renderers: a degree above the horizon, with no light.
+    # Renderers need a direction even for a sun or moon that has set: one degree above the horizon, without light.
     x, y, z = painted.sun_direction.astype(np.float64)
     low = np.sin(np.radians(1.0))
     raised = max(z, low)
@@ -372,7 +371,7 @@ def build_sky(sky_id: str) -> Sky:
     factor = _tone(sky, sun_light, sun, weather)
     sky, sun_light = sky * factor, sun_light * factor
     irradiance = _irradiance(sky) + sun_light * sun[2]
-    # Far ground is a dusty town: albedo 0.2 (asphalt 0.1, concrete 0.3), fading into the haze at the horizon.
+    # Distant ground has an albedo of 0.2 (asphalt 0.1, concrete 0.3) and fades into the haze at the horizon.
     ground = np.array([0.21, 0.20, 0.185]) * irradiance / np.pi
     depth = np.linspace(0.0, 1.0, half)[:, None, None]
     horizon = sky[-1:].mean(1, keepdims=True)

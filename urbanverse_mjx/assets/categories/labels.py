@@ -1,9 +1,9 @@
-"""Labels of public vocabularies (Cityscapes, nuScenes, ADE20K, LVIS, Open Images, OSM street tags) -> leaf or no leaf.
+"""Maps labels of public vocabularies (Cityscapes, nuScenes, ADE20K, LVIS, Open Images, OSM street tags) to leaves.
 
 `assets_index/labels.csv` holds one row per label; `python -m urbanverse_mjx.assets labels` makes it from three sources:
-the vocabularies' lists, the names and synonyms of the leaves, and `label_decisions.csv`, where a person overruled or
-supplied what names alone get wrong ("zebra" in a photo of animals is no crosswalk). An empty leaf means: not urban, or
-a property of the ground or a part of a building for which no asset stands.
+the vocabularies' lists, the names and synonyms of the leaves, and `label_decisions.csv` with manual corrections and
+additions ("zebra" in a photo of animals is not a crosswalk). An empty leaf means that the label is not urban, or
+denotes a property of the ground or a part of a building that no asset represents.
 """
 
 import csv
@@ -35,7 +35,7 @@ COLUMNS = ("vocabulary", "label", "leaf", "how")
 
 @dataclasses.dataclass(frozen=True)
 class Mapped:
-    """One label: `leaf` is None where no leaf matches, `how` names the rule that found it."""
+    """The mapping of a label: `leaf` is None if no leaf matches, `how` names the rule that found it."""
 
     vocabulary: str
     label: str
@@ -48,7 +48,7 @@ def mapped_labels() -> dict[tuple[str, str], Mapped]:
     """(vocabulary, label) -> mapping, all of the stored table.
 
     Raises:
-      ValidationError: a row is not valid or stands twice.
+      ValidationError: a row is not valid or occurs twice.
     """
     table: dict[tuple[str, str], Mapped] = {}
     for where, row in read_rows(asset_root() / "labels.csv", COLUMNS):
@@ -62,7 +62,7 @@ def mapped_labels() -> dict[tuple[str, str], Mapped]:
 
 
 def leaf_of_label(vocabulary: str, label: str) -> str | None:
-    """The leaf of a vocabulary's label, None where it has none. OSM labels read "key=value".
+    """The leaf of a vocabulary's label, or None. OSM labels have the form "key=value".
 
     Raises:
       ValidationError: no such vocabulary or label.
@@ -85,7 +85,7 @@ def read_vocabularies(folder: pathlib.Path) -> dict[str, list[str]]:
 
 
 def stored_vocabularies() -> dict[str, list[str]]:
-    """The same from the stored table, where the vocabularies' files are missing."""
+    """The labels of the stored table, used if the vocabularies' files are missing."""
     labels: dict[str, list[str]] = {name: [] for name in FILES}
     for vocabulary, label in mapped_labels():
         labels[vocabulary].append(label)
@@ -93,10 +93,10 @@ def stored_vocabularies() -> dict[str, list[str]]:
 
 
 def map_labels(vocabularies: Mapping[str, Sequence[str]]) -> list[Mapped]:
-    """Every label mapped: by decision, else by a leaf's name, else by a synonym.
+    """Maps every label by a manual decision, otherwise by a leaf's name, otherwise by a synonym.
 
     Raises:
-      ValidationError: a label is covered by none of them, or a decision speaks of a label that does not exist.
+      ValidationError: a label has none of these, or a decision refers to a label that does not exist.
     """
     decisions = _decisions()
     known = {(name, label) for name, labels in vocabularies.items() for label in labels}

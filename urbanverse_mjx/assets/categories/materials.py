@@ -24,14 +24,14 @@ class Material:
 
     Attributes:
       name: as in `materials` of a record.
-      density: kg/m^3 of the solid or liquid; loose and woven objects with the air between their grains or yarns.
+      density: kg/m^3 of the solid or liquid; for loose and woven materials including the air between grains or yarns.
       friction: static friction coefficient on dry concrete pavement.
       youngs_modulus: MPa.
       bounciness, roughness, reflectivity: 0 to 1 (restitution, micro roughness, share of light reflected).
       index_of_refraction: optical index.
       hardness, finish: official words.
       density_source, friction_source: keys of the sources.
-      reason: explanation of the row's numbers; may be empty where the sources suffice.
+      reason: explanation of the row's numbers; may be empty if the sources suffice.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Material:
 
 @dataclasses.dataclass(frozen=True)
 class Source:
-    """Source of a number; `address` is empty where no page was read."""
+    """Source of a number; `address` is empty if there is no web page."""
 
     key: str
     title: str
@@ -59,10 +59,10 @@ class Source:
 
 
 def read_rows(path: pathlib.Path, columns: tuple[str, ...]) -> Iterator[tuple[str, dict[str, str]]]:
-    """(place, row) for each row of a CSV file with exactly these columns.
+    """Yields (location for messages, row) for each row of a CSV file with exactly these columns.
 
     Raises:
-      ValidationError: the file is missing, or its columns are others, or a row has more or fewer cells.
+      ValidationError: the file is missing, has other columns, or a row has another number of cells.
     """
     if not path.is_file():
         raise ValidationError(f"{path}: found no such file, needed a table of the asset index; restore it from git.")
@@ -81,7 +81,7 @@ def number(text: str, where: str, low: float = 0.0, high: float = float("inf")) 
     """The number in a cell, `low <= x <= high`.
 
     Raises:
-      ValidationError: it is none, or out of range.
+      ValidationError: the cell is not a number, or is out of range.
     """
     try:
         value = float(text)
@@ -101,7 +101,7 @@ def sources() -> dict[str, Source]:
 
 @functools.cache
 def materials() -> dict[str, Material]:
-    """name -> material, all of the table.
+    """name -> material, for the whole table.
 
     Raises:
       ValidationError: a row is not valid, or names a source that is not listed.

@@ -1,7 +1,7 @@
-"""The 8/59/659 category tree and the mapping from a free label to one of its leaves.
+"""The category tree (8 top, 59 middle categories, 659 leaves) and the mapping from free labels to leaves.
 
-The tree is data (`assets_index/ontology.json`); so are the synonyms (`assets_index/synonyms.json`: leaf -> other names)
-and the leaves that stand in for one without records (`assets_index/stand_ins.json`).
+The tree (`assets_index/ontology.json`), the synonyms (`assets_index/synonyms.json`: leaf -> other names) and the
+substitutes of leaves without records (`assets_index/stand_ins.json`) are data files.
 """
 
 import collections
@@ -50,8 +50,8 @@ def category_of(leaf: str) -> tuple[str, str, str]:
 
 @functools.cache
 def stand_ins() -> dict[str, tuple[str, ...]]:
-    """leaf -> leaves of similar appearance in a street, best first, for when the leaf itself has no records (a car is a
-    sedan). Reviewed data, `assets_index/stand_ins.json`.
+    """leaf -> substitute leaves of similar appearance, best first, for leaves without records (a sedan for a car).
+    Reviewed data, `assets_index/stand_ins.json`.
 
     Raises:
       UnknownLabelError: the file names a leaf that does not exist.
@@ -63,13 +63,13 @@ def stand_ins() -> dict[str, tuple[str, ...]]:
 
 
 def normalised(label: str) -> str:
-    """Lower case, with hyphens, underscores, dots and runs of spaces as one space."""
+    """The label in lower case, with hyphens, underscores, dots and repeated spaces replaced by one space."""
     return re.sub(r"[\s\-_./]+", " ", label.strip().lower()).strip()
 
 
 @functools.cache
 def _names() -> dict[str, str]:
-    """normalised name or synonym -> leaf; a leaf's own name always wins."""
+    """normalised name or synonym -> leaf; a leaf's own name has priority."""
     raw: dict[str, list[str]] = json.loads((asset_root() / "synonyms.json").read_text(encoding="utf-8"))
     names: dict[str, str] = {}
     for leaf, others in raw.items():
@@ -98,11 +98,10 @@ def _exact(key: str) -> str | None:
 
 
 def match_label(label: str) -> str:
-    """The leaf that a label names, by exact name or synonym; case, spaces and hyphens do not matter, a plural s is
-    forgiven.
+    """The leaf that a label names, by exact name or synonym; ignores case, spaces, hyphens and a plural s.
 
     Raises:
-      UnknownLabelError: no leaf is called so; its `nearest` offers three.
+      UnknownLabelError: no leaf has this name; `nearest` holds three similar ones.
     """
     leaf = _exact(normalised(label))
     if leaf is None:
@@ -110,7 +109,7 @@ def match_label(label: str) -> str:
     return leaf
 
 
-# Words after which a phrase only tells more of the object before them: "a bench in front of a shop" is a bench.
+# Words after which a phrase only qualifies the object before them: "a bench in front of a shop" is a bench.
 _AFTERWARDS = re.compile(r"\b(?:with|on|in|at|near|by|under|behind|beside|next to|along|from|for|full of)\b")
 # "a row of parked cars" is cars; "a cup of coffee" stays a cup.
 _GROUPS = r"row|line|group|pile|heap|stack|bunch|pair|set|couple|number|piece|part|kind|type|lot"
@@ -118,13 +117,14 @@ _GROUP = re.compile(rf"^(?:the |an? |two |some |many )?(?:\w+ )?(?:{_GROUPS})s? 
 
 
 def guess_leaf(label: str) -> str:
-    """The leaf that a free phrase most likely speaks of ("an old red park bench under a tree" -> bench).
+    """The leaf that a free phrase most likely denotes ("an old red park bench under a tree" -> bench).
 
-    The phrase itself, then its part before "with", "on", "in" and the like: of that the longest ending that names a
-    leaf, because the noun ends an English phrase, else the longest run of words that does, the last first.
+    Tries the phrase itself, then its part before "with", "on", "in" and similar words. Of that part, the longest suffix
+    that names a leaf is used, because the noun ends an English phrase; otherwise the longest sequence of words that
+    names one, the last first.
 
     Raises:
-      UnknownLabelError: no words of it name a leaf; its `nearest` offers three.
+      UnknownLabelError: no words of the phrase name a leaf; `nearest` holds three similar ones.
     """
     key = normalised(label)
     parts = [key, _GROUP.sub("", key)]
@@ -143,14 +143,14 @@ def guess_leaf(label: str) -> str:
     raise UnknownLabelError(label, nearest_leaves(label))
 
 
-SAME_HEAD = 0.5  # weighs half as much as reading exactly alike
+SAME_HEAD = 0.5  # half the weight of identical spelling
 
 
 def nearest_leaves(label: str, count: int = 3) -> tuple[str, ...]:
-    """The leaves whose name or synonym reads most like the label, best first.
+    """The leaves whose name or synonym is most similar to the label, best first.
 
-    Likeness is Dice's coefficient of the letter triples, raised by the share of whole words in common and by an equal
-    last word, the noun ("big red bench" is near "bench").
+    The similarity is Dice's coefficient of the letter triples, increased by the share of common words and by an equal
+    last word ("big red bench" is similar to "bench").
     """
     key = normalised(label)
     words, triples = set(key.split()), _triples(key)
@@ -169,7 +169,7 @@ def nearest_leaves(label: str, count: int = 3) -> tuple[str, ...]:
 
 
 def _triples(text: str) -> set[str]:
-    """Its runs of three letters, the ends of words marked by spaces."""
+    """The letter triples of a text, with the ends of words marked by spaces."""
     return {f" {text} "[k : k + 3] for k in range(len(text))}
 
 

@@ -1,8 +1,8 @@
-"""Physical values of asset records: sizes, matter, mass, friction and force that agree with each other.
+"""Computes consistent physical values of asset records: sizes, materials, mass, friction and force.
 
-They are drawn from the leaf's prior, seeded by the record's uid alone, with + - * / and square roots only, which every
-machine rounds alike. Where a recipe has measured its mesh, its box and volume take the place of the drawn ones and all
-else follows from them:
+They are drawn from the leaf's prior, seeded by the record's uid only. Only + - * / and square roots are used, which
+every machine rounds alike. If a recipe's mesh is measured, its box and volume replace the drawn ones, and the other
+values follow from them:
 
     solid = length * width * height * fill                  (m^3; fill from the prior, thinner walls for larger objects)
     mass = solid * density of the materials                 (kg)
@@ -25,7 +25,7 @@ from .priors import Make, Prior, prior
 Floats = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s^2
-# N, what one person pushes for a moment; ISO 11228-2 tabulates 200-300 N of initial force for 90 % of adults.
+# N, force that one person can apply briefly; ISO 11228-2 tabulates 200-300 N of initial force for 90 % of adults.
 ONE_PERSON_PUSH = 300.0
 # Rolling resistance of small wheels at the start: between car tyres on asphalt (0.02, source `etbroll`) and the
 # 0.1 and more of small hard castors (lever arm of 10 mm, source `cda3000`).
@@ -50,7 +50,7 @@ class Measured:
     Attributes:
       extent: (n, 3) m, box in the asset frame (x towards the front).
       volume: (n,) m^3 inside the outer surface.
-      make: (n,) index into the prior's makes that the recipe has shown, or None to draw it.
+      make: (n,) index into the prior's makes that the recipe uses, or None to draw it.
     """
 
     extent: Floats
@@ -60,7 +60,7 @@ class Measured:
 
 @dataclasses.dataclass(frozen=True)
 class Physical:
-    """Values of n records of one leaf; arrays have the shape (n,) where no other is named.
+    """Values of n records of one leaf; arrays have the shape (n,) unless stated otherwise.
 
     Attributes:
       extent: (n, 3) m, box in the asset frame.
@@ -69,9 +69,9 @@ class Physical:
       solid: m^3 of it that is matter.
       make: index into the prior's makes.
       mass: kg.
-      friction: of what touches the ground, on pavement.
-      force: N that moves it.
-      movable: one person can move it.
+      friction: friction coefficient of the contact material on pavement.
+      force: N, force that moves the object.
+      movable: whether one person can move it.
     """
 
     extent: Floats
@@ -88,14 +88,14 @@ class Physical:
 
 
 def uniforms(uids: Sequence[str]) -> Floats:
-    """(n, DRAWS) numbers in (0, 1), the same for a uid everywhere: a hash in 32-bit words."""
+    """(n, DRAWS) pseudo-random numbers in (0, 1) from a hash of the uid, the same on every machine."""
     text = b"".join(hashlib.blake2b(uid.encode("utf-8")).digest() for uid in uids)
     words = np.frombuffer(text, dtype="<u4").reshape(len(uids), DRAWS)
     return (words.astype(np.float64) + 0.5) / 2.0**32
 
 
 def medians(count: int = 1) -> Floats:
-    """The draws that give a leaf's median record in its most usual make."""
+    """The draws that yield a leaf's median record of its most common make."""
     draws = np.full((count, DRAWS), 0.5)
     draws[:, 9] = 0.0
     return draws
@@ -104,8 +104,8 @@ def medians(count: int = 1) -> Floats:
 def sample(row: Prior, draws: Floats, measured: Measured | None = None) -> Physical:
     """Values of the records with these draws.
 
-    Draws 0-1 are the size in common, 2-3, 4-5 and 6-7 length, width and height, 8 the fill, 9 the make, 10 the
-    friction, 11-12 build (people) or mass (where it does not depend on size); the rest is unused.
+    Draws 0-1 determine the common size, 2-3, 4-5 and 6-7 length, width and height, 8 the fill, 9 the make, 10 the
+    friction, 11-12 the build (people) or the mass (if it does not depend on size); the others are unused.
 
     Raises:
       ValidationError: measured values of another number of records, or not above 0.
@@ -154,7 +154,7 @@ def sample_meshes(
       uids: n of them.
       extent: (n, 3) m, boxes in the asset frame.
       volume: (n,) m^3 inside the outer surfaces.
-      guess: kg, (n,) estimates of the recipe; they only decide between the makes of the leaf (a heavy bench is of
+      guess: kg, (n,) estimates of the recipe, which only select among the makes of the leaf (a heavy bench is of
         concrete).
 
     Raises:
@@ -174,10 +174,10 @@ def sample_meshes(
 
 
 def agreeing(records: Sequence[AssetRecord]) -> list[AssetRecord]:
-    """The records with mass, materials, friction, force and movability that follow from their measured boxes, their
-    volumes and the priors of their leaves; all else stays.
+    """Replaces mass, materials, friction, force and movability of records by those that follow from their measured
+    boxes, their volumes and the priors of their leaves.
 
-    A record's present mass only decides between the makes of its leaf.
+    A record's current mass only selects among the makes of its leaf.
     """
     changed: dict[str, AssetRecord] = {}
     for leaf in dict.fromkeys(r.leaf for r in records):
@@ -198,7 +198,7 @@ def agreeing(records: Sequence[AssetRecord]) -> list[AssetRecord]:
 
 
 def composition(make: Make, solid: float, volume: float) -> dict[str, float]:
-    """material -> share of the volume inside the outer surface, air included, most first; sums to 1."""
+    """material -> share of the volume inside the outer surface, including air, in descending order; sums to 1."""
     dense = solid / volume
     if dense > 1.0 - 1e-9:  # full but for rounding
         return dict(sorted(make.shares.items(), key=lambda item: -item[1]))
@@ -213,12 +213,12 @@ def _rounded(values: Floats, step: float) -> Floats:
 
 
 def _bent(low: float, median: float, high: float, z: Floats) -> Floats:
-    """z in [-1, 1] onto [low, high] with 0 at the median, straight on either side."""
+    """Maps z in [-1, 1] to [low, high] with 0 at the median, linearly on either side."""
     return median + np.where(z < 0.0, median - low, high - median) * z
 
 
 def _sizes(row: Prior, draws: Floats) -> tuple[Floats, Floats, Floats]:
-    """length, width and height (m); each deviation is a sum of two draws, so the middle is likelier than the ends."""
+    """Length, width and height (m); each deviation is a sum of two draws, which makes medium values more likely."""
     common = draws[:, 0] + draws[:, 1] - 1.0
     sizes = []
     for axis, span in enumerate((row.length, row.width, row.height)):
@@ -231,7 +231,7 @@ def _sizes(row: Prior, draws: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _makes(row: Prior, draw: Floats) -> NDArray[np.int64]:
-    """Of k makes the first is drawn k^2 times as often as the last: 4 to 1 of two, 9 to 4 to 1 of three."""
+    """Draws the makes; with k makes their odds are k^2 : ... : 4 : 1, from the first to the last."""
     weights = np.arange(len(row.makes), 0, -1) ** 2
     edges = np.cumsum(weights)[:-1] / weights.sum()
     return np.searchsorted(edges, draw, side="right")
@@ -240,8 +240,8 @@ def _makes(row: Prior, draw: Floats) -> NDArray[np.int64]:
 def _growth(row: Prior, dense: Floats, sizes: tuple[Floats, Floats, Floats], draws: Floats) -> Floats:
     """Mass over the make's median mass.
 
-    By the box, a solid object's mass grows with its volume, a hollow one's with the power 3/4 of it: between a skin of
-    one thickness (2/3) and an object scaled as a whole (1).
+    For leaves whose mass grows with the box, a solid object's mass is proportional to its volume, and that of a hollow
+    one to the power 3/4 of it, between a shell of constant thickness (2/3) and uniform scaling (1).
     """
     x, y, z = (size / span[1] for size, span in zip(sizes, (row.length, row.width, row.height), strict=True))
     free = draws[:, 11] + draws[:, 12] - 1.0
@@ -261,7 +261,7 @@ def _growth(row: Prior, dense: Floats, sizes: tuple[Floats, Floats, Floats], dra
 def _mass(
     row: Prior, make: NDArray[np.int64], draws: Floats, sizes: tuple[Floats, Floats, Floats], volume: Floats
 ) -> tuple[Floats, Floats]:
-    """(mass in kg, solid volume in m^3); the mass within the row's range, the matter within the volume."""
+    """(mass in kg, solid volume in m^3), limited to the row's range and to the volume."""
     fill = np.array([m.fill for m in row.makes])[make]
     density = np.array([m.density for m in row.makes])[make]
     dense = fill / row.bulk

@@ -1,13 +1,13 @@
 """Priors of each leaf, independent of meshes: sizes, materials, mass, support and affordances.
 
 One reviewed row per leaf (`assets_index/priors.csv`), each with a reason. The columns `length`, `width`, `height` (m)
-and `mass` (kg) hold three numbers: least, median, greatest. `fill` is the share of the bounding box that is solid
-matter, and for the median
+and `mass` (kg) hold three numbers: least, median, greatest. `fill` is the solid share of the bounding box, and for the
+median
 
     mass = length * width * height * fill * density of the materials.
 
-Some leaves come in several makes (a bench of wood, of steel, of concrete): `materials` and `fill` then hold several
-entries between slashes, the most usual first.
+Some leaves have several makes (a bench of wood, steel or concrete): `materials` and `fill` then hold several entries
+separated by slashes, the most common first.
 """
 
 import dataclasses
@@ -59,20 +59,20 @@ FORMS: Mapping[str, float] = {
 }
 #: free: three sizes of their own; round: as wide as long; lying: as high as wide; wheel: as high as long; ball: both.
 SECTIONS = ("free", "round", "lying", "wheel", "ball")
-#: How it keeps its place: fixed to the ground, hanging on a wall or ceiling, standing by its weight, on free wheels,
-#: on braked wheels or tracks, or on its own feet.
+#: Support of an object: fixed to the ground, hanging on a wall or ceiling, standing by its weight, on free wheels, on
+#: braked wheels or tracks, or on its own feet.
 RESTS = ("fixed", "hangs", "stands", "rolls", "parked", "alive")
-#: Where the front (+x) is: nowhere, at an end of the length (a car), or along the long side (a bench).
+#: Position of the front (+x): none, at an end of the length (a car), or along the long side (a bench).
 FRONTS = ("none", "end", "side")
 TRAVERSABILITY = ("pass through", "push through", "obstacle")
 COMPOSITIONS = ("single", "group", "scene")
-#: published: the note begins with the key of a page in sources.csv that was read; standard: the numbers follow the
-#: document that the note names, from memory; typical: an estimate, with its reason in the note.
+#: published: the note begins with the key of a page in sources.csv; standard: the numbers follow the document that the
+#: note names, from memory; typical: an estimate, with its reason in the note.
 BASES = ("standard", "published", "typical")
 
-#: What a record's mass grows with: its bounding box; its height squared (people stand in many poses, posts are
-#: slender); its front face or its ground face (sheets, screens, tables); its length; or none of these (a tripod weighs
-#: the same folded): then it is drawn from the row's mass range.
+#: Quantity to which a record's mass is proportional: its bounding box; its height squared (people, posts); its front or
+#: ground face (sheets, screens, tables); its length; or none (a tripod weighs the same folded), and then the mass is
+#: drawn from the row's range.
 GROWTHS = ("box", "height", "face", "ground", "length", "nothing")
 
 Range = tuple[float, float, float]
@@ -80,7 +80,7 @@ Range = tuple[float, float, float]
 
 @dataclasses.dataclass(frozen=True)
 class Make:
-    """One way a leaf is made.
+    """A construction (make) of a leaf's objects.
 
     Attributes:
       shares: material -> share of the solid volume, sums to 1; the first one is the visible surface.
@@ -103,7 +103,7 @@ class Make:
 
 @dataclasses.dataclass(frozen=True)
 class Prior:
-    """The row of one leaf; sizes in m, mass in kg, ranges as (least, median, greatest)."""
+    """The prior of one leaf; sizes in m, mass in kg, ranges as (least, median, greatest)."""
 
     leaf: str
     length: Range
@@ -130,7 +130,7 @@ class Prior:
 
     @property
     def bulk(self) -> float:
-        """Share of the bounding box inside the outer surface, hollow or solid."""
+        """Share of the bounding box inside the outer surface, whether hollow or solid."""
         return FORMS[self.form]
 
     @property
@@ -227,7 +227,7 @@ def priors() -> dict[str, Prior]:
     """leaf -> prior, all leaves of the ontology in its order.
 
     Raises:
-      ValidationError: a row is not valid, a leaf stands twice, or one has no row.
+      ValidationError: a row is not valid, a leaf occurs twice, or a leaf has no row.
     """
     table: dict[str, Prior] = {}
     for where, row in read_rows(asset_root() / "priors.csv", _COLUMNS):

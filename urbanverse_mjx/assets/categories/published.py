@@ -1,8 +1,8 @@
-"""Published dimensions and masses of real objects, each with the page it was read on, and how far the records are off.
+"""Published dimensions and masses of real objects with their web pages, and the errors of the records against them.
 
-`assets_index/published.csv`: an empty cell is a figure that the page does not give. Where several pages give figures of
-a leaf, their median is the leaf's reference value. Excluded figures are in `published_set_aside.csv` with the reason:
-the page measures something other than the box of the leaf's object.
+In `assets_index/published.csv`, an empty cell is a figure that the page does not state. If several pages have figures
+of a leaf, their median is the leaf's reference value. Excluded figures are in `published_set_aside.csv` with the
+reason: the page measures something other than the box of the leaf's object.
 """
 
 import dataclasses
@@ -21,7 +21,7 @@ QUANTITIES = ("length", "width", "height", "mass")
 
 @dataclasses.dataclass(frozen=True)
 class Published:
-    """One object of a leaf as a page describes it: m and kg, None where the page is silent.
+    """One object of a leaf with the figures of a page in m and kg; None if the page does not state one.
 
     Attributes:
       leaf: exact leaf name.
@@ -40,7 +40,7 @@ class Published:
 
 @dataclasses.dataclass(frozen=True)
 class SetAside:
-    """Figures of a page that do not count (m and kg by quantity), where it is and why."""
+    """Excluded figures of a page (m and kg by quantity), its address and the reason."""
 
     leaf: str
     item: str
@@ -52,7 +52,7 @@ class SetAside:
 
 @functools.cache
 def published() -> tuple[Published, ...]:
-    """All rows that count.
+    """All rows that are used.
 
     Raises:
       ValidationError: a row without any figure, or whose source is no page; a leaf that does not exist.

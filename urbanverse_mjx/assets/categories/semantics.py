@@ -1,7 +1,8 @@
-"""From a free label to leaves, without a network: names and synonyms first, then letters and words in common.
+"""Ranks leaves for a free label without a neural network: by names and synonyms, then by common letters and words.
 
-The text embedding is TF-IDF over words and runs of 3 to 5 letters within words; every name that is known for a leaf
-(its own, its synonyms, the labels of public vocabularies) is one document, and a leaf is as near as its nearest one.
+The text embedding is TF-IDF over words and sequences of 3 to 5 letters within words. Every known name of a leaf (its
+own, its synonyms, the labels of public vocabularies) is a document, and the similarity of a leaf is that of its most
+similar name.
 """
 
 import collections
@@ -21,15 +22,15 @@ from . import ontology
 from .labels import mapped_labels
 from .ontology import UnknownLabelError
 
-#: Scores of what needs no embedding; these rank first.
+#: Scores of exact names and of nouns of phrases, which rank before embeddings.
 EXACT, GUESSED = 1.0, 0.9
-MOST_EMBEDDED = 0.79  # below a guess by more than what a query may add for colours and materials
+MOST_EMBEDDED = 0.79  # lower than `GUESSED` by more than a query can add for colours and materials
 LETTERS = (3, 4, 5)
 WORD_WEIGHT = 2.0  # a common whole word has more weight than its letters
 
 
 class TextEmbedder(Protocol):
-    """Turns texts into vectors of length 1."""
+    """Converts texts to vectors of length 1."""
 
     def __call__(self, texts: Sequence[str]) -> np.ndarray:
         """(n, d)."""
@@ -37,7 +38,7 @@ class TextEmbedder(Protocol):
 
 
 class NgramIndex:
-    """Leaves by the letters and words of their names."""
+    """Index of leaves by the letters and words of their names."""
 
     def __init__(self, names: Sequence[tuple[str, str]]) -> None:
         """Args: names: (name, leaf) documents."""
@@ -59,7 +60,7 @@ class NgramIndex:
         return best
 
     def _matrix(self, counts: Sequence[dict[str, float]]) -> sparse.csr_matrix:
-        """One row of length 1 per text (of length 0 where it has no known feature)."""
+        """One row of length 1 per text (of length 0 if it has no known feature)."""
         known = [[(self._column[f], x) for f, x in count.items() if f in self._column] for count in counts]
         columns = np.array([k for row in known for k, _ in row], dtype=np.int64)
         weights = np.array([x for row in known for _, x in row]) * self._idf[columns]
@@ -69,7 +70,7 @@ class NgramIndex:
 
 
 def known_names() -> list[tuple[str, str]]:
-    """Every (name, leaf) that is written down: leaves, synonyms, labels of vocabularies."""
+    """Every known (name, leaf): leaves, synonyms, labels of vocabularies."""
     synonyms: dict[str, list[str]] = json.loads((asset_root() / "synonyms.json").read_text(encoding="utf-8"))
     names = [(leaf, leaf) for leaf in ontology.categories()]
     names += [(name, leaf) for leaf, others in synonyms.items() for name in others]
@@ -86,7 +87,7 @@ def default_index() -> NgramIndex:
 
 
 def rank_leaves(label: str, count: int = 5, embedder: TextEmbedder | None = None) -> list[tuple[str, float]]:
-    """The leaves that a label most likely speaks of, with scores, best first.
+    """The leaves that a label most likely denotes, with scores, best first.
 
     A name or synonym scores 1, the noun of a phrase 0.9; all others by the embedding.
 
@@ -127,7 +128,7 @@ def _leaf_vectors(embedder: TextEmbedder) -> np.ndarray:
 
 
 def _features(text: str) -> dict[str, float]:
-    """Words and the runs of letters in them, ends marked, with their weights."""
+    """Words and the letter sequences in them, with marked ends, and their weights."""
     found: dict[str, float] = collections.defaultdict(float)
     for word in re.findall(r"[^\W_]+", text):
         stem = word[:-1] if len(word) > 3 and word.endswith("s") and not word.endswith("ss") else word

@@ -1,8 +1,8 @@
 """Makes collision hulls: CoACD for parts that are not convex, then merging until the asset's budget of hulls is met.
 
-A street asset is mostly an assembly of convex parts, so the mesh is first cut where it is already in pieces. A piece
-that is convex enough is its own hull; CoACD cuts the others. Then the two hulls whose union adds the least empty space
-are joined, again and again. Against one CoACD run over the whole mesh this keeps thin posts exact (no voxel remeshing)
+Most street assets are assemblies of convex parts, so the mesh is first split into its connected pieces. A nearly convex
+piece is represented by its hull; CoACD decomposes the others. Then the two hulls whose union adds the least empty space
+are merged repeatedly. Compared with one CoACD run over the whole mesh, this keeps thin posts exact (no voxel remeshing)
 and takes seconds instead of minutes.
 """
 
@@ -23,30 +23,31 @@ from ..meshes.recipe import get_recipe
 from ..records.index import build_mesh, load_index
 from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
 
-FLUSH_HEIGHT = 0.03  # m; lower assets (a manhole cover) belong to the ground: their hulls are sunk below wheels
+FLUSH_HEIGHT = 0.03  # m; lower assets (a manhole cover) are flush with the ground, and their hulls are moved below it
 FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
-FOOT_PLATE = 0.02  # m; a piece that ends below (a pole's foot plate) is left out: wheels roll over it
+FOOT_PLATE = 0.02  # m; a piece that ends below (a pole's foot plate) is left out, because wheels roll over it
 HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
-FLAT = 0.005  # m; a piece whose points lie this near one plane (root mean square) is flat
-# A piece goes to CoACD when air is more than this share of its hull, and more than a few litres or a thousandth of the
-# asset's box.
+FLAT = 0.005  # m; a piece is flat if its points deviate less from a plane (root mean square)
+# CoACD decomposes a piece if the empty share of its hull and the empty volume exceed these limits (the volume as m^3
+# and as a share of the asset's box).
 EXCESS_SHARE, EXCESS_VOLUME, EXCESS_OF_BOX = 0.26, 0.008, 1e-3  # 1, m^3, 1
 CHEAP_VOLUME = 2e-4  # m^3; unions that add less are always made
-HIGH = 1.7  # m; space above robots and most people counts little
+HIGH = 1.7  # m; empty space above this height, over robots and most people, has little weight
 HIGH_WEIGHT = 0.1
-SHADOW_HEIGHT = 0.15  # m; ground newly covered counts as space of this height: two thin plates do not become a slab
+SHADOW_HEIGHT = 0.15  # m; newly covered ground counts as empty space of this height, so thin plates stay apart
 BATCH = 40  # meshes to a set of worker processes
-# A hull of too few corners grows until it misses less of its piece than this, or than this share of its longest side.
+# A simplified hull is enlarged until the distance of its piece's points outside it is below this, in m or as a share of
+# its longest side.
 GAP, GAP_OF_PIECE = 0.05, 0.007  # m, 1
 GROWTHS = 3  # at most
-BESIDE = 0.02  # share of a side of the mesh's box that a hull may stand out of it
+BESIDE = 0.02  # largest protrusion of a hull from the mesh's box, as a share of the box's side
 NEIGHBOURS = 10  # candidates for a union per piece
 COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 is the usual range
 
 
 @dataclasses.dataclass(frozen=True)
 class Piece:
-    """One convex piece: corners (n, 3) m, volume in m^3, and area of its shadow on the ground in m^2."""
+    """One convex piece: corners (n, 3) m, volume in m^3, and area of its projection to the ground in m^2."""
 
     corners: np.ndarray
     volume: float
@@ -68,11 +69,11 @@ def convex_piece(points: np.ndarray) -> Piece:
 
 
 def connected_pieces(mesh: AssetMesh, part_faces: Sequence[int] | None = None) -> list[tuple[np.ndarray, np.ndarray]]:
-    """(vertices, faces) of each piece that hangs together, vertices at one place shared.
+    """(vertices, faces) of each connected piece, with shared vertices.
 
     Args:
-      part_faces: number of faces of each part the mesh was assembled from, so that parts which merely touch stay apart;
-        without it shared vertices alone separate the pieces.
+      part_faces: number of faces of each part of the mesh, so that parts that only touch are separated; without it,
+        pieces are separated by shared vertices only.
     """
     counts = [len(mesh.faces)] if part_faces is None else list(part_faces)
     pieces = []
@@ -100,10 +101,10 @@ def _connected(vertices: np.ndarray, faces: np.ndarray) -> list[tuple[np.ndarray
 
 
 def closed_surface(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The piece with every hole of its rim filled by a fan, so that a shell counts as the solid it pretends to be."""
+    """Closes every hole of a piece by a fan of triangles, so that a shell counts as a solid."""
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     known = set(map(tuple, edges.tolist()))
-    onward = {b: a for a, b in known if (b, a) not in known}  # along the rim, against the faces' own sense
+    onward = {b: a for a, b in known if (b, a) not in known}  # along the border, opposite to the faces
     points, fans = [vertices], []
     while onward:
         first, then = onward.popitem()
@@ -126,17 +127,17 @@ def signed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 
 def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance: float) -> list[Piece]:
-    """The convex pieces of one connected part: its hull where that is near enough, else CoACD's cut.
+    """The convex pieces of one connected part: its hull if that is accurate enough, otherwise the result of CoACD.
 
     Args:
-      budget: most pieces.
+      budget: largest number of pieces.
       allowance: m^3 of air that the hull may add.
     """
     whole = convex_piece(vertices)
     if budget == 1 or vertices[:, 2].min() > HIGH:
         return [whole]
     if np.linalg.svd(vertices - vertices.mean(0), compute_uv=False)[-1] < FLAT * np.sqrt(len(vertices)):
-        return [whole]  # a cloth or a pane: CoACD would only shred it
+        return [whole]  # a cloth or a pane, which CoACD would split into many pieces
     vertices, faces = closed_surface(vertices, faces)
     air = whole.volume - signed_volume(vertices, faces)
     if air < max(EXCESS_SHARE * whole.volume, allowance):
@@ -160,7 +161,7 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
 
 
 def _cost(a: Piece, b: Piece, union: Piece) -> float:
-    """Cost of a union for robots on the ground: m^3 of space, and ground that it newly covers."""
+    """Cost of a union for robots on the ground: m^3 of empty space, and newly covered ground."""
     space = max(union.volume - a.volume - b.volume, 0.0)
     if union.corners[:, 2].min() > HIGH:
         return HIGH_WEIGHT * space
@@ -217,7 +218,8 @@ def _without_contained(pieces: list[Piece], tolerance: float = 0.008) -> list[Pi
 
 
 def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarray:
-    """At most `limit` of a hull's corners, greedily those that protrude most, grown by most of the missed volume."""
+    """Reduces a hull to at most `limit` corners, greedily those that protrude most, and enlarges it to cover most of
+    the lost volume."""
     if len(corners) <= limit:
         return corners
     directions = np.concatenate([np.eye(3), -np.eye(3), np.array([[1, 1, 1], [-1, -1, 1]]) / np.sqrt(3)])
@@ -233,7 +235,7 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
         if missed < 1e-3 or len(chosen) == limit:
             break
         chosen.append(int(missing.argmax()))
-    # Never beyond the piece's own vertical extent: hulls do not dig into the pavement.
+    # The hull keeps the piece's vertical extent, so that it does not penetrate the pavement.
     low, high = corners[:, 2].min(), corners[:, 2].max()
     grown = corners[chosen]
     bound = max(GAP, GAP_OF_PIECE * float(np.ptp(corners, axis=0).max()))
@@ -249,7 +251,7 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
 
 
 def _gaps(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(n,) how far points (n, 3) lie outside the hull of the corners, m; negative within."""
+    """(n,) m, distance of points (n, 3) outside the hull of the corners; negative inside."""
     planes = ConvexHull(corners).equations
     return (points @ planes[:, :3].T + planes[:, 3]).max(1)
 
@@ -267,12 +269,12 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
         solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > FOOT_PLATE + 1e-4]
         parts = [p for v, f in solids for p in split_piece(v, f, budget, allowance)]
         pieces = merge_pieces(parts, budget)
-    # CoACD cuts a voxel copy of the mesh, which exceeds it by up to a voxel: hulls are limited to the mesh's box,
-    # except where the corners of a coarse circle need more.
+    # CoACD decomposes a voxel copy of the mesh, which exceeds it by up to a voxel. Hulls are therefore limited to the
+    # mesh's box, except for the corners of coarse circles.
     slack = np.array([BESIDE, BESIDE, 0.0]) * mesh.extent if mesh.extent[2] > FLUSH_HEIGHT else np.inf
     low, high = mesh.vertices.min(0) - slack, mesh.vertices.max(0) + slack
     rounded = [np.round(np.clip(simplified(p.corners), low, high) / MILLIMETRE).astype(np.int32) for p in pieces]
-    # Largest first, ties by place: the order is part of the content.
+    # Largest first, ties by position, because the order is part of the content.
     keyed = sorted(zip(pieces, rounded, strict=True), key=lambda x: (-round(x[0].volume, 6), x[1].min(0).tolist()))
     return tuple(np.unique(r, axis=0) for _, r in keyed)
 
@@ -285,10 +287,9 @@ def _work(key: str, recipe: str, leaf: str, variant: int, budget: int) -> tuple[
 def build_missing(
     jobs: int, leaf: str | None = None, again: bool = False, report: Callable[[str], object] = print
 ) -> HullStore:
-    """Decomposes every record's mesh that the store lacks, in worker processes, and writes the store; prunes unused
-    keys.
+    """Decomposes the meshes that the store lacks in worker processes, writes the store, and removes unused keys.
 
-    CoACD is known to abort after some hundred meshes in one process (its issue 23): every batch has new ones.
+    CoACD may abort after some hundred meshes in one process (CoACD's issue 23), so every batch uses new processes.
     """
     store = HullStore.load(store_path())
     found = dict(store.hulls)

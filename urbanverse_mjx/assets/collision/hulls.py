@@ -1,4 +1,4 @@
-"""Collision hulls: stored by the content of the mesh, loaded without ever running CoACD.
+"""Stores and loads collision hulls by the content of the mesh; loading never runs CoACD.
 
 The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull
 after hull, and for every mesh key the range of its hulls. `assets.collision.decompose` makes missing ones.
@@ -24,13 +24,13 @@ from ..records.user_store import AGAIN, FILE_RECIPE, HULLS, mesh_file
 
 BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
 MILLIMETRE = 1e-3
-# Rounding bins are shifted so that hand-chosen sizes (multiples of 0.5 mm) never lie on a bin's edge, where the last
-# bit of a sine that differs between machines would change the key.
+# Shift of the rounding bins. Manually chosen sizes (multiples of 0.5 mm) then never lie on a bin's edge, where
+# differences between machines in the last bit would change the key.
 _BIN_SHIFT = 0.317
 
 
 def mesh_key(mesh: AssetMesh, budget: int) -> str:
-    """32 hexadecimal digits over the vertices (1 mm bins), the faces and the hull budget."""
+    """Hash of 32 hexadecimal digits over the vertices (1 mm bins), the faces and the hull budget."""
     bins = np.floor(mesh.vertices.astype(np.float64) / MILLIMETRE + _BIN_SHIFT).astype(np.int32)
     digest = hashlib.sha256(f"{budget}/{len(bins)}/{len(mesh.faces)}/".encode())
     digest.update(bins.astype("<i4").tobytes())
@@ -45,7 +45,7 @@ class HullStore:
     hulls: Mapping[str, tuple[np.ndarray, ...]]
 
     def save(self, path: str | os.PathLike[str]) -> pathlib.Path:
-        """Writes the store, keys in order, so that equal stores give equal arrays."""
+        """Writes the store with sorted keys, so that equal stores have equal arrays."""
         keys = sorted(self.hulls)
         flat = [h for k in keys for h in self.hulls[k]]
         arrays = {
@@ -61,7 +61,7 @@ class HullStore:
         """Reads the store; a missing file is an empty store.
 
         Raises:
-          ValidationError: a damaged file, or one whose counts and corners do not fit together.
+          ValidationError: the file is damaged, or its counts and corners are inconsistent.
         """
         if not pathlib.Path(path).is_file():
             return HullStore({})
@@ -77,7 +77,7 @@ class HullStore:
 
 
 def _check_store(path: str, data: Mapping[str, np.ndarray]) -> None:
-    """Whether a file's arrays are those of a store, and its counts match the numbers of hulls and corners."""
+    """Checks that a file has the arrays of a store and that its counts match the numbers of hulls and corners."""
     hint = f"build it again with `{BUILD_COMMAND}`"
     names = {"keys", "hulls_per_key", "corners_per_hull", "corners_mm"}
     if set(data) != names:
@@ -100,9 +100,9 @@ def _store() -> HullStore:
 
 
 def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
-    """Most hulls for a mesh: the recipe's own cap, else by its largest side.
+    """Largest number of hulls for a mesh: the recipe's limit, otherwise by the mesh's largest side.
 
-    Small objects stay cheap because the simulator streams only the 16 hulls nearest to a robot.
+    Small objects get few hulls, because the simulator streams only the 16 hulls nearest to a robot.
     """
     if cap is not None:
         return cap
@@ -111,11 +111,11 @@ def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
 
 
 def load_hulls(record: AssetRecord) -> HullSet:
-    """The convex hulls of a record, in the asset frame at scale 1 (an instance's: those of its base shape, scaled).
+    """The convex hulls of a record in the asset frame at scale 1 (for an instance, the scaled hulls of its base shape).
     Never runs CoACD.
 
     Raises:
-      ValidationError: the store (the user's, for an imported asset) holds none for this mesh; the message names the
+      ValidationError: the store (for an imported asset, the user's) has no hulls for this mesh; the message names the
         command that makes them.
     """
     if record.recipe == FILE_RECIPE:
@@ -135,7 +135,7 @@ def load_hulls(record: AssetRecord) -> HullSet:
 
 
 def _file_hulls(record: AssetRecord) -> HullSet:
-    """The convex hulls of a record whose recipe is `file`, as they were made at its import.
+    """The convex hulls of a record whose recipe is `file`, made when it was imported.
 
     Raises:
       ValidationError: the file of hulls is missing or holds none.

@@ -18,7 +18,7 @@ class RigidBody:
     """Mass properties in the asset frame.
 
     Attributes:
-      mass: kg, the record's.
+      mass: kg, mass of the record.
       centre: (3,) m, centre of mass.
       inertia: (3, 3) kg m^2 about the centre of mass, axes of the asset frame.
     """
@@ -37,11 +37,12 @@ class RigidBody:
 
 
 def convex_surface(corners: np.ndarray) -> trimesh.Trimesh:
-    """The convex hull of (n, 3) corners as a closed surface, wound outwards; cached, so it must not be changed."""
+    """The convex hull of (n, 3) corners as a closed surface with outward orientation; cached, so it must not be
+    modified."""
     return _convex_surface(np.ascontiguousarray(corners, np.float64).tobytes())
 
 
-# A stage asks twice for every hull, for its collider and for the mass, and cousins share assets.
+# Cached, because a stage uses every hull twice (collider and mass), and cousins share assets.
 @functools.lru_cache(maxsize=4096)
 def _convex_surface(content: bytes) -> trimesh.Trimesh:
     hull = ConvexHull(np.frombuffer(content).reshape(-1, 3))
@@ -54,14 +55,14 @@ def _convex_surface(content: bytes) -> trimesh.Trimesh:
 
 
 def rigid_body(record: AssetRecord, mesh: AssetMesh, hulls: Sequence[np.ndarray]) -> RigidBody:
-    """The record's mass spread evenly over its hulls, see `even_body`."""
+    """Rigid body with the record's mass distributed uniformly over its hulls, see `even_body`."""
     return even_body(record.mass, mesh, hulls)
 
 
 def even_body(mass: float, mesh: AssetMesh, hulls: Sequence[np.ndarray]) -> RigidBody:
-    """A mass (kg) spread evenly over hulls (where they overlap, over both).
+    """Rigid body with a mass (kg) distributed uniformly over hulls; overlaps count twice.
 
-    The hull of an object that lies flush in the ground is sunk on purpose; such an object counts as its mesh's box.
+    The hull of an object flush with the ground is moved below it; such an object is represented by its mesh's box.
     """
     if mesh.extent[2] <= FLUSH_HEIGHT:
         box = np.array([mesh.vertices.min(0), mesh.vertices.max(0)])

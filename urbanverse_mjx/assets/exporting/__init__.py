@@ -1,1 +1,1 @@
-"""Assets for other tools: GLB, OBJ, MJCF and USD."""
+"""Exports assets to GLB, OBJ, MJCF and USD."""

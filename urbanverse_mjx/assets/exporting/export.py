@@ -1,4 +1,4 @@
-"""Assets for other tools: GLB, OBJ, MJCF or USD, and beside each the annotation under the official field names.
+"""Exports assets to GLB, OBJ, MJCF or USD, each with its annotation under the official field names.
 
 All files are in metres. GLB is y up with its front along +z, as glTF requires; OBJ, MJCF and USD keep the asset frame
 (+x front, +y left, z up, origin on the ground under the centre).
@@ -48,10 +48,10 @@ def official_annotation(record: AssetRecord) -> dict[str, Any]:
 
 
 def record_to_export(uid: str) -> AssetRecord:
-    """A base shape, an imported asset, or any other record of the catalogue.
+    """Returns the record of a base shape, an imported asset, or any other uid of the catalogue.
 
     Raises:
-      ValidationError: no such uid, or a catalogue that was not built (`make assets`).
+      ValidationError: the uid does not exist, or the catalogue is not built (`make assets`).
     """
     from ..selection.search import library
 
@@ -114,7 +114,7 @@ FORMATS: Mapping[str, tuple[str, Callable[[AssetRecord, Path], pathlib.Path]]] =
 
 
 def export_asset(record: AssetRecord, folder: Path, form: str = "glb") -> pathlib.Path:
-    """Writes an asset into a folder of its own below `folder` (a lone file for GLB), with its annotation as JSON.
+    """Writes an asset to a subfolder of `folder` (a single file for GLB), with its annotation as JSON.
 
     Raises:
       ValidationError: no such format, or the asset has no collision hulls and the format needs them.

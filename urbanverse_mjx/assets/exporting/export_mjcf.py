@@ -9,7 +9,7 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
 
 from ..collision.rigid_body import rigid_body
 
-# MuJoCo's own defaults of torsional (m) and rolling (m) friction; a record has the sliding one alone.
+# MuJoCo's defaults of torsional (m) and rolling (m) friction; a record has only sliding friction.
 TORSIONAL, ROLLING = 0.005, 0.0001
 
 
@@ -46,7 +46,7 @@ def mjcf_text(
     friction = _numbers([record.friction_coefficient, TORSIONAL, ROLLING])
     for k, corners in enumerate(hulls):
         ET.SubElement(asset, "mesh", name=f"hull_{k}", vertex=_numbers(corners), inertia="convex")
-        # The record's mass stands in <inertial>; a hull's own would count twice.
+        # The record's mass is in <inertial>, so hulls have no mass.
         hull = {"name": f"hull_{k}", "type": "mesh", "mesh": f"hull_{k}", "group": "3", "mass": "0"}
         ET.SubElement(body, "geom", hull | {"friction": friction})
     ET.indent(root, " ")

@@ -1,4 +1,4 @@
-"""Wavefront OBJ text of one textured mesh, and the material file beside it."""
+"""Writes Wavefront OBJ text of one textured mesh, and its material file."""
 
 import io
 
@@ -11,7 +11,7 @@ MATERIAL = "surface"
 
 
 def obj_text(mesh: AssetMesh, material_file: str | None, remark: str) -> str:
-    """The mesh as OBJ, nine digits a number: float32 values read back unchanged.
+    """The mesh as OBJ with nine digits per number, which preserves float32 values.
 
     Args:
       material_file: name of the MTL file; None names no material.

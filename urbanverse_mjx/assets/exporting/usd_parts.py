@@ -1,4 +1,4 @@
-"""Pieces that every USD stage of ours is made of: the stage itself, meshes, surfaces, contact materials, mass.
+"""Common parts of USD stages: the stage itself, meshes, surfaces, physics materials, mass.
 
 Stages are z up, in metres and kilograms, as Isaac Sim requires.
 """
@@ -79,7 +79,7 @@ def add_surface(stage: Any, where: str, mesh: AssetMesh, texture_file: str) -> A
 
 
 def bind(shape: Any, material: Any) -> None:
-    """Shows a mesh with a surface."""
+    """Binds a surface to a mesh."""
     from pxr import UsdShade
 
     UsdShade.MaterialBindingAPI.Apply(shape.GetPrim()).Bind(material)
@@ -116,7 +116,7 @@ def add_colliders(stage: Any, where: str, hulls: Sequence[np.ndarray], contact: 
 
 
 def bind_contact(shape: Any, contact: Any) -> None:
-    """Gives a collider, or all below a prim, a physics material."""
+    """Binds a physics material to a collider, or to all colliders below a prim."""
     from pxr import UsdShade
 
     strength = UsdShade.Tokens.weakerThanDescendants

@@ -50,12 +50,13 @@ def _one_of(options: Sequence[str]) -> Check:
 
 
 def _stiffness(value: Any, where: str) -> float:
-    """MPa: the official schema says MPa, its toolkit's table Pa; diamond's 1.2e6 MPa is the upper limit."""
+    """Checks a stiffness in MPa (the unit of the official schema; the toolkit's table says Pa); the upper limit is that
+    of diamond, 1.2e6 MPa."""
     stiffness = v.number(value, where, above=0.0, maximum=2e12)
     return stiffness / 1e6 if stiffness > 1.3e6 else stiffness
 
 
-#: Official field -> check. Others are kept unread.
+#: Official field -> check. Other fields are kept unchecked.
 FIELDS: Mapping[str, Check] = {
     **dict.fromkeys(("category", "description", "description_long", "uid", "filename"), v.text),
     **{f"description_view_{k}": v.text for k in range(4)},
@@ -80,7 +81,7 @@ SIZES = ("length", "width", "height")
 
 
 def checked(raw: Mapping[str, Any], where: str) -> tuple[dict[str, Any], list[str]]:
-    """The fields that are valid (unknown ones as they are), and a sentence for each that is not."""
+    """The valid fields (unknown ones unchanged), and a sentence for each invalid one."""
     fields, complaints = {}, []
     for name, value in raw.items():
         check = FIELDS.get(name)
@@ -117,7 +118,7 @@ def official_fields(mesh_path: pathlib.Path, folder: pathlib.Path, extras: Mappi
 
 
 def leaf_in(texts: Sequence[str]) -> str | None:
-    """The leaf that the first telling of some names speaks of; None where none does."""
+    """The leaf of the first name that denotes one; None if no name does."""
     for text in texts:
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
         for piece in (*re.split(r"--|__", words), words):
@@ -136,9 +137,9 @@ _FORBIDDING = re.compile(r"all rights reserved|do not (?:re)?distribute|propriet
 
 
 def known_licence(text: str) -> str | None:
-    """The usual name of a licence that a text speaks of ("by-nc", "CC BY 4.0", an address of it); None where unknown.
+    """The common name of the licence that a text mentions ("by-nc", "CC BY 4.0", its address); None if unknown.
 
-    Creative Commons without a version counts as 4.0, as in Objaverse's short names.
+    Creative Commons without a version means 4.0, as in Objaverse's short names.
     """
     if _CC0.search(text):
         return "CC0-1.0"
@@ -148,12 +149,12 @@ def known_licence(text: str) -> str | None:
 
 
 def licence_of(fields: Mapping[str, Any], extras: Mapping[str, Any], copyright_text: str, default: str | None) -> str:
-    """The licence that an asset is under: its annotation's, its file's, else the one the user named.
+    """The licence of an asset: that of its annotation, of its file, or the user's default, in this order.
 
-    A copyright notice is a licence only where it names one.
+    A copyright notice counts only if it names a licence.
 
     Raises:
-      RefusedFileError: none is stated, or its use is forbidden.
+      RefusedFileError: no licence is stated, or it forbids use.
     """
     info = fields.get("license_info")
     stated = [info.get("license") if isinstance(info, dict) else info]
@@ -180,9 +181,10 @@ class Measured:
 def describe(
     leaf: str, uid: str, measured: Measured, fields: Mapping[str, Any], licence: str, provenance: str, params: dict
 ) -> tuple[AssetRecord, dict[str, Any]]:
-    """(record, whole annotation under the official names): annotated values, and the leaf's prior where there are none.
+    """(record, complete annotation under the official names) from annotated values and, for missing ones, the leaf's
+    prior.
 
-    Sizes are always the measured ones. Where a mass is annotated but no force, the force follows from the mass.
+    Sizes are always the measured ones. If a mass is annotated but no force, the force is computed from the mass.
     """
     row = prior(leaf)
     extent = np.array([measured.extent])
@@ -245,6 +247,6 @@ def describe(
 
 
 def catalogue_row(record: AssetRecord, whole: Mapping[str, Any]) -> dict[str, Any]:
-    """The asset's row in a table with the columns of `assets.records.catalogue`; None where no value is known."""
+    """The asset's row in a table with the columns of `assets.records.catalogue`; None for unknown values."""
     known = dict(whole) | {"recipe": record.recipe, "movable": record.movable}
     return {name: known.get(name) for name in SCHEMA.names if name != "params"}

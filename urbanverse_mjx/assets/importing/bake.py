@@ -1,4 +1,4 @@
-"""One texture for a file with many materials: images side by side, plain colours as palette cells."""
+"""Combines the materials of a file to one texture: images side by side, plain colours as palette cells."""
 
 import numpy as np
 from PIL import Image
@@ -7,7 +7,7 @@ from ..meshes import atlas
 from .reading import Part
 
 REPEATS = 4  # an image that repeats more often over one face is replaced by its mean colour
-CELLS = 48  # most colours that vertex colours are reduced to
+CELLS = 48  # largest number of colours to which vertex colours are reduced
 LARGEST = 256  # pixels, side of an image among several; halved until all fit
 
 
@@ -24,7 +24,7 @@ def bake(parts: tuple[Part, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
         try:
             return _pack(parts, side)
         except ValueError:
-            if side < 8:  # hundreds of images: their mean colours must do
+            if side < 8:  # hundreds of images are replaced by their mean colours
                 return _pack(parts, 0)
             side //= 2
 
@@ -37,7 +37,7 @@ def _equal_finish(a: Part, b: Part) -> bool:
 
 
 def _tinted(part: Part, largest: int) -> np.ndarray:
-    """The part's image times its colour, at most so many pixels wide and high."""
+    """The part's image times its colour, at most `largest` pixels wide and high."""
     assert part.texture is not None
     image = Image.fromarray(part.texture)
     image.thumbnail((largest, largest))
@@ -73,7 +73,7 @@ def _pack(parts: tuple[Part, ...], side: int) -> tuple[np.ndarray, np.ndarray, n
 
 
 def _unwrapped(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
-    """The part with every face moved to the first tile of its image, and how many tiles a face spans."""
+    """The part with every face moved to the first tile of its image, and the number of tiles that a face spans."""
     if part.uv is None:
         return part.vertices, part.faces, np.zeros((len(part.vertices), 2)), (1, 1)
     shift = np.floor(part.uv[part.faces].min(1) + 1e-4)  # (F, 2)
@@ -101,7 +101,7 @@ def _cells(part: Part) -> tuple[list[tuple[int, int, int]], np.ndarray]:
 
 
 def _split(part: Part, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(vertices, faces, cell of each vertex): a vertex between colours becomes several."""
+    """(vertices, faces, cell of each vertex); a vertex between colours is duplicated."""
     keys = np.column_stack([part.faces.ravel(), np.repeat(cells, 3)])
     rows, inverse = np.unique(keys, axis=0, return_inverse=True)
     return part.vertices[rows[:, 0]], inverse.reshape(-1, 3), rows[:, 1]

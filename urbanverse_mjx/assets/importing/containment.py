@@ -1,4 +1,4 @@
-"""Runs one function in a process of its own, with bounded time, memory and file size; a crash there stays there."""
+"""Runs a function in a separate process with limits on time, memory and file size, so that crashes are contained."""
 
 import contextlib
 import dataclasses
@@ -18,7 +18,7 @@ from .screening import RefusedFileError
 
 CRASHED, TIME, MEMORY, UNABLE = "crashed", "out of time", "out of memory", "not possible"
 
-#: Reasons that may lie with the machine rather than the file.
+#: Failures that the machine rather than the file may have caused.
 FAILURES = (CRASHED, TIME, MEMORY, UNABLE)
 
 
@@ -33,7 +33,7 @@ class Bounds:
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """The outcome: a value, or the reason and the sentence of a failure."""
+    """The result of a process: a value, or the reason and the sentence of a failure."""
 
     value: Any = None
     reason: str = ""
@@ -41,7 +41,7 @@ class Outcome:
 
 
 def context() -> Any:
-    """A server process forks off the workers: they start in milliseconds, with no thread or GPU state of ours."""
+    """A fork server starts the workers in milliseconds, without threads or GPU state of this process."""
     methods = multiprocessing.get_all_start_methods()
     chosen = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     if chosen.get_start_method() == "forkserver":
@@ -61,7 +61,7 @@ def contained(function: Callable[..., Any], *args: Any, bounds: Bounds = Bounds(
     there.close()
     try:
         return here.recv() if here.poll(bounds.seconds) else Outcome(reason=TIME, sentence=_late(bounds))
-    except (EOFError, OSError):  # it died before it could answer
+    except (EOFError, OSError):  # the process died before it sent a result
         process.join(10)
         return _death(process.exitcode, bounds)
     finally:
@@ -73,10 +73,10 @@ def contained(function: Callable[..., Any], *args: Any, bounds: Bounds = Bounds(
 
 
 def check_workers() -> None:
-    """Makes sure that processes start at all, before any file is blamed.
+    """Checks that processes can be started, so that a failure is not attributed to a file.
 
     Raises:
-      ValidationError: they do not, as under a script on standard input or one without a main guard.
+      ValidationError: processes do not start, for example under a script on standard input or without a main guard.
     """
     outcome = contained(os.getpid)
     if outcome.reason:
@@ -102,7 +102,7 @@ def _death(code: int | None, bounds: Bounds) -> Outcome:
 def _child(there: Connection, bounds: Bounds, function: Callable[..., Any], args: tuple[Any, ...]) -> None:
     end_with_parent()
     _limit(bounds)
-    # Readers and CoACD print what they like; the report has one line per file.
+    # Output of readers and CoACD is discarded; the report has one line per file.
     null = os.open(os.devnull, os.O_WRONLY)
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError, AttributeError):
@@ -124,7 +124,8 @@ def _child(there: Connection, bounds: Bounds, function: Callable[..., Any], args
 def _limit(bounds: Bounds) -> None:
     seconds = int(bounds.seconds) + 1
     limits = [("RLIMIT_CPU", seconds * 2), ("RLIMIT_FSIZE", bounds.file_bytes), ("RLIMIT_CORE", 0)]
-    # Data, not address space: renderers reserve much of the latter and use little. macOS enforces neither reliably.
+    # The limit is on data, not address space, of which renderers reserve much and use little. macOS enforces neither
+    # reliably.
     limits.append(("RLIMIT_DATA", bounds.memory))
     for name, value in limits:
         with contextlib.suppress(AttributeError, ValueError, OSError):

@@ -1,7 +1,8 @@
-"""The nine forms of corruption that the UrbanVerse paper counts in web-crawled assets, each measured and named.
+"""Detects the nine forms of corruption of web-crawled assets that the UrbanVerse paper lists.
 
-The paper had people inspect assets; these are rules over the mesh, its annotated leaf, and the names in the file. An
-object that is thin, scattered or rough by nature (a poster, a flock, a hedge) is compared with its leaf's prior.
+In the paper, people inspect assets; this module applies rules to the mesh, its annotated leaf, and the names in the
+file. The leaf's prior prevents false findings for objects that are thin, scattered or rough (a poster, a flock, a
+hedge).
 """
 
 import dataclasses
@@ -28,13 +29,14 @@ SCALE = "non-uniform scale"
 #: The paper's order (its list of nine).
 CORRUPTIONS = (BAD_MESH, NO_TEXTURE, PAPER, BASE, TERRAIN, NAMES, CAD, SEVERAL, SCALE)
 
-# Thresholds: set so that all shipped assets pass and the tests' broken ones do not; docs/decisions/asset_import.md.
+# Thresholds, chosen so that all shipped assets pass and the broken ones of the tests do not;
+# docs/decisions/asset_import.md.
 MANY = 300  # faces; below, statistics of surfaces are unreliable
 DEGENERATE = 0.3  # share of faces without area
 SHREDS, SHRED_FACES = 0.4, 3  # share of the area in components of so few faces
-NOISE_ANGLE, NOISE_NORMALS = 0.8, 0.7  # rad, mean bend; share of faces whose direction no other has
-HALF_OPEN = 0.12  # sum of the horizontal area vectors over the whole area (0 for a closed surface)
-THIN, BOARD = 0.02, 0.15  # least over middle side; boards may have one face alone
+NOISE_ANGLE, NOISE_NORMALS = 0.8, 0.7  # rad, mean bend; share of faces with a unique direction
+HALF_OPEN = 0.12  # norm of the sum of horizontal area vectors over the whole area (0 for a closed surface)
+THIN, BOARD = 0.02, 0.15  # ratio of the least to the middle side; boards may have a single face
 TERRAIN_UP, TERRAIN_FLAT, TERRAIN_COVER, LEVEL = 0.85, 0.35, 0.6, 0.7
 BASE_HEIGHT, BASE_AREA, BASE_SIDE = 0.12, 2.5, 1.6
 GAP, PARTNER, ALIKE = 0.04, 0.2, 0.8  # of the diagonal; shares of the largest cluster's box volume
@@ -48,7 +50,7 @@ CAD_WORDS = re.compile(
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """One corruption: its name, what showed it, and whether the import fixed it."""
+    """A corruption: its name, the evidence, and whether the import fixed it."""
 
     name: str
     evidence: str
@@ -56,7 +58,7 @@ class Finding:
 
 
 def find_in_shape(shape: Shape, source: Source, row: Prior | None) -> list[Finding]:
-    """Faults of a file's mesh and appearance; `row` is the prior of its leaf, None where no leaf is known."""
+    """Finds faults of a file's mesh and appearance; `row` is the prior of its leaf, or None."""
     if len(shape.faces) < 4:
         return [Finding(BAD_MESH, f"{len(shape.faces)} faces with an area, needed at least 4")]
     checks = (_terrain, _several, _paper, _base, _bad_mesh, _cad, _texture)
@@ -68,7 +70,7 @@ def _terrain(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findin
         return
     x, y, z = shape.extent
     underside = (shape.normals[:, 2] < -0.99) & (shape.vertices[shape.faces][:, :, 2].max(1) < 0.02 * z)
-    # A plate with something on it is level; land is not.
+    # A base plate is level; terrain is not.
     level = (shape.normals[:, 2] > 0.999) & (np.ptp(shape.vertices[shape.faces][:, :, 2], axis=1) < 1e-3)
     if float(shape.areas[level].sum()) > LEVEL * x * y:
         return
@@ -88,7 +90,7 @@ def _several(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findin
     ]
     volumes = np.array([np.prod(np.maximum(high - low, 1e-4)) for low, high in boxes])
     large = volumes > PARTNER * volumes.max()
-    # A rack's equal hoops form one asset; two equal cars do not form one of a plausible shape.
+    # Equal hoops of a rack form one asset; two equal cars do not have a plausible common shape.
     alike = (
         row is not None
         and volumes[large].min() > ALIKE * volumes.max()
@@ -146,7 +148,7 @@ def _all_sheets(shape: Shape) -> bool:
 
 
 def _base(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
-    """A slab at the foot, far wider than the object on it and than the leaf's largest is to its height."""
+    """Detects a slab at the base that is much wider than the object on it and than the largest object of the leaf."""
     height = shape.extent[2]
     tops = shape.vertices[shape.faces][:, :, 2].max(1)
     foot = tops <= BASE_HEIGHT * height
@@ -188,7 +190,7 @@ def _textured(source: Source) -> bool:
 
 
 def _coloured(source: Source) -> bool:
-    """Several colours by material or vertex: an appearance, if a plain one."""
+    """Whether there are several colours by material or vertex, which count as an appearance."""
     plain = {tuple(np.round(p.color)) for p in source.parts if p.texture is None and p.colors is None}
     return len(plain) > 1 or any(p.colors is not None and np.ptp(p.colors, axis=0).max() > 8 for p in source.parts)
 

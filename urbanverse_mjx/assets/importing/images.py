@@ -1,4 +1,4 @@
-"""Four images of one asset, from its front and its three other sides, by the gallery's scene and light."""
+"""Renders four images of an asset, from its front and the other three sides, with the gallery's scene and light."""
 
 import mujoco
 import numpy as np
@@ -14,7 +14,8 @@ MARGIN = 1.1  # air round the asset's bounding sphere
 
 
 def render_views(mesh: AssetMesh, size: tuple[int, int]) -> list[np.ndarray]:
-    """View k stands k quarters counter-clockwise from the front (+x); the light turns with it.
+    """Renders four views; view k is rotated by k quarters counter-clockwise from the front (+x), together with the
+    light.
 
     Args:
       size: (width, height), pixels.

@@ -1,6 +1,6 @@
-"""Puts a mesh into the asset frame: upright, in metres, its front along +x, on the ground.
+"""Transforms a mesh to the asset frame: upright, in metres, with its front along +x, on the ground.
 
-The sizes come from the file's annotation where it has some, else from the leaf's prior.
+Sizes come from the file's annotation if there is one, otherwise from the leaf's prior.
 """
 
 import dataclasses
@@ -24,26 +24,26 @@ UNITS = {
     "hundredfold": 100.0,
     "thousandfold": 1000.0,
 }
-SLACK = math.log(1.25)  # beyond the leaf's least and greatest, still believed without a change
-STRETCHED = math.log(2.0)  # beyond them after the best scale: the proportions are another object's
-# How much better (in the logarithm of a side) z up must fit than y up before it is taken: glTF defines y as up, most
-# OBJ files state no axis, and a file that states z up is trusted unless y up fits far better.
+SLACK = math.log(1.25)  # log factor beyond the leaf's least and greatest sizes up to which the scale is not changed
+STRETCHED = math.log(2.0)  # log factor at the best scale that indicates another object
+# Least advantage (log of a side) of the fit of z up over y up, by the file's own statement. glTF defines y as up, most
+# OBJ files state no axis, and a file that states z up is believed unless y up fits far better.
 Z_UP = {True: math.log(2.0), None: math.log(1.1), False: -math.log(2.0)}
 OFF_MEDIAN = 0.25  # weight of the distance from the leaf's median sizes beside the misfit
-# One ground side over the other before a mesh is turned a quarter: of the leaf's median, and of the mesh. Assets about
-# as long as wide (people, letter boxes) may have either orientation.
+# Least ratio of the horizontal sides for a quarter turn, of the leaf's median and of the mesh. Assets about as long as
+# wide (people, letter boxes) may have either orientation.
 LONG, TURN = 1.5, 1.2
-MEASURED_APART = 0.1  # relative, between the scales that two annotated sides ask for
+MEASURED_APART = 0.1  # largest relative difference of the scales from two annotated sides
 
 
 @dataclasses.dataclass(frozen=True)
 class Placement:
-    """How a file becomes an asset.
+    """Transformation of a file to the asset frame.
 
     Attributes:
       rotation: (3, 3), file frame to asset frame.
       scale: metres per unit of the file.
-      misfit: log of the factor by which a side still lies beyond the leaf's sizes.
+      misfit: log of the factor by which a side is still outside the leaf's sizes.
       scaled, steps: the changes, in words; `scaled` is empty where the file was in metres.
     """
 
@@ -61,7 +61,7 @@ class Placement:
 
 
 def quarter_turns(count: int) -> np.ndarray:
-    """(3, 3) rotation about z by so many quarters, counter-clockwise."""
+    """(3, 3) rotation about z by `count` quarters, counter-clockwise."""
     c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][count % 4]
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
 
@@ -112,14 +112,14 @@ def _off_median(extent: np.ndarray, row: Prior) -> np.ndarray:
 
 
 def _misfit(sides: np.ndarray, row: Prior) -> float:
-    """log of the factor by which the worst side lies beyond the leaf's sizes and the slack; 0 within."""
+    """Log of the factor by which the worst side is outside the leaf's sizes and the slack; 0 inside."""
     logs = np.log(np.maximum(sides, 1e-9))
     low, high = (np.log([row.length[k], row.width[k], row.height[k]]) for k in (0, 2))
     return float(np.maximum(np.maximum(low - SLACK - logs, logs - high - SLACK), 0.0).max())
 
 
 def misfit_of_proportions(extent: np.ndarray, row: Prior) -> float:
-    """log of the factor by which the worst side lies beyond the leaf's sizes at the scale that suits it best."""
+    """Log of the factor by which the worst side is outside the leaf's sizes at the best scale."""
     free = float(np.exp(-_off_median(extent, row).mean()))
     return _misfit(_sorted_sides(extent * free), row)
 
@@ -139,7 +139,7 @@ def _scale(extent: np.ndarray, row: Prior, sizes: Mapping[str, float] | None) ->
         unit = min(good, key=lambda name: abs(math.log(UNITS[name] / free)))
         return UNITS[unit], 0.0, f"scaled by {UNITS[unit]:g} to the sizes of a {row.leaf}{_unit_words(unit)}"
     misfit = _misfit(sides * free, row)
-    if fits["metres"] <= max(misfit, SLACK):  # odd proportions, but metres fit as well as anything
+    if fits["metres"] <= max(misfit, SLACK):  # unusual proportions, but metres fit as well as any unit
         return 1.0, fits["metres"], ""
     return free, misfit, f"scaled by {free:.4g} to the sizes of a {row.leaf}, in no unit"
 
@@ -151,7 +151,7 @@ def _unit_words(unit: str) -> str:
 def _annotated_scale(sides: np.ndarray, sizes: Mapping[str, float], row: Prior) -> tuple[float, float, str]:
     wanted = {k: sizes[name] for k, name in enumerate(("length", "width", "height")) if name in sizes}
     factors = [value / sides[k] for k, value in wanted.items()]
-    # Height is what annotators agree on; where the file has none, the first side that it has.
+    # Annotators agree best on the height; without one, the first annotated side is used.
     factor = wanted[2] / sides[2] if 2 in wanted else factors[0]
     misfit = max(abs(math.log(f / factor)) for f in factors) - math.log(1 + MEASURED_APART)
     if abs(factor - 1.0) < MEASURED_APART:

@@ -20,7 +20,7 @@ from .screening import LIMITS, Limits, RefusedFileError, inside, screen
 MAX_IMAGE_BYTES = 256 * 2**20
 MAX_IMAGE_PIXELS = 64 * 10**6
 WHITE = (255.0, 255.0, 255.0)
-#: Of a file whose format states no colour: unpainted concrete or metal.
+#: Colour of files whose format has no colours: unpainted concrete or metal.
 GREY = (150.0, 150.0, 150.0)
 #: Attribute under which a mesh with a material keeps its vertex colours: copies of its `visual` lose them.
 _COLORS = "urbanverse_colors"
@@ -49,7 +49,7 @@ class Part:
 
 @dataclasses.dataclass(frozen=True)
 class Source:
-    """A file that was read.
+    """The contents of a mesh file.
 
     Attributes:
       parts: at least one.
@@ -86,7 +86,7 @@ class Source:
 
 
 class _Neighbours(trimesh.resolvers.Resolver):
-    """Gives the reader files of the imported folder and no others; remembers what it refused."""
+    """Resolver that gives the reader only files of the imported folder, and records refused ones."""
 
     def __init__(self, folder: pathlib.Path, base: pathlib.Path) -> None:
         self.folder, self.base = folder, base
@@ -117,7 +117,7 @@ class _Neighbours(trimesh.resolvers.Resolver):
 
 
 def _as_utf8(body: bytes) -> bytes:
-    """A text file's bytes as UTF-8; what is none is taken for Latin-1, in which all bytes are characters."""
+    """A text file's bytes as UTF-8; other bytes are interpreted as Latin-1."""
     try:
         body.decode("utf-8")
     except UnicodeDecodeError:
@@ -129,7 +129,7 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
     """Screens and loads one GLB, glTF, OBJ, STL or PLY file; skinned meshes in their rest pose.
 
     Raises:
-      RefusedFileError: it must not be read, cannot be, or holds no triangles or no finite ones.
+      RefusedFileError: the file must not or cannot be read, or has no finite triangles.
     """
     tree = screen(path, folder, limits)
     Image.MAX_IMAGE_PIXELS = MAX_IMAGE_PIXELS // 2  # PIL raises at twice this
@@ -139,7 +139,7 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
         solids = [solid for solid in _solids(path, kind, tree, neighbours) if len(solid.faces)]
     except (MemoryError, RefusedFileError):
         raise
-    except Exception as error:  # the reader's own errors come in every type
+    except Exception as error:  # the reader raises errors of any type
         raise neighbours.refused or RefusedFileError(
             "malformed", f"cannot be read ({type(error).__name__}: {str(error)[:100]})"
         ) from error
@@ -238,7 +238,7 @@ def _part(solid: trimesh.Trimesh, linear: bool) -> Part:
 
 
 def _vertex_colors(solid: trimesh.Trimesh, linear: bool) -> np.ndarray | None:
-    """(V, 3) sRGB 0-255 of a mesh that has a material besides; None without colours."""
+    """(V, 3) sRGB 0-255, vertex colours of a mesh that also has a material; None without colours."""
     found = np.asarray(solid.vertex_attributes.get(_COLORS, ()))
     if found.ndim != 2 or len(found) != len(solid.vertices) or found.shape[1] < 3 or not np.isfinite(found).all():
         return None
@@ -279,7 +279,7 @@ def _srgb(color: np.ndarray, linear: bool) -> tuple[float, float, float]:
 def _surface(solid: trimesh.Trimesh) -> tuple[float, float]:
     material = getattr(solid.visual, "material", None)
     values = [getattr(material, name, None) for name in ("roughnessFactor", "metallicFactor")]
-    # A file without the factors, or with a texture in their place, is taken for painted plastic.
+    # A file without these factors, or with a texture instead, gets those of painted plastic.
     roughness, metallic = (d if v is None else float(np.clip(v, 0, 1)) for v, d in zip(values, (0.8, 0.0), strict=True))
     return roughness, metallic
 
@@ -290,7 +290,7 @@ def _names(tree: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _up(path: pathlib.Path) -> bool | None:
-    """Whether y is up, by a remark at the head of the file (OBJ, PLY); None where it has none, as always in STL."""
+    """Whether y is up, by a comment in the header of the file (OBJ, PLY); None without one, as always in STL."""
     with path.open("rb") as file:
         lines = [file.readline(1000).lower() for _ in range(10)]
     remarks = b" ".join(line for line in lines if line.startswith((b"#", b"comment")))

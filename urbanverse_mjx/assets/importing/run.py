@@ -1,4 +1,4 @@
-"""Goes through a folder, one file at a time in as many processes as wanted, and keeps a journal to resume from."""
+"""Imports the files of a folder in parallel processes, with a journal from which an import can be resumed."""
 
 import concurrent.futures
 import contextlib
@@ -48,16 +48,16 @@ JOURNAL, REPORT = "journal.jsonl", "report.json"
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """How to import.
+    """Options of an import.
 
     Attributes:
       licence: of files that state none; without it they are refused.
-      leaf: what all files are, a leaf of the ontology; None: as their annotations or names say.
+      leaf: leaf of the ontology for all files; None to use their annotations or names.
       jobs: processes at once.
-      again: also files that the journal lists as done.
-      pictures: draw four views of each asset.
-      endpoint: vision model for files without an annotation; None: the priors alone.
-      bounds: of each process.
+      again: whether to import files again that the journal lists as done.
+      pictures: whether to draw four views of each asset.
+      endpoint: vision model for files without an annotation; None to use only the priors.
+      bounds: limits of each process.
     """
 
     licence: str | None = None
@@ -71,12 +71,12 @@ class Options:
 
 @dataclasses.dataclass(frozen=True)
 class Entry:
-    """One line of the journal: what came of a file.
+    """One line of the journal: the result of a file.
 
     Attributes:
       file: path below the imported folder.
       key: hash of content, annotation and options.
-      uid: of the asset, or None where the file was rejected for `reason` (one of a few words) and `why` (a sentence).
+      uid: uid of the asset, or None if the file was rejected for `reason` (a keyword) and `why` (a sentence).
       findings: (name, evidence, fixed) of each corruption.
       notes: changes and omissions.
     """
@@ -96,13 +96,14 @@ def import_folder(
     """Imports every mesh file (`SUFFIXES`) below a folder, or one file, into the user's store; returns an entry for
     each, by name.
 
-    The index, the catalogue and the report are written anew at the end, also when it is interrupted.
+    Writes the index, the catalogue and the report at the end, even if the import is interrupted.
 
     Args:
       progress: called with (files done, files in all, entry) as each file ends.
 
     Raises:
-      ValidationError: no such folder, no mesh file in it, another import is running, or no process can be started.
+      ValidationError: the folder does not exist or has no mesh file, another import is running, or no process can be
+        started.
     """
     folder, root = pathlib.Path(folder).absolute(), imported_assets()
     files = list(mesh_files(folder))
@@ -114,7 +115,7 @@ def import_folder(
     with _alone(root), (root / JOURNAL).open("a", encoding="utf-8") as journal:
         shutil.rmtree(root / "staging", ignore_errors=True)
         if journal.tell() and not (root / JOURNAL).read_bytes().endswith(b"\n"):
-            journal.write("\n")  # the last line was cut off: the next one must not be lost with it
+            journal.write("\n")  # the last line was cut off; the next one must begin on a new line
         done = {} if options.again else _resumable(root)
         try:
             entries = _run(files, folder, root, options, done, journal, progress)
@@ -173,8 +174,8 @@ def _alone(root: pathlib.Path) -> Iterator[None]:
 
 
 def _resumable(root: pathlib.Path) -> dict[str, Entry]:
-    """key -> entry of the journal. A line that was cut off, or whose asset is gone, does not count; nor does a refusal
-    that may be the machine's fault."""
+    """key -> entry of the journal. Lines that are cut off or whose asset is missing are ignored, as are failures that
+    the machine may have caused."""
     found: dict[str, Entry] = {}
     for line in (root / JOURNAL).read_text(encoding="utf-8", errors="replace").splitlines():
         try:
@@ -210,7 +211,7 @@ def _run(
         )
         with writing:
             if not known:
-                # One whole line at a time, so that a reader of the journal finds a file either done or not listed.
+                # Lines are written at once, so that the journal never lists a file that is not done.
                 journal.write(json.dumps(dataclasses.asdict(entry)) + "\n")
                 journal.flush()
             entries.append(entry)
@@ -227,12 +228,12 @@ def _run(
 
 
 def printable(name: str) -> str:
-    """A file's name without what terminals, XML and JSON readers trip over: such characters are spelled out."""
+    """A file's name with characters escaped that terminals, XML or JSON readers cannot handle."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in name)
 
 
 def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
-    """(key of a file and all that decides what becomes of it, SHA-256 of the file)."""
+    """(key of a file and of all inputs of its import, SHA-256 of the file)."""
     digest, content = hashlib.sha256(), hashlib.sha256()
     with contextlib.suppress(OSError):
         status = path.stat()
@@ -242,7 +243,8 @@ def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
         else:
             content.update(f"{status.st_mode} {status.st_size}".encode())
         beside = [path.with_suffix(".json")]
-        # Materials, buffers and images lie beside other files than GLB; a change of one shows in its time.
+        # Formats other than GLB refer to materials, buffers and images in other files, whose changes are detected by
+        # their times.
         if path.suffix.lower() != ".glb":
             beside = sorted(p for p in path.parent.iterdir() if p.is_file())
         for other in beside:
@@ -251,7 +253,7 @@ def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
                     f"{other.name} {other.stat().st_size} {other.stat().st_mtime_ns}\n".encode("utf-8", "replace")
                 )
     model = options.endpoint.model if options.endpoint else ""
-    # Journals of other versions are not resumed from.
+    # Journals of other versions are not resumed.
     code = json.dumps(versions.of("imports"))
     digest.update(
         f"{code} {content.hexdigest()} {options.licence} {options.leaf} {model} {name}".encode("utf-8", "replace")
@@ -297,7 +299,7 @@ def _import_file(
 
 
 def _ask(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]:
-    """The task with the vision endpoint's annotation; without a usable answer the priors apply."""
+    """The task with the vision endpoint's annotation; unchanged without a usable answer, so that the priors apply."""
     assert options.endpoint is not None
     outcome = contained(write_preview, task, bounds=options.bounds)
     if outcome.reason:
@@ -317,7 +319,7 @@ def _ask(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]
 
 
 def _write_tables(root: pathlib.Path) -> None:
-    """The index and the catalogue, from the assets that are there; of two with one uid the first counts."""
+    """Writes the index and the catalogue of the existing assets; of two with the same uid, the first is used."""
     records: dict[str, AssetRecord] = {}
     rows: dict[str, dict[str, Any]] = {}
     for path in sorted((root / OBJECTS).glob(f"*/{RECORD}")):

@@ -1,7 +1,7 @@
 """Checks a mesh file's structure before any reader loads it, with little memory, and refuses dangerous files.
 
-A glTF file is checked against its own numbers: lengths of chunks, buffers, views and accessors, the tree of nodes, and
-the files it asks for; STL and PLY files against the counts in their headers. Only what passes is handed to the reader.
+For glTF the checks cover lengths of chunks, buffers, views and accessors, the tree of nodes, and the referenced files;
+for STL and PLY the counts in the headers. Only files that pass are given to the reader.
 """
 
 import dataclasses
@@ -21,9 +21,9 @@ SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply")
 # Bytes of one element by component type, and elements by kind (glTF 2.0, section 3.6.2).
 COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 ELEMENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-# Required extensions that change the appearance alone; others (compressed geometry) need a reader that is not here.
+# Required extensions that change only the appearance; others (compressed geometry) need another reader.
 HARMLESS = re.compile(r"KHR_materials_\w+|KHR_lights_punctual")
-#: Compressed geometry that trimesh decodes where this module is installed.
+#: Extension of compressed geometry, and the module that trimesh needs to decode it.
 DRACO, DRACO_MODULE = "KHR_draco_mesh_compression", "DracoPy"
 #: Extension of compressed geometry -> what to do.
 REMEDIES = {
@@ -41,7 +41,7 @@ PLY_BYTES = {
 
 @dataclasses.dataclass(frozen=True)
 class Limits:
-    """The largest file that is taken. 3 million vertices are 400 times a shipped asset's most."""
+    """Limits of an imported file. 3 million vertices are 400 times the maximum of shipped assets."""
 
     file_bytes: int = 512 * 2**20
     json_bytes: int = 32 * 2**20
@@ -56,7 +56,7 @@ LIMITS = Limits()
 
 
 class RefusedFileError(ValidationError):
-    """A file that is not read; `reason` is one of a few fixed words, the message one sentence."""
+    """A file is refused; `reason` is one of a few keywords, the message is a sentence."""
 
     def __init__(self, reason: str, sentence: str) -> None:
         self.reason, self.sentence = reason, sentence
@@ -67,10 +67,10 @@ class RefusedFileError(ValidationError):
 
 
 def inside(folder: pathlib.Path, base: pathlib.Path, name: str) -> pathlib.Path:
-    """The file that a mesh file in `base` asks for, which must lie in the imported folder.
+    """The file to which a mesh file in `base` refers, which must be in the imported folder.
 
     Raises:
-      RefusedFileError: an address, an absolute path, or one that leads out of the folder, also through a link.
+      RefusedFileError: the reference is a URL, an absolute path, or leads out of the folder, also through a link.
     """
     if "\0" in name or re.match(r"^[A-Za-z][\w+.-]*:", name) or name.startswith(("/", "\\", "~")):
         raise RefusedFileError(
@@ -89,10 +89,10 @@ def screen(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMITS) ->
 
     Args:
       path: the file.
-      folder: the imported folder, which no file may leave.
+      folder: the imported folder, which must contain all referenced files.
 
     Raises:
-      RefusedFileError: it must not be read.
+      RefusedFileError: the file must not be read.
     """
     if not path.resolve().is_relative_to(folder.resolve()):
         raise RefusedFileError("path trick", "is a link that leads outside the imported folder")
@@ -183,7 +183,7 @@ def _screen_tree(
 
 
 def _screen_nodes(nodes: list[dict[str, Any]], limits: Limits) -> None:
-    """At most so many nodes, each with one parent at most, no cycle, no endless chain."""
+    """Checks the number of nodes, that each has at most one parent, and that there is no cycle or too long chain."""
     if len(nodes) > limits.nodes:
         raise RefusedFileError("too many nodes", f"has {len(nodes)} nodes, at most {limits.nodes} are read")
     parent = [-1] * len(nodes)
@@ -237,7 +237,7 @@ def _screen_buffers(
 
 
 def _screen_accessors(accessors: list[dict[str, Any]], views: list[tuple[int, int]], limits: Limits) -> list[int]:
-    """Elements of each accessor, all of them inside their view."""
+    """Number of elements of each accessor, which must lie inside its view."""
     counts = []
     for k, accessor in enumerate(accessors):
         what = f"accessor {k}"
@@ -255,7 +255,7 @@ def _screen_accessors(accessors: list[dict[str, Any]], views: list[tuple[int, in
 
 
 def _screen_meshes(tree: dict[str, Any], counts: list[int], limits: Limits) -> None:
-    """Vertices and indices of all that the nodes show, each as often as it is shown."""
+    """Checks the numbers of vertices and indices over all nodes, counted once per use."""
     shown = [0] * len(_rows(tree, "meshes"))
     for node in _rows(tree, "nodes"):
         if "mesh" in node:
@@ -337,7 +337,7 @@ def _screen_ply(path: pathlib.Path, limits: Limits) -> None:
         raise RefusedFileError("malformed", f"holds {vertices} vertices and no face; mesh the points first")
     if vertices > limits.vertices or 3 * faces > limits.indices:
         raise RefusedFileError("too large", f"holds {vertices} vertices and {faces} faces")
-    # Text has at least a digit and a separator for each number, and a number is at most 8 bytes.
+    # Text needs at least a digit and a separator for each number, and a binary number has at most 8 bytes.
     needed = sum(counts[k] * least[k] for k in counts) // (1 if form.startswith(b"binary") else 4)
     if path.stat().st_size - header < needed:
         held = path.stat().st_size - header

@@ -1,8 +1,8 @@
-"""Skinned glTF meshes in their rest pose: the pose that the file's own nodes give its joints.
+"""Reads skinned glTF meshes in the pose of the joints in the file's nodes.
 
-A vertex is the weighted sum of what its joints make of it, each by the joint's frame times its inverse bind matrix; the
-frame of the mesh's own node does not count (glTF 2.0, section 3.7.3.3). trimesh reads attributes whose names begin with
-an underscore and no joints, so the tree that it is given holds joints, weights and matrices under such names.
+A vertex is the weighted sum of its positions under each joint's frame times the inverse bind matrix; the frame of the
+mesh's own node is ignored (glTF 2.0, section 3.7.3.3). trimesh reads attributes whose names begin with an underscore,
+but no joints, so the tree given to it holds joints, weights and matrices under such names.
 """
 
 import copy
@@ -19,7 +19,7 @@ _SKIN, _JOINTS, _WEIGHTS, _BIND = "urbanverse_skin", "_UV_JOINTS_", "_UV_WEIGHTS
 
 
 def readable(tree: dict[str, Any]) -> dict[str, Any]:
-    """The tree of a glTF file with skins as trimesh can read it; the nodes are named by their numbers."""
+    """Converts the tree of a glTF file with skins to one that trimesh can read; nodes are named by their numbers."""
     tree = copy.deepcopy(tree)
     for k, node in enumerate(tree.get("nodes", [])):
         node["name"] = _node_name(k)
@@ -51,7 +51,7 @@ def posed(scene: trimesh.Scene, tree: dict[str, Any]) -> list[trimesh.Trimesh]:
     """The triangles of a scene that was read from a `readable` tree, in the world, skinned ones in the rest pose.
 
     Raises:
-      RefusedFileError: joints or weights that do not fit the skin.
+      RefusedFileError: joints or weights do not fit the skin.
     """
     solids = []
     for name in scene.graph.nodes_geometry:
@@ -80,7 +80,7 @@ def _frames(scene: trimesh.Scene, skin: dict[str, Any], solid: trimesh.Trimesh) 
         raise RefusedFileError("malformed", "has a skin whose joints are no nodes of its scene") from error
     if _BIND not in solid.vertex_attributes:
         return frames
-    # Stored by columns (glTF 2.0, section 3.6.2.4).
+    # Stored column by column (glTF 2.0, section 3.6.2.4).
     bind = np.asarray(solid.vertex_attributes[_BIND], np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
     if len(bind) < len(frames):
         raise RefusedFileError("malformed", f"has a skin of {len(frames)} joints and {len(bind)} bind matrices")

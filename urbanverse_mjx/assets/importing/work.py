@@ -1,4 +1,4 @@
-"""The steps for one file, each in a process of its own (`containment`): make the asset, and draw it."""
+"""Steps of the import of one file, each run in a separate process (`containment`): makes the asset and draws it."""
 
 import dataclasses
 import hashlib
@@ -38,10 +38,10 @@ class Task:
       folder: the imported folder around it.
       staging: folder to write into.
       name: path below the folder, with forward slashes.
-      sha256: of the file.
-      licence: to assume where none is stated.
-      leaf: of the ontology, of every file; None: by the annotation or the names.
-      seen: fields from the vision endpoint.
+      sha256: SHA-256 of the file.
+      licence: licence to assume if none is stated.
+      leaf: leaf of the ontology for every file; None to use the annotation or the names.
+      seen: fields of the vision endpoint's annotation.
     """
 
     path: pathlib.Path
@@ -56,7 +56,7 @@ class Task:
 
 @dataclasses.dataclass(frozen=True)
 class Made:
-    """The result of one file: its uid, or None where a finding that is not fixed keeps it out."""
+    """The result of one file: its uid, or None if a finding that was not fixed excludes it."""
 
     uid: str | None
     leaf: str | None
@@ -65,7 +65,7 @@ class Made:
 
 
 def make_asset(task: Task) -> Made:
-    """Reads, judges, places and decomposes one file and writes the asset's files into `task.staging`.
+    """Reads, checks, places and decomposes one file and writes the asset's files to `task.staging`.
 
     Raises:
       RefusedFileError: the file must not or cannot be read, has no licence, or a broken annotation.
@@ -97,7 +97,8 @@ def make_asset(task: Task) -> Made:
 
 
 def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | None, list[Finding]]:
-    """The leaf that the user named, else of the annotation or the names, and a finding where the names give none."""
+    """The leaf that the user named, otherwise that of the annotation or the names, and a finding if the names contain
+    none."""
     if task.leaf:
         return task.leaf, []
     names = [task.path.stem, *source.names, *reversed(pathlib.PurePosixPath(task.name).parts[:-1])]
@@ -146,7 +147,8 @@ def _asset_mesh(
 
 
 def _volume(mesh: AssetMesh) -> float:
-    """m^3 inside the outer surface: of each closed piece, at most its box; thin objects count 2 % of the box."""
+    """m^3 inside the outer surface: the sum over closed pieces, each limited to its box; 2 % of the box for thin
+    objects."""
     total = 0.0
     for vertices, faces in connected_pieces(mesh):
         total += min(signed_volume(*closed_surface(vertices, faces)), float(np.prod(np.ptp(vertices, axis=0))))

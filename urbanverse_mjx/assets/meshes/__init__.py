@@ -1,1 +1,1 @@
-"""From recipes to meshes: solids, paint, the register of recipes, and instances of one base shape."""
+"""Builds meshes from recipes: solids, images, the register of recipes, and instances of base shapes."""

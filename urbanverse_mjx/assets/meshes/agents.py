@@ -1,11 +1,10 @@
 """Appearances of moving people and vehicles: a few meshes for each kind of agent, part of every bank.
 
-In:   recipes.
-Out:  `AgentAppearance`s, those of a kind in the order in which agents take them.
-When: when a bank is packed.
+In:   recipes. Out: `AgentAppearance`s, ordered within a kind as they are assigned to agents. When: when a bank is
+packed.
 
-Meshes of vehicles are fitted to the sides that their kind has in `crowds.kinds`, so that image and avoidance agree;
-people keep their own.
+Meshes of vehicles are scaled to the sides of their kind in `crowds.kinds`, so that appearance and avoidance agree;
+meshes of people are not scaled.
 """
 
 import dataclasses
@@ -16,7 +15,7 @@ from urbanverse_mjx.datatypes import AgentAppearance, ValidationError
 
 from .recipe import all_recipes
 
-#: Kind, leaf and variants. Walking poses come first: few agents stand and talk.
+#: Kind, leaf and variants. Walking poses come first, because few agents stand.
 _APPEARANCES = (
     ("pedestrian", "pedestrian adult", (0, 1, 3, 5, 2, 4)),
     ("pedestrian", "elderly person", (0,)),
@@ -25,15 +24,15 @@ _APPEARANCES = (
     ("cyclist", "cyclist", (0, 1)),
     ("car", "sedan", (0, 1, 2)),
 )
-#: m, length and width of the kinds that are fitted: 2 (half_length + radius) and 2 radius in `crowds.kinds`.
+#: m, length and width of the scaled kinds: 2 (half_length + radius) and 2 radius in `crowds.kinds`.
 _SIDES = {"car": (4.74, 1.76), "cyclist": (1.80, 0.75)}
 
 
 def agent_appearances() -> tuple[AgentAppearance, ...]:
-    """All of them.
+    """Builds the appearances of all kinds of agents.
 
     Raises:
-      ValidationError: a recipe is gone.
+      ValidationError: a recipe does not exist.
     """
     recipes = {recipe.leaf: recipe for recipe in all_recipes()}
     appearances = []
@@ -47,7 +46,7 @@ def agent_appearances() -> tuple[AgentAppearance, ...]:
             if kind in _SIDES:
                 length, width = _SIDES[kind]
                 along, across, _ = mesh.extent
-                # Heights follow lengths, so that wheels stay round from the side.
+                # The height is scaled like the length, so that wheels stay round seen from the side.
                 factor = np.array([length / along, min(width / across, 1.0), length / along])
                 mesh = dataclasses.replace(mesh, vertices=mesh.vertices * factor)
             appearances.append(AgentAppearance(kind, leaf, mesh))

@@ -1,11 +1,11 @@
-"""One small texture for one asset: palette cells along the top, images below."""
+"""Packs one small texture for an asset: palette cells along the top, images below."""
 
 import dataclasses
 
 import numpy as np
 
-CELL = 8  # pixels; UV point at the cell's centre, so neighbours never bleed in
-GUTTER = 2  # pixels of repeated border round an image, against bleeding under bilinear filtering
+CELL = 8  # pixels; UV coordinates are at the cell's centre, which avoids bleeding
+GUTTER = 2  # pixels of repeated border around an image, against bleeding under bilinear filtering
 MAX_SIDE = 512
 
 
@@ -45,7 +45,7 @@ def pack(colors: list[tuple[int, int, int]], images: list[np.ndarray]) -> Atlas:
 
 
 def _shelves(colors: int, sizes: list[tuple[int, ...]], width: int, height: int) -> list[tuple[int, int]] | None:
-    """Top left pixel of each image (its gutter not counted), or None when they do not fit."""
+    """Top left pixel of each image (without its gutter), or None if they do not fit."""
     per_row = width // CELL
     top = -(-colors // per_row) * CELL
     if top > height:

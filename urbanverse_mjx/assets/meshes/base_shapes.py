@@ -1,4 +1,4 @@
-"""Measurements of every base shape, made once: its exact box and volume, its visible colours, its silhouettes.
+"""Stored measurements of every base shape: exact box and volume, visible colours, silhouettes.
 
 One row per record of the base index in `assets_index/shapes.parquet`, written together with the index by
 `python -m urbanverse_mjx.assets index`, so that 102,444 records need no mesh to be made, filtered and matched.
@@ -33,9 +33,9 @@ ELEVATION = 14.0  # degrees, of the camera over the horizon; the same image as a
 GRID, CELLS = 24, 4  # pixels of a silhouette's side; cells of its layout's side
 SAMPLES = 6000  # points on the surface, ten for each pixel of the silhouette
 MOST_COLORS = 12  # kept of the visible colours; the rest is small
-JOIN = 1e-5  # m within which split vertices are one
-LEAST_SHARE = 0.02  # of the box that an object of open sheets takes up, as in the base index
-# How `gallery.scene_of` lights a surface: ambient, head light, and the sun with its direction.
+JOIN = 1e-5  # m within which split vertices are merged
+LEAST_SHARE = 0.02  # share of its box that counts as the volume of an object of open sheets, as in the base index
+# Light of `gallery.scene_of`: ambient, head light, and the sun with its direction.
 _AMBIENT, _HEAD, _SUN, _TO_SUN = 0.42, 0.25, 0.6, np.array([0.5, -0.45, 1.0]) / np.sqrt(0.25 + 0.2025 + 1.0)
 _REAL, _REALS = pa.float64(), pa.list_(pa.float32())
 SCHEMA = pa.schema(
@@ -59,14 +59,14 @@ class BaseShape:
     """One base shape.
 
     Attributes:
-      uid: of its record in the base index.
+      uid: uid of its record in the base index.
       extent: (3,) m, exact box of the mesh.
       volume: m^3, `enclosed_volume`.
-      make_known: whether the recipe gives material or mass; else they were drawn from the leaf's prior.
+      make_known: whether the recipe defines material or mass; otherwise they are drawn from the leaf's prior.
       colors: (C, 3) uint8 visible colours, most frequent first.
       share: (C,) of the visible area, sums to 1.
-      light: (C,) brightness of the renderer's light on it.
-      paint: (C,) colours that take a tint in full.
+      light: (C,) brightness of the renderer's light on each colour.
+      paint: (C,) colours to which a tint is applied in full.
       layouts: (V, 16) uint8 filled share of the silhouette's 4x4 cells, row by row from the top, per view of `YAWS`.
       aspects: (V,) width over height of the silhouettes.
     """
@@ -105,7 +105,7 @@ def enclosed_volume(mesh: AssetMesh, part_faces: Sequence[int]) -> float:
 def _closed(corners: NDArray, faces: NDArray, count: int) -> float:
     """m^3 enclosed by the closed pieces among triangles: (F, 3, 3) corners, (F, 3) numbers of joined vertices."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    real = edges[:, 0] != edges[:, 1]  # joining may collapse a sliver
+    real = edges[:, 0] != edges[:, 1]  # merging may collapse a sliver
     graph = sparse.coo_matrix((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), (count, count))
     pieces, label = sparse.csgraph.connected_components(graph, directed=False)
     keys, times = np.unique(edges[real, 0] * count + edges[real, 1], return_counts=True)
@@ -118,7 +118,7 @@ def _closed(corners: NDArray, faces: NDArray, count: int) -> float:
 
 
 def measure(uid: str, built: BuiltAsset, make_known: bool) -> BaseShape:
-    """Measures a built asset. Deterministic: surface points are spread by a fixed sequence."""
+    """Measures a built asset. Deterministic, because surface points follow a fixed sequence."""
     mesh = built.mesh
     points, normals, which = _surface(mesh, SAMPLES)
     colors, paint, of_point = _colors(mesh, which)
@@ -148,7 +148,7 @@ def measure(uid: str, built: BuiltAsset, make_known: bool) -> BaseShape:
 
 
 def _surface(mesh: AssetMesh, count: int) -> tuple[NDArray, NDArray, tuple[NDArray, NDArray]]:
-    """(n, 3) points spread evenly over the surface, their normals, and (face, texture point) of each."""
+    """(n, 3) points distributed uniformly over the surface, their normals, and (face, texture point) of each."""
     corners = mesh.vertices.astype(np.float64)[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.sqrt((normal**2).sum(1))
@@ -183,7 +183,7 @@ def _colors(mesh: AssetMesh, which: tuple[NDArray, NDArray]) -> tuple[NDArray, N
 
 
 def _view(points: NDArray, normals: NDArray, yaw: float) -> tuple[NDArray, NDArray, NDArray, float]:
-    """Indices of the points seen in one view, the light on them, the layout and the aspect of the silhouette."""
+    """Indices of the points visible in one view, the light on them, the layout and the aspect of the silhouette."""
     turn = rotations.about_z(yaw)
     p, n = points @ turn.T, normals @ turn.T
     e = np.radians(ELEVATION)
@@ -263,7 +263,7 @@ def shape_of(record: AssetRecord) -> BaseShape:
     """The measures of a record of the base index.
 
     Raises:
-      ValidationError: the table has none, or those of another mesh under that uid.
+      ValidationError: the table has no measures of this uid, or those of another mesh.
     """
     shape = load_shapes().get(record.uid)
     if shape is None or np.abs(shape.extent - record.extent_xyz).max() > 1e-3:

@@ -1,4 +1,4 @@
-"""Binary glTF, in and out: one textured mesh, z up in memory, y up in the file."""
+"""Reads and writes binary glTF of one textured mesh; z is up in memory, y in the file."""
 
 import io
 import os
@@ -15,8 +15,7 @@ from trimesh.visual.texture import TextureVisuals
 
 from urbanverse_mjx.datatypes import AssetMesh, ValidationError
 
-# glTF's frame is y up with its front along +z (glTF 2.0, section 3.4): our (x front, y left, z up) becomes (left, up,
-# front).
+# In glTF, y is up and the front is along +z (glTF 2.0, section 3.4): (x front, y left, z up) becomes (left, up, front).
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 
 
@@ -27,7 +26,7 @@ def glb_bytes(mesh: AssetMesh, about: Mapping[str, Any] | None = None, copyright
       about: JSON object for `asset.extras`, where other tools look for metadata.
       copyright_text: for `asset.copyright`; left out when empty.
     """
-    # trimesh counts v from the bottom, as `AssetMesh` does, and turns it over for glTF itself.
+    # In trimesh v begins at the bottom, as in `AssetMesh`; trimesh flips it for glTF.
     material = PBRMaterial(
         baseColorTexture=Image.fromarray(mesh.texture),
         roughnessFactor=mesh.roughness,
@@ -47,10 +46,10 @@ def glb_bytes(mesh: AssetMesh, about: Mapping[str, Any] | None = None, copyright
 
 
 def read_glb(source: bytes | str | os.PathLike[str]) -> AssetMesh:
-    """Reads a GLB of one textured mesh, as `glb_bytes` writes it, back into the asset frame.
+    """Reads a GLB of one textured mesh, as `glb_bytes` writes it, in the asset frame.
 
     Raises:
-      ValidationError: not exactly one mesh, or a mesh without a base colour texture.
+      ValidationError: there is not exactly one mesh, or it has no base colour texture.
     """
     body = source if isinstance(source, bytes) else pathlib.Path(source).read_bytes()
     scene = trimesh.load_scene(io.BytesIO(body), file_type="glb", process=False)

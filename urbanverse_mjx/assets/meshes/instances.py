@@ -1,11 +1,11 @@
-"""Records that share a base shape: which shape, scaled how far along each axis, in which tint.
+"""Instances: records that share a base shape, each with a scale along each axis and a tint.
 
-A leaf's sizes are drawn from its prior; the base shape that fits best takes them as far as its kind allows:
+A leaf's sizes are drawn from its prior; the base shape that fits best is scaled to them within the limits of its kind:
 
     scale = box / box of the base,  volume = volume of the base * product of the scale.
 
-No axis is stretched by more than the leaf's `stretch` relative to another; where any distortion is visible (people,
-signs, wheels) the axes concerned share one scale. Only + - * / and square roots are used.
+No axis is stretched by more than the leaf's `stretch` relative to another; if a distortion would be visible (people,
+signs, wheels), the axes share one scale. Only + - * / and square roots are used.
 """
 
 import dataclasses
@@ -26,8 +26,8 @@ from .tints import is_free, is_paint, tinted
 
 Floats = NDArray[np.float64]
 LONG, SHORT, UP = range(3)
-#: Most that one axis may be stretched relative to another. Freely shaped objects stay themselves over a third; food and
-#: tools have a known outline; rolling objects are as wide as their lane.
+#: Largest stretch of one axis relative to another. Freely shaped objects remain plausible up to a third; food and tools
+#: have a known outline; the width of vehicles is limited by the lane.
 STRETCH, STRETCH_KNOWN, STRETCH_ROLLING = 1.35, 1.15, 1.12
 _KNOWN_MIDDLES = frozenset(
     {
@@ -44,22 +44,22 @@ _KNOWN_MIDDLES = frozenset(
 )
 _KNOWN_TOPS = frozenset({"vehicle"})
 _RIGID_MIDDLES = frozenset({"traffic signs", "sports equipments", "animal", "person"})
-# Base shapes whose box is this near to the best one's rank equally; the uid decides between them. Shapes that are never
-# stretched differ by pose (a stride is longer than a stance), so their tolerance is larger.
+# Base shapes whose misfit is within this ratio of the best one's rank equally; the uid selects among them. Shapes that
+# are never stretched differ by pose (walking, standing), so their tolerance is larger.
 _MISFIT_RATIO, _RIGID_MISFIT_RATIO = 1.15, 1.6
-LEAST_PAINT = 0.02  # share of the surface below which a colour is a detail that keeps its meaning
+LEAST_PAINT = 0.02  # share of the surface below which a colour is a detail that is not tinted
 #: Key of `AssetRecord.params` that makes a record an instance.
 KEY = "instance"
 
 
 @dataclasses.dataclass(frozen=True)
 class Proportion:
-    """How far a leaf's shapes may be bent to a box.
+    """Limits of the scaling of a leaf's shapes to a box.
 
     Attributes:
-      stretch: most that one axis may be stretched relative to another.
+      stretch: largest stretch of one axis relative to another.
       tied: the axes (of LONG, SHORT, UP) that share one scale.
-      anchor: the leaf's largest side, which meets the drawn size exactly where axes are tied.
+      anchor: the leaf's largest side, which matches the drawn size exactly if axes are tied.
     """
 
     stretch: float
@@ -80,7 +80,7 @@ def proportion(leaf: str) -> Proportion:
     if row.rest == "alive" or row.section in ("ball", "wheel") or row.form == "ball" or middle in _RIGID_MIDDLES:
         return Proportion(1.0, (LONG, SHORT, UP), anchor)
     if row.rest in ("rolls", "parked") and row.front == "end":
-        return Proportion(STRETCH_ROLLING, (LONG, UP), anchor)  # wheels stay round as seen from the side
+        return Proportion(STRETCH_ROLLING, (LONG, UP), anchor)  # wheels stay round seen from the side
     stretch = STRETCH_KNOWN if middle in _KNOWN_MIDDLES or top in _KNOWN_TOPS else STRETCH
     tied = {"round": (LONG, SHORT), "lying": (SHORT, UP)}.get(row.section, ())
     return Proportion(stretch, tied, anchor)
@@ -120,7 +120,7 @@ def place(leaf: str, uids: Sequence[str], extents: Floats) -> Placed:
         )
     drawn = sample_uids(leaf, uids)
     wanted = np.stack([drawn.length, drawn.width, drawn.height], axis=1)
-    # The base's longer ground side takes the length, whatever the direction of its front.
+    # The base's longer horizontal side is the length, whatever the direction of its front.
     lies_across = extents[:, 1] > extents[:, 0]
     sides = np.where(lies_across[:, None], extents[:, [1, 0, 2]], extents)  # (b, 3) as LONG, SHORT, UP
     rule = proportion(leaf)
@@ -139,10 +139,10 @@ def place(leaf: str, uids: Sequence[str], extents: Floats) -> Placed:
 
 
 def _scales(rule: Proportion, ratio: Floats) -> Floats:
-    """(..., 3) scales for (..., 3) wanted over base sizes, by the rule.
+    """(..., 3) scales for (..., 3) ratios of drawn to base sizes, by the rule.
 
-    With axes tied, the anchor's size is met exactly and the other one comes as near as the stretch lets it; with three
-    free axes that ask for more than the stretch, the miss is spread evenly.
+    With tied axes, the anchor's size is matched exactly and the other one as far as the stretch allows; with three free
+    axes that would exceed the stretch, the error is distributed evenly.
     """
     ratio = ratio.copy()
     if rule.tied:
@@ -162,7 +162,7 @@ def instance_params(variant: int, base: str, scale: Sequence[float], tint: Seque
 
 
 def scaled_mesh(mesh: AssetMesh, scale: Sequence[float], tint: Sequence[float] | None, leaf: str) -> AssetMesh:
-    """A base mesh at an instance's size and in its tint; images (signs' faces, shop fronts) keep their colours."""
+    """Scales and tints a base mesh for an instance; images (faces of signs, shop fronts) keep their colours."""
     factor = np.asarray(scale, dtype=np.float64)
     texture = mesh.texture if tint is None else tinted_texture(mesh, np.asarray(tint), is_free(leaf))
     return dataclasses.replace(mesh, vertices=mesh.vertices.astype(np.float64) * factor, texture=texture)
@@ -175,9 +175,9 @@ def scaled_hulls(hulls: HullSet, scale: Sequence[float]) -> HullSet:
 
 
 def tinted_texture(mesh: AssetMesh, tint: Floats, free: bool) -> NDArray[np.uint8]:
-    """(H, W, 3) the texture with its palette cells tinted.
+    """(H, W, 3) texture with tinted palette cells.
 
-    A palette cell is what a triangle shows whose three corners share one texture point.
+    A palette cell is the colour of triangles whose three corners share one texture point.
     """
     texture, cells = mesh.texture.copy(), palette_cells(mesh)
     shifted = np.floor(tinted(cells.colors, tint, free, cells.paint) + 0.5).astype(np.uint8)
@@ -197,8 +197,8 @@ class PaletteCells:
 
 
 def palette_cells(mesh: AssetMesh) -> PaletteCells:
-    """The palette cells in use. Paint is a colour that is not the material's own (`tints.is_paint`) on at least 2 % of
-    the surface: a tail light or a button keeps its colour."""
+    """The palette cells in use. Paint is a colour other than the material's own (`tints.is_paint`) on at least 2 % of
+    the surface, so that a tail light or a button is not tinted."""
     corners = mesh.uv[mesh.faces]
     flat = (corners == corners[:, :1]).all((1, 2))
     if not flat.any():

@@ -37,7 +37,7 @@ class BuiltAsset:
       description: one sentence without its full stop.
       params: of this variant, recorded in the index (JSON values).
       volume: m^3 enclosed by the closed parts (overlaps counted twice).
-      mass: kg, or None to take volume times the recipe's bulk density.
+      mass: kg, or None to use volume times the recipe's bulk density.
       part_faces: number of faces of each part (or solid), in the order of the mesh's faces.
     """
 
@@ -54,7 +54,7 @@ class BuiltAsset:
         return dataclasses.replace(self, mesh=mesh, volume=self.volume * float(np.prod(scale)))
 
     def box_scale(self, size: Sequence[float | None] | np.ndarray) -> np.ndarray:
-        """(3,) factors that bring the box to size (x, y, z), m; along an axis of None or 0, the mean of the others."""
+        """(3,) factors that scale the box to size (x, y, z), m; for an axis of None or 0, the mean of the others."""
         scale = np.array([side or 0.0 for side in size]) / np.maximum(self.mesh.extent.astype(float), 1e-9)
         return np.where(scale > 0, scale, scale[scale > 0].mean())
 
@@ -73,7 +73,7 @@ class _Part:
 
 
 def affine(at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1.0) -> np.ndarray:
-    """(4, 4) matrix: scale, then turn about x, y, z, then move to `at`."""
+    """(4, 4) matrix that scales, then rotates about x, y, z, then translates to `at`."""
     matrix = np.eye(4)
     turn = Rotation.from_euler("xyz", turn_deg, degrees=True).as_matrix()
     matrix[:3, :3] = turn * np.broadcast_to(np.asarray(scale, float), 3)
@@ -82,7 +82,7 @@ def affine(at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1
 
 
 class MeshBuilder:
-    """Adds parts one by one; `build` makes the asset. `roughness` and `metallic` hold for the whole mesh."""
+    """Collects parts; `build` makes the asset. `roughness` and `metallic` apply to the whole mesh."""
 
     def __init__(self, roughness: float = 0.8, metallic: float = 0.0) -> None:
         self._roughness, self._metallic = roughness, metallic
@@ -93,7 +93,7 @@ class MeshBuilder:
 
     @contextlib.contextmanager
     def solid(self) -> Iterator["MeshBuilder"]:
-        """Parts added inside are one skin in several colours: the convex decomposition takes them as one solid."""
+        """Context in which added parts form one solid of several colours for the convex decomposition."""
         self._in_solid = True
         try:
             yield self
@@ -103,7 +103,7 @@ class MeshBuilder:
 
     @contextlib.contextmanager
     def frame(self, at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1.0) -> Iterator["MeshBuilder"]:
-        """Parts added inside are placed in this frame (frames nest; a negative scale mirrors)."""
+        """Context in which parts are placed in this frame (frames nest; a negative scale mirrors)."""
         outer = self._frame
         self._frame = shapes.product(outer, affine(at, turn_deg, scale))
         try:
@@ -121,7 +121,7 @@ class MeshBuilder:
         image: ImageLike | None = None,
         crease_deg: float = CREASE_DEG,
     ) -> None:
-        """Adds any shape, in one colour, or with an image where the shape has UV.
+        """Adds any shape, in one colour, or with an image if the shape has UV coordinates.
 
         Edges that bend more than `crease_deg` are shaded sharp, others smoothly.
         """
@@ -164,7 +164,7 @@ class MeshBuilder:
             for face, image in (skins or {}).items():
                 normal = np.array(NORMALS[face], float)
                 across, up = face_size(size, face)
-                # 2 mm proud of the face, so that the image never fights the box for a pixel.
+                # 2 mm in front of the face, to avoid z-fighting.
                 self.panel(image, centre + normal * (np.abs(normal) @ np.asarray(size) / 2 + 0.002), across, up, face)
 
     def cylinder(
@@ -249,7 +249,7 @@ class MeshBuilder:
     def profile(self, outline_xz: Sequence[Point2], width: float, at: Point3 = ZERO, color: Color = "grey") -> None:
         """A side view drawn in (x, z), `width` wide across y, centred on `at`."""
         solid = shapes.extrusion([(x, z) for x, z in outline_xz], width)
-        # Local (x, y, z) = (x, up, across): turned so that the drawing's up is z; then centred across.
+        # Local (x, y, z) = (x, up, across), rotated so that up is z, then centred across.
         self.add(solid.transformed(affine((0, width / 2, 0), (90, 0, 0))), color, at)
 
     def tube(
@@ -271,7 +271,8 @@ class MeshBuilder:
     def beam(
         self, start: Point3, end: Point3, width: float, depth: float, color: Color = "grey", bevel: float = 0.0
     ) -> None:
-        """A straight bar of rectangular section; `width` lies level across the bar, `depth` is the other side."""
+        """A straight bar of rectangular section; `width` is the horizontal side across the bar, `depth` the other
+        one."""
         a, b = np.asarray(start, float), np.asarray(end, float)
         axis = b - a
         length = shapes.length(axis)
@@ -310,7 +311,7 @@ class MeshBuilder:
 
         Args:
           facing: "+x", "-x", "+y", "-y", "+z", "-z", or a yaw in degrees.
-          back: colour of the other side (else it cannot be seen from behind).
+          back: colour of the other side; without it, the panel is invisible from behind.
           tilt_deg: leans the top backwards.
         """
         corners = panel_corners(np.asarray(at, float), width, height, facing, tilt_deg)
@@ -384,7 +385,7 @@ class MeshBuilder:
             elif part.image is not None and part.shape.uv is not None:
                 u0, v0, u1, v1 = packed.rectangles[part.image]
                 uvs.append(np.array([u0, v0]) + part.shape.uv * np.array([u1 - u0, v1 - v0]))
-        # All parts at once: no edge leads from one to another, and a call each would cost more than the work.
+        # All parts are processed at once for speed; no edge connects two parts.
         whole = shapes.joined([p.shape for p in self._parts], uvs)
         sizes = [len(p.shape.faces) for p in self._parts]
         split = shapes.split_at_creases(whole, np.repeat([p.crease_deg for p in self._parts], sizes), sizes)

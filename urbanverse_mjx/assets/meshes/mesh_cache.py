@@ -1,7 +1,7 @@
-"""Base meshes on the disk, so that no process builds twice what another has built: a recipe takes 80 ms, a file one.
+"""Disk cache of base meshes: building one takes 80 ms, reading it 1 ms.
 
-A file's folder names the version of the code that makes meshes: a changed recipe never finds the old shape. The cache
-may be missing, full or broken: then the mesh is built. A damaged file is renamed and written anew.
+The folder's name holds the version of the code that makes meshes, so a changed recipe never reads an old shape. If the
+cache is missing, full or damaged, the mesh is built. A damaged file is renamed and written again.
 """
 
 import hashlib
@@ -19,7 +19,7 @@ _ARRAYS = ("vertices", "faces", "uv", "texture")
 
 
 def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetMesh]) -> AssetMesh:
-    """The base mesh of a recipe's variant: read where it lies in the cache, else built and put there."""
+    """The base mesh of a recipe's variant: read from the cache, or built and stored in it."""
     path = path_of(recipe, leaf, variant)
     found = array_file.load_cached(path, "a mesh", ("surface", *_ARRAYS))
     if found is not None:

@@ -1,4 +1,4 @@
-"""Images for signs, screens, doors and posters, drawn with Pillow in its built-in typeface, the same everywhere."""
+"""Draws images for signs, screens, doors and posters with Pillow and its built-in typeface."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ Size = tuple[int, int]
 
 
 def canvas(size: Size, color: Color) -> tuple[Image.Image, ImageDraw.ImageDraw]:
-    """An image of (width, height) pixels in one colour, and the pen for it."""
+    """An image of (width, height) pixels in one colour, and its drawing context."""
     image = Image.new("RGB", size, rgb(color))
     return image, ImageDraw.Draw(image)
 
@@ -24,7 +24,7 @@ def text(
     bold: float = 0.0,
     limit: int = 400,
 ) -> None:
-    """Writes words as large as fit into box = (left, top, right, bottom), centred.
+    """Writes words centred in box = (left, top, right, bottom), as large as they fit.
 
     `bold` thickens the strokes by a share of the size; `limit` is the largest size in pixels.
     """
@@ -66,7 +66,7 @@ def speckled(size: Size, color: Color, rng: np.random.Generator, amount: float =
 
 
 def stripes(size: Size, colors: Sequence[Color], count: int, slant: float = 0.0) -> Image.Image:
-    """`count` stripes across the width in turn of colours; `slant` moves their top by that share of the height."""
+    """`count` stripes across the width in alternating colours; `slant` shifts their top by that share of the height."""
     width, height = size
     x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
     phase = (x + slant * (height - y)) / width * count
@@ -75,7 +75,7 @@ def stripes(size: Size, colors: Sequence[Color], count: int, slant: float = 0.0)
 
 
 def lettering(words: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16), bold: float = 0.03) -> np.ndarray:
-    """(h, w, 3) uint8 image of words on a plain ground, of size = (w, h) pixels."""
+    """(h, w, 3) uint8 image of words on a plain background, of size = (w, h) pixels."""
     width, height = big = smooth(size, 3)
     image, pen = canvas(big, back)
     text(pen, words, (width * 0.04, height * 0.12, width * 0.96, height * 0.88), ink, bold)

@@ -1,4 +1,4 @@
-"""Named colours of street objects (sRGB, 0-255), so that all recipes share the colours of materials."""
+"""Named colours of street objects (sRGB, 0-255), shared by all recipes."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Where a flat panel stands: on the face of a box, or facing a direction."""
+"""Corners of a flat panel on the face of a box, or facing a direction."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def panel_corners(at: np.ndarray, width: float, height: float, facing: str | flo
         normal = np.array(NORMALS[facing], float)
     else:
         normal = np.array([np.cos(np.radians(facing)), np.sin(np.radians(facing)), 0.0])
-    # Lying panels read with their top towards +x when seen from above, as text on the road does for traffic along +x.
+    # The top of horizontal panels is towards +x seen from above, as that of text on the road for traffic along +x.
     up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.5 else np.array([1.0, 0.0, 0.0])
     right = np.cross(up, normal)
     lean = np.radians(tilt_deg)

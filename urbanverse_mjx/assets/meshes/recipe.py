@@ -1,7 +1,7 @@
 """The register of recipes: leaf category -> function that builds its variants, with the physical priors of the leaf.
 
-A recipe is `f(variant, rng) -> BuiltAsset`. `rng` is seeded from recipe, leaf and variant alone, so a record rebuilds
-the same mesh anywhere. Modules under `assets.recipes` are imported when the register is first asked.
+A recipe is `f(variant, rng) -> BuiltAsset`. `rng` is seeded from recipe, leaf and variant only, so a record's mesh is
+reproducible. Modules under `assets.recipes` are imported when the register is first used.
 """
 
 import dataclasses
@@ -26,12 +26,12 @@ class Physics:
     """Physical priors of a leaf.
 
     Attributes:
-      materials: dominant materials, most first.
-      density: kg per m^3 of the mesh's enclosed volume, air inside counted (a hollow steel box is 200-500).
-      mass_range: kg, (least, greatest) that the product of volume and density is clipped to.
+      materials: dominant materials, in descending order.
+      density: kg per m^3 of the mesh's enclosed volume, including air (200-500 for a hollow steel box).
+      mass_range: kg, (least, greatest), to which the product of volume and density is clipped.
       friction: sliding friction coefficient of its surface.
-      movable: whether one person could shift it (bolted-down objects are not, however light).
-      reason: where these values come from, or why they are plausible.
+      movable: whether one person could move it (False for bolted-down objects, however light).
+      reason: source of these values, or the reason why they are plausible.
     """
 
     materials: tuple[str, ...]
@@ -47,9 +47,9 @@ class Recipe:
     """One registered recipe.
 
     Attributes:
-      name: frozen; independent of the function's name and module.
-      physics: None takes mass, matter and friction from the leaf's row of `assets_index/priors.csv`.
-      hulls: caps the convex decomposition (None: chosen by size).
+      name: frozen name, independent of the function's name and module.
+      physics: physical priors; None to use the leaf's row of `assets_index/priors.csv`.
+      hulls: largest number of hulls of the convex decomposition (None: chosen by size).
     """
 
     name: str
@@ -60,7 +60,7 @@ class Recipe:
     hulls: int | None = None
 
     def build(self, variant: int) -> BuiltAsset:
-        """Builds one variant, 0 <= variant; the same one every time."""
+        """Builds one variant, 0 <= variant, deterministically."""
         seed = hashlib.sha256(f"{self.name}/{self.leaf}/{variant}".encode()).digest()
         return self.function(variant, np.random.default_rng(int.from_bytes(seed[:8], "little")))
 
@@ -77,13 +77,13 @@ def recipe(
       leaf: exact leaf name of the ontology.
       name: part of every variant's uid and seed, so it stays as it is when the function or its file is renamed; unique
         for the leaf.
-      variants: how many the index holds.
-      physics: the recipe's own physical priors; None takes those of the leaf's row of `assets_index/priors.csv`.
-      hulls: most convex hulls of the decomposition, 1 to 16; None lets the asset's size decide; 1 means its convex
-      hull.
+      variants: number of variants in the index.
+      physics: the recipe's physical priors; None to use the leaf's row of `assets_index/priors.csv`.
+      hulls: largest number of convex hulls of the decomposition, 1 to 16; None to choose it by size; 1 for the convex
+        hull.
 
     Raises:
-      ValidationError: no such leaf, or the recipe is already registered for it.
+      ValidationError: the leaf does not exist, or the recipe is already registered for it.
     """
     ontology.category_of(leaf)
 
@@ -112,10 +112,10 @@ def all_recipes() -> list[Recipe]:
 
 
 def get_recipe(name: str, leaf: str) -> Recipe:
-    """The recipe that an index record names.
+    """The recipe of an index record.
 
     Raises:
-      ValidationError: it does not exist in this version of the package.
+      ValidationError: the recipe does not exist in this version of the package.
     """
     _load_all()
     if (name, leaf) not in _REGISTER:

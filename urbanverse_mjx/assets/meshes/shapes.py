@@ -36,7 +36,7 @@ class Shape:
     uv: np.ndarray | None = None
 
     def transformed(self, matrix: np.ndarray) -> "Shape":
-        """The shape under a (4, 4) affine matrix; a mirroring one also turns the faces round."""
+        """The shape transformed by a (4, 4) affine matrix; mirroring also reverses the orientation of the faces."""
         vertices = product(self.vertices, matrix[:3, :3].T) + matrix[:3, 3]
         faces = self.faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else self.faces
         return Shape(vertices, faces, self.uv)
@@ -47,10 +47,10 @@ class Shape:
 
 
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(n, k) times (k, m), rounded alike on every machine.
+    """Matrix product of (n, k) and (k, m) with the same rounding on every machine.
 
-    BLAS fuses multiplications with additions on some processors and not on others. The last bit decides where an edge
-    counts as sharp and how a flat polygon is cut, and so whether a mesh finds its hulls (`hulls.mesh_key`).
+    BLAS fuses multiplications and additions on some processors only. The last bit may decide whether an edge is sharp
+    and how a flat polygon is triangulated, and thereby the key of a mesh's hulls (`hulls.mesh_key`).
     """
     total = a[:, 0, None] * b[0]
     for k in range(1, len(b)):
@@ -59,7 +59,7 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def length(vector: np.ndarray) -> float:
-    """Of a vector (3,), rounded alike on every machine, as `product` is."""
+    """Length of a vector (3,) with the same rounding on every machine, like `product`."""
     x, y, z = vector.tolist()
     return math.sqrt(x * x + y * y + z * z)
 
@@ -107,7 +107,7 @@ def ring(radius: float, segments: int, z: float = 0.0, phase: float = 0.0) -> np
 def loft(sections: Sequence[np.ndarray], caps: bool = True, closed: bool = False) -> Shape:
     """Skin through cross sections of equal length, each (n, 3) and counter-clockwise seen from the loft's far end.
 
-    Caps are fans round each end's centre; `closed` joins the last section to the first.
+    Caps are fans around each end's centre; `closed` joins the last section to the first.
     """
     rows = np.stack([np.asarray(s, float) for s in sections])
     count, n, _ = rows.shape
@@ -248,7 +248,7 @@ def welded(shape: Shape, quantum: float = 1e-6) -> Shape:
 
 
 def _clean(shape: Shape) -> Shape:
-    """Without triangles of no area (poles of a sphere, tips of a cone)."""
+    """Removes triangles without area (poles of a sphere, tips of a cone)."""
     a, b, c = (shape.vertices[shape.faces[:, i]] for i in range(3))
     keep = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-12
     return Shape(shape.vertices, shape.faces[keep], shape.uv)
@@ -262,11 +262,11 @@ def joined(parts: Sequence[Shape], uvs: Sequence[np.ndarray]) -> Shape:
 
 
 def split_at_creases(shape: Shape, crease_deg: float | np.ndarray, parts: Sequence[int] | None = None) -> Shape:
-    """Vertices shared only between faces joined by edges that bend less than the crease; unused ones dropped.
+    """Splits vertices so that only faces across edges with less bend than the crease share them; drops unused vertices.
 
     Args:
-      crease_deg: one number, or (f,) one of each face.
-      parts: how many faces of `shape` belong to each part that shares no vertex with another (None: it is one part).
+      crease_deg: one number, or (f,) one per face.
+      parts: number of faces of each part of `shape`; parts share no vertices (None: one part).
     """
     faces = shape.faces
     a, b, c = (shape.vertices[faces[:, i]] for i in range(3))
@@ -277,7 +277,7 @@ def split_at_creases(shape: Shape, crease_deg: float | np.ndarray, parts: Sequen
     at_start, at_end = corners.ravel(), np.roll(corners, -1, 1).ravel()
     count = len(shape.vertices)
     forward, backward = start.astype(np.int64) * count + end, end.astype(np.int64) * count + start
-    # Part by part: the choice between two equal edges does not depend on other parts of the shape.
+    # Processed by part, so that the choice between two equal edges does not depend on other parts.
     ends = np.cumsum(parts if parts is not None else [len(faces)])[:-1] * 3
     blocks = np.split(forward, ends)
     order = np.concatenate([first + np.argsort(b, kind="stable") for first, b in zip([0, *ends], blocks, strict=True)])
@@ -298,7 +298,7 @@ def split_at_creases(shape: Shape, crease_deg: float | np.ndarray, parts: Sequen
 def volume(shape: Shape) -> float:
     """m^3 enclosed, 0 for an open surface."""
     start, end = shape.faces.ravel(), np.roll(shape.faces, -1, 1).ravel()
-    # One number for an edge in either direction: numbers sort faster than rows do.
+    # An edge in either direction is encoded as one number, which sorts faster than rows.
     edges = np.sort(np.minimum(start, end).astype(np.int64) * len(shape.vertices) + np.maximum(start, end))
     pairs = edges.reshape(-1, 2) if len(edges) % 2 == 0 else None
     if pairs is None or (pairs[:, 0] != pairs[:, 1]).any() or (pairs[1:, 0] == pairs[:-1, 0]).any():

@@ -1,4 +1,4 @@
-"""Tables in Parquet files."""
+"""Reads tables in Parquet files."""
 
 import pathlib
 from typing import Any
@@ -13,11 +13,11 @@ def read_rows(path: pathlib.Path, kind: str, cure: str) -> list[dict[str, Any]]:
     """The rows of a table.
 
     Args:
-      kind: expected kind of file, for messages.
-      cure: advice in the error for an invalid file.
+      kind: expected kind of file, for error messages.
+      cure: advice in error messages.
 
     Raises:
-      ValidationError: a file that is cut off or damaged. Files without checksums may be damaged unnoticed.
+      ValidationError: the file is cut off or damaged. Damage of files without checksums may remain unnoticed.
     """
     try:
         return pq.read_table(path, page_checksum_verification=True).to_pylist()

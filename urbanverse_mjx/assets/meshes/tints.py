@@ -1,9 +1,9 @@
-"""Colour shifts of records that share one base shape: deterministic from the uid, mild where colour carries meaning.
+"""Tints of records that share a base shape: deterministic functions of the uid, weak for colours with a meaning.
 
-A tint is three numbers: a turn of the hue (1 is the whole circle), a factor of the saturation and one of the value.
-They act in full on painted cells of leaves whose paint is a matter of taste (cars, chairs, coats); skin, glass, leaves,
-wood, lamps and the like move only a little, and so does everything of leaves whose colour means something (signs,
-hydrants, food, animals). Arithmetic is + - * / alone, so that every machine agrees.
+A tint is three numbers: a shift of the hue (1 is the full circle), and factors of saturation and value. It is applied
+in full to painted cells of leaves with arbitrary paint (cars, chairs, coats). Skin, glass, leaves, wood, lamps and
+similar parts change only slightly, as does everything of leaves whose colour has a meaning (signs, hydrants, food,
+animals). Only + - * / are used, so that results are the same on every machine.
 """
 
 import functools
@@ -18,7 +18,7 @@ from . import palette
 
 Floats = NDArray[np.float64]
 
-#: Middle categories whose paint is a matter of taste.
+#: Middle categories with arbitrary paint.
 FREE_MIDDLES = frozenset(
     {
         "cleaning equipment",
@@ -40,7 +40,7 @@ FREE_MIDDLES = frozenset(
         "watercraft vehicle",
     }
 )
-#: Leaves below those with a characteristic colour, which keep it.
+#: Leaves of these categories with a characteristic colour, which they keep.
 MEANING_LEAVES = frozenset(
     {
         "combat tactical  vehicle",
@@ -64,12 +64,12 @@ _MATTER = (
     *("light wood", "dark wood", "grey wood", "brick", "terracotta", "sandstone", "rust", "bronze", "brass", "gold"),
     "cardboard",
 )
-# Distance of chromaticities (r, g, b over their sum) below which a colour counts as the matter's, its shades included;
-# our lightest skin and our beige paint lie 0.03 apart.
+# Distance of chromaticities (r, g, b over their sum) below which a colour, including its shades, counts as that of the
+# material. The distance of the lightest skin and beige paint is 0.03.
 _COLOUR_TOLERANCE = 0.03
-MILD = 0.04  # share of the hue's turn that a colour with a meaning takes: at most 0.02, 7 degrees
-MILD_VALUE = 0.4  # share of the other two
-SATURATION, VALUE = 0.25, 0.18  # greatest relative change of a painted cell; our judgement of one street's spread
+MILD = 0.04  # share of the hue shift that is applied to a colour with a meaning: at most 0.02, 7 degrees
+MILD_VALUE = 0.4  # the same for saturation and value
+SATURATION, VALUE = 0.25, 0.18  # largest relative change of a painted cell; an estimate of the variation in a street
 
 BASIC: dict[str, tuple[int, int, int]] = {
     "white": (238, 238, 236),
@@ -91,7 +91,7 @@ BASIC: dict[str, tuple[int, int, int]] = {
 
 
 def is_free(leaf: str) -> bool:
-    """Whether the paint of a leaf's objects is a matter of taste.
+    """Whether the paint of a leaf's objects is arbitrary.
 
     Raises:
       UnknownLabelError: no such leaf.
@@ -108,7 +108,7 @@ def tints(uids: Sequence[str]) -> Floats:
 
 
 def is_paint(colors: NDArray) -> NDArray[np.bool_]:
-    """(...,) which of (..., 3) colours (0-255) are paint rather than matter that has its colour by nature."""
+    """(...,) which of (..., 3) colours (0-255) are paint rather than the natural colour of a material."""
     chroma = _chroma(np.asarray(colors, dtype=np.float64))
     distance = ((chroma[..., None, :] - _matter()) ** 2).sum(-1).min(-1)
     return distance > _COLOUR_TOLERANCE * _COLOUR_TOLERANCE
@@ -145,7 +145,7 @@ def hsv(colors: NDArray) -> tuple[Floats, Floats, Floats]:
 
 
 def color_names(colors: NDArray) -> NDArray[np.int64]:
-    """(...,) index into `BASIC` of the nearest basic colour, by lightness and by hue relative to it (dark green is
+    """(...,) index into `BASIC` of the nearest basic colour, by lightness and by chroma relative to it (dark green is
     green, not black)."""
     basics = np.array(list(BASIC.values()), dtype=np.float64)
     apart = _opponent(np.asarray(colors, dtype=np.float64))[..., None, :] - _opponent(basics)

@@ -1,7 +1,7 @@
 """`python -m urbanverse_mjx.assets.previews.appearance_sheets COMMAND`: sheets of skies and grounds, and single ones.
 
-thumbnails: paints the stored thumbnails anew (after a change of the painting). sheets: draws contact sheets with names.
-ground, sky: writes the maps of one uid.
+thumbnails: generates the stored thumbnails again (after a change of their code). sheets: draws contact sheets with
+names. ground, sky: writes the maps of one uid.
 """
 
 import pathlib
@@ -24,11 +24,11 @@ _LABEL = 16  # px
 
 
 def thumbnails(out: pathlib.Path | None = None, only: Literal["ground", "sky"] | None = None) -> None:
-    """Paints the thumbnails of all skies and grounds (some three minutes on one core).
+    """Generates the thumbnails of all skies and grounds (about three minutes on one core).
 
     Args:
       out: folder; default: the asset index.
-      only: one of the two.
+      only: only skies or only grounds.
     """
     for kind in ("ground", "sky") if only is None else (only,):
         path = appearance_search.build_thumbnails(
@@ -42,7 +42,7 @@ def sheets(out: pathlib.Path = pathlib.Path("docs"), again: bool = False) -> Non
 
     Args:
       out: folder to write into.
-      again: paint every tile now instead of reading the stored thumbnails.
+      again: generate every tile instead of reading the stored thumbnails.
     """
     groups = {
         "skies": ([r.uid for r in sky_records()], appearance_search.sky, appearance_search.sky_thumbnail),
@@ -79,7 +79,7 @@ def ground(uid: str, out: pathlib.Path) -> None:
     """Writes albedo.png, normal.png, roughness.png and picture.png of a ground material.
 
     Args:
-      uid: such as "road/asphalt_old-cracked".
+      uid: uid, such as "road/asphalt_old-cracked".
       out: folder to write into.
     """
     maps = paint_ground(uid)
@@ -94,9 +94,9 @@ def sky(uid: str, out: pathlib.Path, height: int = 256) -> None:
     """Writes radiance.npy (linear, without the sun's disc) and picture.png of a sky.
 
     Args:
-      uid: such as "summer_noon-few_cumulus".
+      uid: uid, such as "summer_noon-few_cumulus".
       out: folder to write into.
-      height: rows; twice as many columns.
+      height: number of rows; there are twice as many columns.
     """
     painted = paint_sky(uid, height)
     image = Image.fromarray(appearance_search.preview(appearance_search.with_disc(painted)))

@@ -1,4 +1,4 @@
-"""Images of assets by MuJoCo's renderer: a tile per leaf with its variants, and a contact sheet of all."""
+"""Renders images of assets with MuJoCo: a tile per leaf with its variants, and contact sheets."""
 
 import contextlib
 import os
@@ -19,7 +19,8 @@ from ..records.index import AssetIndex, build_mesh
 
 LABEL_HEIGHT = 22  # pixels
 ELEVATION = 14.0  # degrees, of the camera over the horizon
-#: A leaf of courts, crossings or knives, lower than this share of its length, is seen from further above on a sheet.
+#: Height over length below which a leaf (courts, crossings, knives) is seen from a higher elevation on a sheet, and
+#: that elevation in degrees.
 FLAT, ELEVATION_FLAT = 0.2, 42.0
 
 
@@ -28,8 +29,8 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
 
     Args:
       meshes: at least one.
-      yaw: how far each mesh is turned about its own z, rad.
-      gap: space between two, as a share of the widest, and half of it of the highest: masts do not melt into one.
+      yaw: rad, rotation of each mesh about its own z.
+      gap: space between two meshes, as a share of the widest one, and at least half that share of the highest one.
 
     Returns:
       the model, and (2, 3) least and greatest corner of the row, m.
@@ -43,7 +44,7 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, dir=[-0.5, 0.45, -1.0], diffuse=[0.62, 0.6, 0.56], castshadow=True
     )
-    # Without gloss: on a plane of few and large faces a highlight shows their edges.
+    # Without gloss, because highlights would show the edges of the plane's few, large faces.
     spec.add_material(name="floor", rgba=[0.62, 0.64, 0.66, 1], specular=0.0, shininess=0.0)
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], material="floor")
     # The row runs from left to right in the image of the camera on the +x side: along +y; every mesh is rotated
@@ -70,7 +71,7 @@ def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Seque
     texture.data = mesh.texture.tobytes()
     material = spec.add_material(name=name, specular=0.5 * (1 - mesh.roughness), shininess=1 - mesh.roughness)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
-    # MuJoCo's texture coordinates count from the first row of the data, ours from the last.
+    # The v axis of MuJoCo begins at the first row of the image, that of `AssetMesh` at the last.
     uv = mesh.uv * np.array([1.0, -1.0], np.float32) + np.array([0.0, 1.0], np.float32)
     spec.add_mesh(
         name=name,
@@ -94,12 +95,12 @@ def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Seque
 def render_row(
     meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float = -32.0, elevation_deg: float = ELEVATION
 ) -> np.ndarray:
-    """An image of meshes side by side, seen from the front at a slant.
+    """An image of meshes side by side, seen obliquely from the front.
 
     Args:
       size: (width, height) pixels.
-      yaw_deg: how far each mesh is turned away from the camera.
-      elevation_deg: of the camera over the horizon.
+      yaw_deg: rotation of each mesh away from the camera.
+      elevation_deg: elevation of the camera above the horizon.
 
     Returns:
       (height, width, 3) uint8.
@@ -109,7 +110,7 @@ def render_row(
 
 
 def render_masked(mesh: AssetMesh, size: tuple[int, int], yaw_deg: float = -32.0) -> tuple[np.ndarray, np.ndarray]:
-    """An image of one mesh, (height, width, 3) uint8, and where in it the mesh is seen, (height, width) bool."""
+    """An image of one mesh, (height, width, 3) uint8, and the mask of the mesh in it, (height, width) bool."""
     with _seen([mesh], size, yaw_deg) as renderer:
         image = renderer.render()
         renderer.enable_segmentation_rendering()
@@ -174,14 +175,14 @@ def contact_sheet(
     variants: int = 4,
     progress: Callable[[Sequence[str]], Iterable[str]] = iter,
 ) -> pathlib.Path:
-    """Writes one PNG with a tile for each of the leaves given, in their order.
+    """Writes one PNG with a tile for each of the given leaves, in their order.
 
     Args:
       path: PNG to write.
-      names: leaf -> what stands under its tile.
+      names: leaf -> caption of its tile.
       columns: tiles in a row.
-      tile: (width, height) pixels of one.
-      variants: most base shapes in a tile.
+      tile: (width, height) of a tile in pixels.
+      variants: largest number of base shapes in a tile.
       progress: wraps the list of leaves, e.g. in a progress bar.
     """
     rows = -(-len(names) // columns)
@@ -189,7 +190,7 @@ def contact_sheet(
     for k, leaf in enumerate(progress(list(names))):
         meshes = [build_mesh(r) for r in index.by_leaf(leaf)[:variants]]
         sheet.paste(leaf_tile(names[leaf], meshes, tile), ((k % columns) * tile[0], (k // columns) * tile[1]))
-    # Six bits a channel make the file smaller; an image of 256 colours would do so with dull greens.
+    # Six bits per channel reduce the size of the file; a palette of 256 colours would distort greens.
     reduced = Image.fromarray(np.asarray(sheet) // 4 * 4 + 2)
     return write_atomically(path, lambda p: reduced.save(p, optimize=True))
 
@@ -203,7 +204,7 @@ def middle_sheets(
     """Writes a contact sheet per middle category (59 of them, or those given) that has leaves with shapes.
 
     Args:
-      folder: gets one PNG each, `<top>-<middle>.png`.
+      folder: folder for the files `<top>-<middle>.png`.
       progress: wraps the list of categories, e.g. in a progress bar.
 
     Raises:

@@ -1,8 +1,7 @@
-"""Thumbnails in the cache: every base shape by `make thumbnails`, an instance when it is asked for.
+"""Thumbnails in the cache: of every base shape by `make thumbnails`, of instances on demand.
 
-Drawn by MuJoCo's renderer as the galleries are (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
-An image's name holds the mesh's and the texture's content and the version of the drawing, so a changed recipe never
-shows an old image.
+MuJoCo's renderer draws them like the galleries (needs off-screen OpenGL: MUJOCO_GL=egl or osmesa). An image's name is a
+hash of the mesh, the texture and the version of the drawing code, so a changed recipe never shows an old image.
 """
 
 import hashlib
@@ -23,12 +22,12 @@ SIZE = (160, 160)  # pixels, width and height
 
 
 def folder() -> pathlib.Path:
-    """Where thumbnails lie."""
+    """Folder of the thumbnails."""
     return cache_dir("assets", "thumbnails")
 
 
 def thumbnail(record: AssetRecord) -> np.ndarray:
-    """(160, 160, 3) uint8 image of a record, from the cache or drawn into it."""
+    """(160, 160, 3) uint8 image of a record, read from the cache, or drawn and stored in it."""
     mesh = build_mesh(record)
     path = path_of(record, mesh)
     if not path.is_file():
@@ -40,13 +39,13 @@ def thumbnail(record: AssetRecord) -> np.ndarray:
 def path_of(record: AssetRecord, mesh: AssetMesh) -> pathlib.Path:
     """The file of a record's image."""
     digest = hashlib.sha256(np.round(mesh.vertices, 3).tobytes() + mesh.faces.tobytes() + mesh.texture.tobytes())
-    # The mesh exists, so only the version of the drawing counts, not those of the mesh code.
+    # The mesh is given, so only the version of the drawing code matters, not that of the mesh code.
     digest.update(str(versions.CODE["thumbnails"].version).encode())
     return folder() / f"{record.uid.replace('/', '--')}-{digest.hexdigest()[:12]}.png"
 
 
 def draw(mesh: AssetMesh, path: pathlib.Path) -> pathlib.Path:
-    """Renders one mesh into a file, which appears whole or not at all."""
+    """Renders one mesh to a file atomically."""
     from .gallery import render_row
 
     image = Image.fromarray(render_row([mesh], SIZE))
@@ -56,10 +55,10 @@ def draw(mesh: AssetMesh, path: pathlib.Path) -> pathlib.Path:
 def draw_missing(
     records: Sequence[AssetRecord], progress: Callable[[int, int], object] = lambda done, total: None
 ) -> tuple[int, int]:
-    """Draws the records that have no image yet; after an interruption a new call continues.
+    """Draws the records that have no image yet; can be interrupted and continued.
 
     Returns:
-      (images drawn, images that were there).
+      (number of drawn images, number of existing images).
     """
     drawn = 0
     for k, record in enumerate(records, 1):
@@ -73,7 +72,7 @@ def draw_missing(
 
 
 def damaged() -> list[pathlib.Path]:
-    """The files in the cache that are no whole image."""
+    """The damaged image files in the cache."""
     broken = []
     for path in sorted(folder().glob("*.png")) if folder().is_dir() else []:
         try:

@@ -1,1 +1,1 @@
-"""All records: the index of base shapes, the catalogue made of it, and the assets of the user."""
+"""Asset records: the index of base shapes, the catalogue made from it, and the user's assets."""

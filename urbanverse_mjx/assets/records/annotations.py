@@ -13,7 +13,7 @@ from ..categories import ontology
 from ..categories.materials import read_rows
 
 _COLUMNS = ("field", "unit", "meaning", "origin")
-#: Sides as views 0 to 3 see them: name, and the axes of the box across and up.
+#: Sides of views 0 to 3: name, and the axis of the box across the view.
 _VIEWS = (("front", 1), ("left side", 0), ("back", 1), ("right side", 0))
 
 
@@ -38,7 +38,7 @@ def explain(field: str) -> str:
 
 
 def annotation(row: Mapping[str, Any]) -> dict[str, Any]:
-    """The annotation of a row of the catalogue; unknown fields are absent."""
+    """The annotation of a row of the catalogue, without unknown fields."""
     known = {k: v for k, v in row.items() if v is not None and k not in ("attributes", "params", "license")}
     attributes = json.loads(row["attributes"]) if row["attributes"] else {}
     return {

@@ -1,4 +1,4 @@
-"""Builds every recipe's variants once, in a pool of processes: the records of the base index and their measures."""
+"""Builds every recipe's variants in a pool of processes: the records of the base index and their measures."""
 
 from collections.abc import Callable
 
@@ -9,17 +9,17 @@ from ..meshes.base_shapes import BaseShape, measure
 from ..meshes.recipe import all_recipes, get_recipe
 from .index import AssetIndex, make_record
 
-CHUNK = 4  # variants a process takes at a time
+CHUNK = 4  # variants per task of a process
 
 
 def build_base(
     jobs: int = 2, progress: Callable[[int, int], object] = lambda done, total: None
 ) -> tuple[AssetIndex, list[BaseShape]]:
-    """Every variant of every recipe, built and measured.
+    """Builds and measures every variant of every recipe.
 
     Args:
-      jobs: processes at once.
-      progress: called with the number of variants done and of all.
+      jobs: number of parallel processes.
+      progress: called with (variants done, variants in all).
     """
     tasks = [(recipe.name, recipe.leaf, k) for recipe in all_recipes() for k in range(recipe.variants)]
     records, shapes = [], []

@@ -1,13 +1,14 @@
-"""All 102,444 records as one table: as many per leaf as UrbanVerse-100K has, with the official field names, SI units.
+"""Makes the catalogue of 102,444 records: as many per leaf as UrbanVerse-100K has, with the official field names in SI
+units.
 
-The first records of a leaf are its base shapes as the recipes build them; the others are instances of them, with boxes
-drawn from the prior of the leaf (`instances`). A leaf without any base shape has records drawn from the prior alone:
-their sizes, materials, mass, force and affordances are present and consistent, `recipe` is null, and fields that need a
-mesh are empty. All physical fields follow from the measured box and volume and the leaf's row, so that the fields of a
-record agree; the base index's own masses (`AssetIndex`, used in streets) stay unchanged. `movable` means, as in
-`AssetRecord`, that one person can move it.
+The first records of a leaf are the base shapes that its recipes build; the others are instances of them with boxes
+drawn from the leaf's prior (`instances`). The records of a leaf without base shapes are drawn from the prior only:
+sizes, materials, mass, force and affordances are present and consistent, `recipe` is null, and fields that need a mesh
+are empty. All physical fields are computed from the measured box and volume and the leaf's row, so that they are
+consistent; the masses of the base index (`AssetIndex`, used in streets) do not change. As in `AssetRecord`, `movable`
+means that one person can move the object.
 
-A record's uid holds its leaf and number alone. Of the rest of the table it depends only on its leaf's base shapes.
+A record's uid consists of its leaf and number. A record depends only on the base shapes of its leaf.
 """
 
 import hashlib
@@ -69,10 +70,10 @@ SCHEMA = pa.schema(
         ("provenance", _TEXT),
     ]
 )
-# The clearance of the official example (a 6.1 m long car) is 1.5 m; a bollard is passed at an arm's width.
+# The clearance of the official example (a 6.1 m long car) is 1.5 m; the least one is for objects like bollards.
 CLEARANCE_LEAST, CLEARANCE_PER_METRE, CLEARANCE_MOST = 0.2, 0.25, 1.5
-SAME_MAKE = 0.05  # shared share of the materials below which two makes are alike
-# Materials that count as one in the search for a base shape's make.
+SAME_MAKE = 0.05  # difference of the shared materials below which two makes fit equally well
+# Materials that are treated as equal in the search for a base shape's make.
 _KIN = {
     "green wood": "wood",
     "hardwood": "wood",
@@ -104,7 +105,7 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
 
     Raises:
       UnknownLabelError: no such leaf.
-      ValidationError: a count below 1.
+      ValidationError: the count is below 1.
     """
     row = prior(leaf)
     count = leaf_counts()[leaf] if count is None else count
@@ -123,7 +124,8 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
     if uids:
         placed = place(leaf, uids, np.array([s.extent for s in shapes]))
         volume = np.array([s.volume for s in shapes])[placed.base] * placed.scale.prod(1)
-        # Instances have the materials that the recipe gives their base shape; where it gives none, each draws its own.
+        # Instances have the materials of their base shape's recipe; if it defines none, materials are drawn for each
+        # instance.
         known = np.array([s.make_known for s in shapes])[placed.base]
         make = np.where(known, values.make[placed.base], sample_uids(leaf, uids).make)
         measured = Measured(placed.extent, volume, make)
@@ -134,8 +136,8 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
 
 
 def _makes_of(row: Prior, bases: Sequence[AssetRecord], extent: Any, volume: Any) -> NDArray[np.int64]:
-    """Which make of the leaf each base shape shows: the one that shares most of its materials, the first ones counting
-    most; where several do, the one whose mass is nearest to the recipe's."""
+    """The make of each base shape: the one that shares most of its materials, weighted by their order; of several, the
+    one whose mass is nearest to the recipe's."""
     by_mass = sample_meshes(row.leaf, [r.uid for r in bases], extent, volume, [r.mass for r in bases]).make
     shared = np.array([[_shared(make.shares, r.materials) for make in row.makes] for r in bases])
     alike = shared >= shared.max(1, keepdims=True) - SAME_MAKE
@@ -143,7 +145,7 @@ def _makes_of(row: Prior, bases: Sequence[AssetRecord], extent: Any, volume: Any
 
 
 def _shared(shares: Mapping[str, float], materials: Sequence[str]) -> float:
-    """Share of a make that the named materials cover, the second counting half, the third a third."""
+    """Share of a make that the materials cover; the k-th material has the weight 1 / k."""
     found = 0.0
     for rank, name in enumerate(materials, 1):
         kin = _KIN.get(name, name)
@@ -162,7 +164,7 @@ def build_catalogue(index: AssetIndex, progress: Callable[[Sequence[str]], Itera
 
 
 def disagreements(table: pa.Table) -> dict[str, str]:
-    """uid -> fault, for every record whose values contradict each other; empty for a sound table.
+    """uid -> fault, for every record whose values contradict each other; empty for a consistent table.
 
     Checked: length, width, height and max_dimension against the box; shares that sum to 1; mass against volume, shares
     and densities; required_force against mass, friction (or rolling) and gravity; movable against the force.
@@ -199,7 +201,7 @@ def _contradiction(row: Mapping[str, Any], densities: Mapping[str, float]) -> st
 
 
 def catalogue_hash(table: pa.Table) -> str:
-    """64 hexadecimal digits over the table's content: names and texts as they are, numbers to five digits."""
+    """Hash of 64 hexadecimal digits over the table's content: names and texts unchanged, numbers to five digits."""
     digest = hashlib.sha256(json.dumps(table.column_names).encode())
     for name in table.column_names:
         digest.update(f"\0{name}\0".encode())
@@ -243,7 +245,7 @@ def _table(row: Prior, uids: Sequence[str], values: Physical, shown: Sequence[Sh
         "surface_hardness": [s.hardness for s in surfaces],
         "surface_finish": [s.finish for s in surfaces],
         "surface_roughness": [s.roughness for s in surfaces],
-        "frontView": [0] * count,  # by our convention every front faces +x, which view 0 shows
+        "frontView": [0] * count,  # every front faces +x, which view 0 shows
         "colors": colors,
         "colors_composition": color_shares,
         "recipe": [s.record.recipe for s in shown] or none,
@@ -265,7 +267,7 @@ def _table(row: Prior, uids: Sequence[str], values: Physical, shown: Sequence[Sh
 
 
 def _clearance(row: Prior, values: Physical) -> Any:
-    """m to keep: grows with the object, most around moving ones, none from passable ones."""
+    """m, recommended clearance: grows with the object's size, larger for people and animals, 0 for passable objects."""
     if row.traversability == "pass through":
         return np.zeros(len(values.length))
     least = CLEARANCE_ALIVE if row.rest == "alive" else CLEARANCE_LEAST
@@ -273,7 +275,8 @@ def _clearance(row: Prior, values: Physical) -> Any:
 
 
 def _traversable_by(row: Prior) -> list[str]:
-    """Agents that may go over or through it: people on walkable and through yielding objects, wheels on flat ground."""
+    """Agents that can pass over or through an object: people over walkable and through yielding objects, wheels over
+    flat ground."""
     who = []
     if row.walkable or row.traversability != "obstacle":
         who += ["pedestrian", "legged robot"]

@@ -1,4 +1,4 @@
-"""The asset index: every record of every recipe, in one Parquet file that a command rebuilds bit for bit in content."""
+"""The asset index: every record of every recipe in one Parquet file, whose content a command reproduces exactly."""
 
 import functools
 import json
@@ -27,7 +27,7 @@ from ..meshes.table_files import read_rows
 from .user_store import FILE_RECIPE, INDEX, file_mesh
 
 GRAVITY = 9.81  # m/s^2
-# N, what one person pushes for a moment; ISO 11228-2 tabulates 200-300 N of initial force for 90 % of adults.
+# N, force that one person can apply briefly; ISO 11228-2 tabulates 200-300 N of initial force for 90 % of adults.
 ONE_PERSON_PUSH = 300.0
 LICENCE = "Apache-2.0"
 PROVENANCE = "urbanverse_mjx parametric recipe"
@@ -52,7 +52,7 @@ SCHEMA = pa.schema(
 
 
 class AssetIndex:
-    """All asset records, in order of their uid."""
+    """All asset records, sorted by uid."""
 
     def __init__(self, records: Iterable[AssetRecord]) -> None:
         self.records: tuple[AssetRecord, ...] = tuple(sorted(records, key=lambda r: r.uid))
@@ -69,7 +69,7 @@ class AssetIndex:
         return tuple(sorted(self._by_leaf))
 
     def by_leaf(self, leaf: str) -> tuple[AssetRecord, ...]:
-        """The records of a leaf, in order of their uid; empty for a leaf without any.
+        """The records of a leaf, sorted by uid; may be empty.
 
         Raises:
           UnknownLabelError: the ontology has no such leaf.
@@ -84,7 +84,7 @@ class AssetIndex:
         """The record of a uid.
 
         Raises:
-          ValidationError: the index holds none.
+          ValidationError: the index has no such uid.
         """
         if uid not in self._by_uid:
             raise ValidationError(
@@ -94,18 +94,18 @@ class AssetIndex:
         return self._by_uid[uid]
 
     def by_label(self, label: str) -> tuple[AssetRecord, ...]:
-        """The records for a label: its leaf's own, else those of its substitute leaf ("car" is a sedan as long as no
-        recipe builds the leaf "car"); empty where no similar leaf has records.
+        """The records for a label: those of its leaf, otherwise those of its substitute leaf (a sedan for "car"); empty
+        if no similar leaf has records.
 
         Raises:
-          UnknownLabelError: no leaf is called so.
+          UnknownLabelError: no leaf has this name.
         """
         leaf = ontology.match_label(label)
         stand_in = self.stand_in(leaf)
         return self.by_leaf(stand_in) if stand_in else ()
 
     def stand_in(self, leaf: str) -> str | None:
-        """The leaf itself if it has records, else the first of its stand-ins that has; None where none has.
+        """The leaf itself if it has records, otherwise its first substitute with records, or None.
 
         Raises:
           UnknownLabelError: the ontology has no such leaf.
@@ -119,7 +119,7 @@ class AssetIndex:
 
 
 def uid_of(recipe: Recipe, variant: int) -> str:
-    """The uid of a variant's record, made of the leaf, the recipe's name and the number alone."""
+    """The uid of a variant's record, which consists of the leaf, the recipe's name and the number."""
     slug = recipe.leaf.replace(" ", "-")
     family = recipe.name.replace("_", "-").replace(".", "-")
     return f"{slug}/{family}/{variant:03d}"
@@ -149,7 +149,7 @@ def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -
 
 
 def _from_recipe(recipe: Recipe, _: str, built: BuiltAsset, volume: float) -> dict[str, Any]:
-    """Mass and materials of a record, by its recipe's own priors."""
+    """Mass and materials of a record by the priors of its recipe."""
     physics = recipe.physics
     assert physics is not None
     mass = built.mass if built.mass is not None else float(np.clip(volume * physics.density, *physics.mass_range))
@@ -164,7 +164,7 @@ def _from_recipe(recipe: Recipe, _: str, built: BuiltAsset, volume: float) -> di
 
 
 def _from_prior(recipe: Recipe, uid: str, built: BuiltAsset, volume: float) -> dict[str, Any]:
-    """The same by the leaf's row of the table of priors and the measured mesh."""
+    """Mass and materials of a record by the prior of its leaf and the measured mesh."""
     extent = built.mesh.extent[None].astype(np.float64)
     guess = None if built.mass is None else [built.mass]
     values = sample_meshes(recipe.leaf, [uid], extent, np.array([volume]), guess)
@@ -180,12 +180,12 @@ def _from_prior(recipe: Recipe, uid: str, built: BuiltAsset, volume: float) -> d
 
 
 def build_mesh(record: AssetRecord) -> AssetMesh:
-    """The mesh of a record: built by its recipe, or read from the user's store; an instance's is its base shape, scaled
-    and tinted.
+    """The mesh of a record: built by its recipe, or read from the user's store; for an instance, its scaled and tinted
+    base shape.
 
     Raises:
-      ValidationError: this version of the package has no such recipe, or builds something else under its name; or the
-        file is missing or not the one that was imported.
+      ValidationError: this version of the package has no such recipe, or its mesh differs from the record; or the file
+        is missing or differs from the imported one.
     """
     if record.recipe == FILE_RECIPE:
         return file_mesh(record)
@@ -231,16 +231,16 @@ def save_index(index: AssetIndex, path: str | os.PathLike[str] | None = None) ->
 
 
 def load_index(path: str | os.PathLike[str] | None = None) -> AssetIndex:
-    """Reads the packaged index, or another one.
+    """Reads the packaged index or that of a file.
 
     Raises:
-      ValidationError: no such file, or a record that is not valid.
+      ValidationError: the file does not exist, or a record is not valid.
     """
     return _load_cached(pathlib.Path(path or asset_root() / "index.parquet"))
 
 
 def imported_index() -> AssetIndex:
-    """The index of the assets that this user imported; empty where there are none."""
+    """The index of the assets that the user imported; may be empty."""
     path = imported_assets() / INDEX
     return AssetIndex(_read_index(path)) if path.is_file() else AssetIndex(())
 

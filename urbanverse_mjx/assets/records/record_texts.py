@@ -1,4 +1,4 @@
-"""Texts of a record: description, main colours, class-specific attributes."""
+"""Makes the texts of a record: description, main colours, class-specific attributes."""
 
 import dataclasses
 import json
@@ -16,13 +16,14 @@ from ..meshes.tints import BASIC, color_names, is_free, tinted
 
 LEAST_COLOR = 0.08  # share of the visible surface below which a colour is not a main one
 MOST_COLORS = 4
-# Parameters of recipes that a tint or a scale makes untrue.
+# Parameters of recipes that a tint or a scale invalidates.
 _UNSTABLE = ("color", "colour", "roof", "length", "width", "height", "size", "side", "shoulder_height", "variant")
 
 
 @dataclasses.dataclass(frozen=True)
 class Shown:
-    """The appearance of a record: its base's record and measures; scale and tint are None for the base itself."""
+    """The appearance of a record: record and measures of its base shape, scale and tint (None for the base shape
+    itself)."""
 
     record: AssetRecord
     shape: BaseShape
@@ -31,7 +32,7 @@ class Shown:
 
 
 def main_colors(leaf: str, shown: Sequence[Shown]) -> tuple[list[list[str]], list[list[float]]]:
-    """Per record the basic names of its main colours, most first, and their shares, which sum to 1."""
+    """For each record, the basic names of its main colours in descending order, and their shares, which sum to 1."""
     free, names = is_free(leaf), list(BASIC)
     total = np.zeros((len(shown), len(names)))
     rows_of: dict[str, list[int]] = {}

@@ -1,7 +1,7 @@
-"""The catalogue as a Parquet file in the cache: written once by `urbanverse assets build`, mapped into memory on use.
+"""Stores the catalogue as a Parquet file in the cache, which `urbanverse assets build` writes.
 
-The file is named by a hash of its inputs (the tables of `assets_index/` and the version of the code that turns them
-into records), so a stale one is never found.
+The file's name is a hash of its inputs (the tables of `assets_index/` and the version of the code), so an outdated file
+is never used.
 """
 
 import functools
@@ -36,7 +36,7 @@ _CONTENT = b"urbanverse.content"  # key of the file's metadata that holds the co
 
 @functools.cache
 def inputs_key() -> str:
-    """16 hexadecimal digits over all that the catalogue is made of: its tables and the version of its code."""
+    """Hash of 16 hexadecimal digits over the inputs of the catalogue: its tables and the version of its code."""
     digest = hashlib.sha256(json.dumps(versions.of("catalogue")).encode())
     for path in (asset_root() / name for name in _DATA):
         digest.update(f"{path.name}\0".encode())
@@ -45,12 +45,12 @@ def inputs_key() -> str:
 
 
 def store_path() -> pathlib.Path:
-    """Where the catalogue of today's tables and code lies, or will lie."""
+    """Path of the catalogue for the current tables and code."""
     return cache_dir("assets", f"catalogue-{inputs_key()}.parquet")
 
 
 def build_store(path: str | os.PathLike[str] | None = None, show_progress: bool = True) -> pathlib.Path:
-    """Makes all records and writes them; the file appears whole or not at all."""
+    """Makes all records and writes them atomically."""
     console = Console(file=sys.stderr)
 
     def progress(leaves: Sequence[str]) -> Iterator[str]:
@@ -58,16 +58,16 @@ def build_store(path: str | os.PathLike[str] | None = None, show_progress: bool 
 
     table = build_catalogue(load_index(), progress)
     table = table.replace_schema_metadata({_CONTENT: catalogue_hash(table).encode()})
-    # One row group and no dictionary: the whole table is read at once, and numbers are mapped rather than decoded.
+    # One row group without dictionary, because the whole table is read at once.
     options = {"compression": "zstd", "row_group_size": table.num_rows, "write_page_checksum": True}
     return write_atomically(path or store_path(), lambda p: pq.write_table(table, p, **options))
 
 
 def load_store(path: str | os.PathLike[str] | None = None) -> pa.Table:
-    """The table of all records; made first where the cache holds none, or a damaged one, which is renamed.
+    """Loads the table of all records; makes it first if the cache has none. A damaged file is renamed.
 
     Raises:
-      ValidationError: a path is given and there is no such file, or the file is not a catalogue.
+      ValidationError: the file of a given path does not exist or is not a catalogue.
     """
     if path is not None:
         return _load_cached(pathlib.Path(path))
@@ -79,8 +79,7 @@ def load_store(path: str | os.PathLike[str] | None = None) -> pa.Table:
 
 
 def load_joined_store() -> pa.Table:
-    """The table of all records and, after them, of the assets that this user imported; `load_store` where there are
-    none.
+    """Loads the table of all records, followed by the assets that the user imported.
 
     Raises:
       ValidationError: the imported table is damaged.
@@ -105,7 +104,7 @@ def load_joined_store() -> pa.Table:
 
 
 def ensure_store() -> pathlib.Path:
-    """The file of today's catalogue, made first where there is none; to be called before several processes load it."""
+    """Makes the file of the current catalogue if there is none; call this before several processes load it."""
     path = store_path()
     return path if path.is_file() else build_store(show_progress=sys.stderr.isatty())
 
@@ -127,13 +126,13 @@ def _load_cached(path: pathlib.Path) -> pa.Table:
 
 
 def shipped_content() -> str:
-    """The content hash that is committed with the tables; empty where none is."""
+    """The content hash that is committed with the tables; empty if there is none."""
     path = asset_root() / CONTENT_FILE
     return json.loads(path.read_text(encoding="utf-8"))["content"] if path.is_file() else ""
 
 
 def save_content(table: pa.Table) -> pathlib.Path:
-    """Writes the tables' present result into `assets_index/catalogue.json`, to be committed with them."""
+    """Writes the content hash of the current tables to `assets_index/catalogue.json`, to be committed with them."""
     meshes = table.num_rows - table["recipe"].null_count
     body = {"content": catalogue_hash(table), "records": table.num_rows, "with_mesh": meshes}
     text = json.dumps(body, indent=2) + "\n"
@@ -141,12 +140,12 @@ def save_content(table: pa.Table) -> pathlib.Path:
 
 
 def forget() -> None:
-    """Drops the table that is held in memory, after the file has changed."""
+    """Clears the table cached in memory, after the file has changed."""
     _load_cached.cache_clear()
 
 
 def recorded_content(table: pa.Table) -> str:
-    """The content hash that was written with the table; empty where none was."""
+    """The content hash stored in the table; empty if there is none."""
     return (table.schema.metadata or {}).get(_CONTENT, b"").decode()
 
 

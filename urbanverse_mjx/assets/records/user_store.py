@@ -1,4 +1,4 @@
-"""The user's own assets: meshes from files, kept in the cache with an index of their own.
+"""Reads the user's own assets: meshes from files, stored in the cache with an index of their own.
 
 A record whose recipe is `file` names its mesh by `params["path"]`, a GLB below the store's folder, and by the SHA-256
 of that file; its hulls are next to the GLB. `assets.importing` writes the store; this module only reads it.
@@ -15,7 +15,7 @@ from urbanverse_mjx.settings import imported_assets
 
 from ..meshes.glb import read_glb
 
-#: Name of the recipe of a record whose mesh is a file.
+#: Recipe name of records whose mesh is a file.
 FILE_RECIPE = "file"
 INDEX, HULLS, CATALOGUE = "index.parquet", "hulls.npz", "catalogue.parquet"
 AGAIN = "import its source again with `urbanverse assets import`"
@@ -25,7 +25,7 @@ def mesh_file(record: AssetRecord) -> pathlib.Path:
     """The GLB of a record whose recipe is `file`.
 
     Raises:
-      ValidationError: the record names no path, or one that leads out of the store.
+      ValidationError: the record has no path, or one outside the store.
     """
     root = imported_assets()
     name = record.params.get("path")
@@ -39,7 +39,7 @@ def file_mesh(record: AssetRecord) -> AssetMesh:
     """The mesh of a record whose recipe is `file`.
 
     Raises:
-      ValidationError: the file is missing, differs from the imported one, or has another box than the record.
+      ValidationError: the file is missing, differs from the imported one, or its box differs from the record's.
     """
     return _read(mesh_file(record), str(record.params.get("sha256")), record.extent_xyz, record.uid)
 

@@ -1,1 +1,1 @@
-"""Which asset fits: by label, box and appearance, over all collections."""
+"""Selects assets by label, box and appearance, and searches all collections."""

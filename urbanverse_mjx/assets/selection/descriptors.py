@@ -1,8 +1,8 @@
-"""Appearance of an object as 61 numbers of 8 bits: 44 for colours, 16 for the silhouette, 1 for its aspect.
+"""Appearance descriptor of an object: 61 8-bit numbers, 44 for colours, 16 for the silhouette, 1 for its aspect.
 
-Computed from an image and its mask, or straight from a record's parameters (the visible colours of its base shape,
-after the tint, under the light of our thumbnails), so that matching needs no rendering. They fit the `descriptor` of a
-scene graph's object.
+It is computed from an image and its mask, or from a record's parameters (the tinted visible colours of its base shape
+under the light of the thumbnails), so that matching needs no rendering. It is the format of the `descriptor` of a scene
+graph's object.
 """
 
 import dataclasses
@@ -20,16 +20,16 @@ HUES, VALUES, GREYS = 12, 3, 8
 COLORS = HUES * VALUES + GREYS
 LAYOUT = CELLS * CELLS
 SIZE = COLORS + LAYOUT + 1
-# Saturation below which a colour counts as grey, and above which as coloured; between, as both.
+# Saturation below which a colour counts as grey, and above which it counts as coloured; in between, it is shared.
 _MAX_GREY_SATURATION, _MIN_COLOUR_SATURATION = 0.10, 0.28
-# Octaves of width over height that the aspect's byte spans, 2^-4 to 2^4.
+# Range of the aspect's byte in octaves of width over height, 2^-4 to 2^4.
 _ASPECT_SPAN = 8.0
-#: Weights of the three parts of the distance; chosen on renders of 300 records of other leaves than those reported.
+#: Weights of the three parts of the distance, chosen on renders of 300 records of leaves other than the reported ones.
 WEIGHTS = (1.0, 0.6, 0.6)
 
 
 def histogram(colors: NDArray, share: NDArray) -> NDArray[np.float64]:
-    """(..., 44) share of each colour in the visible surface; each colour is shared between its nearest bins.
+    """(..., 44) colour histogram of the visible surface with linear interpolation between bins.
 
     Args:
       colors: (..., C, 3), 0-255.
@@ -65,10 +65,10 @@ def of_image(image: NDArray, mask: NDArray | None = None) -> NDArray[np.uint8]:
 
     Args:
       image: (H, W, 3) uint8.
-      mask: (H, W) true on the object; None for all of the image.
+      mask: (H, W) true on the object; None for the whole image.
 
     Raises:
-      ValidationError: other shapes, or an empty mask.
+      ValidationError: the shapes are wrong, or the mask is empty.
     """
     image = np.asarray(image)
     mask = np.ones(image.shape[:2], bool) if mask is None else np.asarray(mask, bool)
@@ -103,10 +103,11 @@ class DescriptorTable:
     aspects: NDArray[np.float64]
 
     def distances(self, query: Sequence[int] | NDArray) -> NDArray[np.float64]:
-        """(n,) distance to a descriptor: Hellinger's of the colours, and the least over the views of the silhouette's.
+        """(n,) distance to a descriptor: Hellinger distance of the colours, plus the least silhouette distance over the
+        views.
 
         Raises:
-          ValidationError: not a descriptor of ours.
+          ValidationError: the query is not such a descriptor.
         """
         wanted = np.asarray(query, dtype=np.float64)
         if wanted.shape != (SIZE,):
@@ -127,11 +128,11 @@ def of_records(
     """Descriptors of records.
 
     Args:
-      leaf_free: (n,) whether the record's leaf takes tints in full.
+      leaf_free: (n,) whether tints are applied in full to the record's leaf.
       shapes: base shapes.
       which: (n,) index of each record's base shape.
       tint: (n, 3).
-      scale: (n, 3); ones and no turn for a base shape itself.
+      scale: (n, 3); ones for a base shape itself, whose tint is neutral.
     """
     most = max(len(s.share) for s in shapes)
     colors, share, light, paint = (np.zeros((len(shapes), most, k)) for k in (3, 1, 1, 1))

@@ -1,4 +1,4 @@
-"""Missing or damaged parts of the index on this machine, and their repair."""
+"""Finds and repairs missing or damaged parts of the index on this machine."""
 
 from ..collision.hulls import HullStore
 from ..collision.hulls import store_path as hulls_path
@@ -10,7 +10,7 @@ from ..records.store import build_store, forget, inputs_key, load_store, recorde
 
 
 def problems() -> list[str]:
-    """One sentence per file that is missing or damaged; empty where all is well."""
+    """One sentence per missing or damaged file; empty if there is none."""
     found = _of_catalogue()
     for record in load_index().records:
         try:

@@ -1,4 +1,4 @@
-"""`LabelPrior`s from the ontology, the priors and the index: the distillation's knowledge about labels."""
+"""Makes the `LabelPrior`s that the distillation uses from the ontology, the priors and the index."""
 
 import functools
 
@@ -10,14 +10,14 @@ from ..categories.ontology import UnknownLabelError, category_of, nearest_leaves
 from ..categories.priors import prior
 from ..records.index import AssetIndex, build_mesh
 
-#: Labels that drive or park on the carriageway; all others stand next to it.
+#: Categories of objects that drive or park on the carriageway; all others stand beside it.
 _ON_ROAD = ("private vehicle", "public vehicle", "construction vehicle", "emergency vehicle")
-#: Labels that move by themselves, and may be anywhere.
+#: Categories that move by themselves and may be anywhere.
 _ANYWHERE = ("person", "animal", "robot")
-#: Two-wheelers and the like are left on the pavement as often as on the road.
+#: Light vehicles, which are parked on the pavement as well as on the road.
 _LIGHT = ("bicycle", "scooter", "motorcycle", "cyclist", "moped", "e-scooter", "handcart", "stroller", "wheelchair")
 _BESIDE = ("sidewalk", "ground")
-#: Objects that people and road works set up on carriageways, too.
+#: Objects that are also placed on carriageways, for example by road works.
 _BOTH = ("access control barrier", "obstacle barrier", "street trash", "terrain")
 _SURFACE = 1500  # points on a known shape
 
@@ -33,10 +33,10 @@ def stands_on(leaf: str) -> tuple[str, ...]:
 
 
 class LabelPriors:
-    """Callable: label -> `LabelPrior`; labels that are no leaf take their nearest leaf's.
+    """Callable label -> `LabelPrior`; labels that are not leaves get the prior of their nearest leaf.
 
     Args:
-      index: whose records give the known sizes.
+      index: index whose records define the known sizes.
     """
 
     def __init__(self, index: AssetIndex) -> None:
@@ -59,13 +59,13 @@ class LabelPriors:
             stands_on=stands_on(leaf),
             fixed=known.rest not in ("alive", "rolls"),
             faces_road=house,
-            # A capture shows one side of a house, so its shape adds no information to its size.
+            # A capture shows only one side of a house, so the shape adds no information to the size.
             shapes=() if house else tuple(_surface(r) for r in records),
         )
 
 
 def _surface(record: AssetRecord) -> np.ndarray:
-    """(`_SURFACE`, 3) m: points of a record's mesh, as many on every square metre."""
+    """(`_SURFACE`, 3) m, points distributed uniformly over a record's mesh."""
     mesh = build_mesh(record)
     corners = mesh.vertices[mesh.faces].astype(np.float64)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

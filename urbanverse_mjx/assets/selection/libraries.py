@@ -5,7 +5,7 @@
     skies = library("sky")
     uids = skies.get_uids_conditioned(seasons=["winter"], snow=True)
 
-The names are those of the official toolkit. A module is added by a line in `MODULES` and a function `library` that
+The names are those of the official toolkit. To add a collection, add a line to `MODULES` and a function `library` that
 returns an object with these methods.
 """
 
@@ -27,7 +27,7 @@ class Library(Protocol):
         ...
 
     def categories(self, level: int = 1) -> list[str]:
-        """The names of a level of its classes, the widest being 1."""
+        """The names of a level of its classes; level 1 is the most general."""
         ...
 
     def filters(self) -> list[str]:
@@ -51,7 +51,7 @@ class Library(Protocol):
         ...
 
     def check_integrity(self) -> list[str]:
-        """One sentence per file that is missing or damaged; empty where all is well."""
+        """One sentence per missing or damaged file; empty if there is none."""
         ...
 
     def repair(self) -> list[str]:
@@ -70,7 +70,7 @@ MODULES: Mapping[str, str] = {
 
 
 def library(name: str) -> Library:
-    """The collection of that name; where a module serves several, its `library` takes the name.
+    """Returns a collection by name; if a module has several, its `library` takes the name.
 
     Raises:
       ValidationError: no such collection.

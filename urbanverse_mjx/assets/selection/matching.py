@@ -1,7 +1,7 @@
-"""The paper's three steps from an object of a scene graph to assets: meaning, box, appearance.
+"""Matches objects of a scene graph to assets by the paper's three steps: semantics, geometry, appearance.
 
 1. Semantic: the label's leaves (`semantics.rank_leaves`); a leaf without shapes gets a substitute.
-2. Geometric: of their records the 1,000 whose boxes need the least distortion to become the object's.
+2. Geometric: of their records, the 1,000 whose boxes need the least distortion to fit the object's box.
 3. Appearance: of those the ones most similar to the crop, by the built-in descriptor (`descriptors`) computed from the
    records' parameters, or by DINOv2 over thumbnails (`neural.ImageEmbedder`).
 """
@@ -28,7 +28,8 @@ from .neural import ImageEmbedder
 from .search import ObjectLibrary, library
 
 KEEP = 1000  # the paper's number of candidates after the geometric step
-# A leaf whose score is this near to the best one's is a candidate too; a name that matches leaves no doubt.
+# Least score relative to the best one, and largest number, of candidate leaves; an exact match of a name has no
+# alternatives.
 _MIN_SCORE_RATIO, _MAX_LEAVES = 0.9, 3
 
 
@@ -37,11 +38,11 @@ class Match:
     """One asset for an object.
 
     Attributes:
-      uid, leaf: of the asset.
+      uid, leaf: uid and leaf of the asset.
       distortion: mean |log| of the factors between the boxes' sides; 0 for equal boxes, 0.1 for 10 % a side.
       appearance_distance: distance of the descriptors, or 1 - cosine of the embeddings; None without a descriptor.
-      yaw: rad, quarter turn of the asset that fits its box best, 0 or pi / 2.
-      base: uid of the base shape that it is an instance of (its own for a base shape).
+      yaw: rad, rotation of the asset that fits the box best, 0 or pi / 2.
+      base: uid of its base shape (its own for a base shape).
     """
 
     uid: str
@@ -53,11 +54,11 @@ class Match:
 
 
 class Matcher:
-    """Matches objects against a library; holds the data shared by all matches."""
+    """Matches objects against a library."""
 
     def __init__(self, objects: ObjectLibrary | None = None, index: AssetIndex | None = None) -> None:
         self._objects = objects or library()
-        # Records of the catalogue are made from base shapes of the index; imported ones are their own.
+        # Records of the catalogue are made from base shapes of the index; imported assets are their own base shapes.
         self._index = index or AssetIndex((*load_index().records, *self._objects.imported()))
         self._of_leaf: dict[str, _Leaf] = {}
 
@@ -76,13 +77,14 @@ class Matcher:
 
         Args:
           label: free text.
-          size: (along the heading, across, up) m, as `SceneGraph` has it.
-          descriptor: as `descriptors.of_image` makes it; None ranks by the box alone.
-          count: how many.
-          keep: candidates that the geometric step leaves.
+          size: (along the heading, across, up) m, as in `SceneGraph`.
+          descriptor: descriptor by `descriptors.of_image`; None to rank by the box only.
+          count: number of assets.
+          keep: number of candidates after the geometric step.
           text: embedding of labels; None for the built-in one.
-          slack: of the candidates only those whose distortion is at most this much above the least one's; None: all.
-          turn_gain: distortion that a quarter turn must save, so that a square box does not turn a front away.
+          slack: largest difference of a candidate's distortion to the least one; None for all.
+          turn_gain: least reduction of the distortion for a quarter turn, so that a nearly square box does not change
+            the direction of the front.
 
         Raises: UnknownLabelError: no leaf matches the label. ValidationError: a size not above 0, a descriptor that is
         not ours.
@@ -115,8 +117,7 @@ class Matcher:
         return matches
 
     def rerank(self, matches: Sequence[Match], crop: np.ndarray, embedder: ImageEmbedder) -> list[Match]:
-        """Matches in the order of a neural image embedding of the crop against their thumbnails (drawn where the
-        cache has none)."""
+        """Sorts matches by a neural image embedding of the crop and of their thumbnails, which are drawn if missing."""
         thumbnails = self._objects.load_thumbnails([m.uid for m in matches])
         vectors = embedder([crop, *(thumbnails[m.uid] for m in matches)])
         appearance_distance = 1.0 - vectors[1:] @ vectors[0]
@@ -124,7 +125,7 @@ class Matcher:
         return [dataclasses.replace(matches[k], appearance_distance=float(appearance_distance[k])) for k in order]
 
     def leaves(self, label: str, text: TextEmbedder | None = None) -> list[str]:
-        """The leaves with shapes that a label may speak of, best first, at least one."""
+        """The leaves with shapes that a label may denote, best first, at least one."""
         ranked = rank_leaves(label, 659, text)
         best = ranked[0][1]
         alike = [leaf for leaf, score in ranked[:_MAX_LEAVES] if score >= _MIN_SCORE_RATIO * best]
@@ -179,7 +180,7 @@ class _Leaf:
 
 
 def _measured(record: AssetRecord) -> BaseShape:
-    """The measures of an imported asset, which no table holds."""
+    """Measures an imported asset, which is not in the table."""
     mesh = file_mesh(record)
     return measure(
         record.uid, BuiltAsset(mesh, record.description, {}, record.volume, record.mass, (len(mesh.faces),)), True
@@ -189,8 +190,8 @@ def _measured(record: AssetRecord) -> BaseShape:
 def distortions(
     box: NDArray, extents: NDArray, turn_gain: float = 0.0
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """How far (n, 3) boxes are from one: mean |log| of the factors of the sides, for the better of two quarter turns,
-    and which turn that is (0 or 1); a turn counts where it saves more than `turn_gain`."""
+    """Distortion between (n, 3) boxes and one box: mean |log| of the factors of the sides for the better of two
+    orientations, and that orientation (0 or 1). A quarter turn is used only if it saves more than `turn_gain`."""
     straight = np.abs(np.log(extents / box)).mean(1)
     turned = np.abs(np.log(extents[:, [1, 0, 2]] / box)).mean(1)
     turns = turned < straight - turn_gain
@@ -198,7 +199,7 @@ def distortions(
 
 
 def _descriptor_table(leaves: Sequence[_Leaf], rows: NDArray) -> descriptors.DescriptorTable:
-    """Descriptors of rows of the leaves' joined records."""
+    """Descriptors of rows of the leaves' concatenated records."""
     found = [leaf.descriptor_table for leaf in leaves]
     parts = (np.concatenate([getattr(x, name) for x in found])[rows] for name in ("colors", "layouts", "aspects"))
     return descriptors.DescriptorTable(*parts)

@@ -1,7 +1,7 @@
-"""Optional embeddings by neural networks: sentences (sentence-transformers) and images (DINOv2).
+"""Optional neural embeddings of sentences (sentence-transformers) and images (DINOv2).
 
-Optional (`pip install "urbanverse_mjx[embeddings]"`); the first use of a model downloads its weights unless a folder
-that holds them is named.
+Needs `pip install "urbanverse_mjx[embeddings]"`; the first use of a model downloads its weights unless a folder with
+the weights is given.
 """
 
 import dataclasses
@@ -38,7 +38,7 @@ class SentenceEmbedder:
         """Loads a sentence-transformers model by name or folder.
 
         Raises:
-          ValidationError: the package or the weights are not there.
+          ValidationError: the package or the weights are missing.
         """
         package = _module("sentence_transformers")
         return SentenceEmbedder(_loaded("sentence model", lambda: package.SentenceTransformer(model), model))
@@ -58,10 +58,10 @@ class ImageEmbedder:
     @staticmethod
     @functools.lru_cache(maxsize=2)
     def load(model: str = IMAGE_MODEL) -> "ImageEmbedder":
-        """Loads a DINOv2 model by name or folder, onto the GPU where there is one.
+        """Loads a DINOv2 model by name or folder, onto a GPU if there is one.
 
         Raises:
-          ValidationError: the packages or the weights are not there.
+          ValidationError: the packages or the weights are missing.
         """
         torch, package = _module("torch"), _module("transformers")
         network = _loaded("image model", lambda: package.AutoModel.from_pretrained(model), model)

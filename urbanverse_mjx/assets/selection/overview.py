@@ -11,7 +11,7 @@ SIDES = ("length", "width", "height", "mass")
 
 
 def overview(label: str, objects: ObjectLibrary | None = None) -> dict[str, Any]:
-    """The leaf a label means, its records, their medians and ranges, and the words they can be filtered by.
+    """The leaf of a label, its records, their medians and ranges, and the words for filters.
 
     Raises:
       UnknownLabelError: no leaf matches the label.
@@ -45,7 +45,7 @@ def overview(label: str, objects: ObjectLibrary | None = None) -> dict[str, Any]
 
 
 def _counts(words: list[str]) -> dict[str, int]:
-    """word -> how often, most first, eight at most."""
+    """The eight most frequent words with their counts."""
     found: dict[str, int] = {}
     for word in words:
         found[word] = found.get(word, 0) + 1

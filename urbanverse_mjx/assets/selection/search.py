@@ -44,14 +44,14 @@ RANGES = {
 }
 FLAGS = ("receptacle", "movable", "walkable", "enterable", "support_surface")
 WORDS = ("surface_hardness", "surface_finish", "asset_composition_type")
-#: Filter by a list over a column of lists -> column, and how many of its first entries count (None: all).
+#: Filter by a list over a column of lists -> column, and number of its first entries to use (None: all).
 LISTS: Mapping[str, tuple[str, int | None]] = {
     "dominant_materials": ("materials", 2),
     "affordances": ("affordances", None),
     "interactive_parts": ("interactive_parts", None),
     "dominant_colors": ("colors", 2),
 }
-#: Official filters that no record of ours can answer, and why.
+#: Official filters that the catalogue does not support, with the reason.
 UNANSWERED = {"quality_range": "these meshes have no quality rating; omit this filter"}
 
 
@@ -62,7 +62,7 @@ class ObjectLibrary:
         self.table = load_store() if table is None else table
         uids = self.table["uid"].to_pylist()
         self._rows = {uid: k for k, uid in enumerate(uids)}
-        self._all = np.array(uids, dtype=object)  # texts made once: making them costs more than any filter
+        self._all = np.array(uids, dtype=object)  # converted once, because the conversion costs more than any filter
         self._filters: dict[str, Callable[[Any], Mask]] = {
             **{name: functools.partial(self._in_range, column, name) for name, column in RANGES.items()},
             **{name: functools.partial(self._is, name) for name in FLAGS},
@@ -106,10 +106,10 @@ class ObjectLibrary:
 
         Args:
           query: free text, e.g. "an old wooden bench".
-          top_k: how many of them with a query.
+          top_k: number of results of a query.
           embedding_model: "built-in" (letters and words, offline), or the name of a sentence-transformers model.
-          conditions: filters by name (see `filters`); None leaves one out. `categories` takes names of any level,
-            synonyms included.
+          conditions: filters by name (see `filters`); None disables one. `categories` takes names of any level,
+            including synonyms.
 
         Raises:
           ValidationError: an unknown filter or value, a range that is empty, a query without a match.
@@ -150,7 +150,7 @@ class ObjectLibrary:
         return {row["uid"]: annotations.annotation(row) for row in self._take(uids)}
 
     def record(self, uid: str) -> AssetRecord:
-        """The record to build, place and export.
+        """Returns the record of a uid, with which the asset is built, placed and exported.
 
         Raises:
           ValidationError: no such uid, or one without a mesh.
@@ -193,7 +193,7 @@ class ObjectLibrary:
         return integrity.problems()
 
     def repair(self) -> list[str]:
-        """Rebuilds all parts that follow from the shipped tables; returns the remaining faults."""
+        """Rebuilds all parts that derive from the shipped tables; returns the remaining faults."""
         left = integrity.repair()
         self.__init__()
         return left
@@ -228,7 +228,7 @@ class ObjectLibrary:
         mask = np.zeros(self.table.num_rows, bool)
         for word in [wanted] if isinstance(wanted, str) else wanted:
             levels = [name for name in LEVELS if word in self._codes(name)[1]]
-            # A name may exist at two levels ("road"); the finer one alone would miss records that users expect.
+            # A name may exist at two levels ("road"); both are used.
             if not levels:
                 levels, word = [LEVELS[2]], ontology.match_label(word)
             for name in levels:
@@ -259,7 +259,7 @@ class ObjectLibrary:
 
     @functools.lru_cache(maxsize=8)  # noqa: B019
     def _entries(self, name: str) -> tuple[NDArray[np.int64], NDArray[np.int64], dict[str, int]]:
-        """Code and row of every entry of a column of lists that counts for a filter, and the codes of the words."""
+        """Code and row of every entry of a column of lists that a filter uses, and the codes of the words."""
         column, first = LISTS[name]
         lists = self.table[column].combine_chunks()
         parents = pc.list_parent_indices(lists).to_numpy()  # pyright: ignore[reportAttributeAccessIssue]
@@ -295,7 +295,7 @@ class ObjectLibrary:
         return self.table.take(pa.array([self._rows[uid] for uid in uids], pa.int64())).to_pylist()
 
     def _query_scores(self, query: str, model: str) -> NDArray[np.float64]:
-        """(n,) the leaf's score, and a little for each colour or material of the record that the query names."""
+        """(n,) score of the leaf, plus a bonus for each colour or material of the record that the query names."""
         codes, names = self._codes("category")
         by_leaf = np.zeros(len(names))
         for leaf, score in rank_leaves(query, len(names), _embedder(model)):
@@ -315,7 +315,7 @@ class ObjectLibrary:
 
 #: Names of materials in queries.
 MATERIAL_WORDS = {"wooden": "wood", "metal": "steel", "metallic": "steel", "woollen": "wool"}
-SAID = 0.05  # less than between a leaf that is named and one that only reads alike
+SAID = 0.05  # less than the difference between a named leaf and a similarly spelled one
 
 
 def _embedder(model: str) -> TextEmbedder | None:
@@ -328,12 +328,12 @@ def _embedder(model: str) -> TextEmbedder | None:
 
 @functools.cache
 def library() -> ObjectLibrary:
-    """The objects of the catalogue, loaded (and where need be built) on first use."""
+    """The objects of the catalogue, loaded (and built if needed) on first use."""
     return ObjectLibrary()
 
 
 def full_library() -> ObjectLibrary:
-    """The objects of the catalogue and the assets that this user imported, as they are now; `library` without any."""
+    """The objects of the catalogue and the assets that the user has imported."""
     path = imported_assets() / CATALOGUE
     return _joined(path, path.stat().st_mtime_ns) if path.is_file() else library()
 

@@ -1,4 +1,4 @@
-"""98 road and 190 sidewalk materials: tileable maps at metric scale, painted when asked for."""
+"""98 road and 190 sidewalk materials: tileable maps at metric scale, generated on demand."""
 
 from .painting import GroundMaps, paint_ground
 from .table import GroundRecord, ground_records

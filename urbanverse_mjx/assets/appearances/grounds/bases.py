@@ -1,4 +1,4 @@
-"""Dry, clean surfaces: asphalt, cast concrete, anything laid from units, loose stone. Sizes in metres, colours sRGB."""
+"""Dry, clean surfaces: asphalt, cast concrete, paving of units, loose stone. Sizes are in metres, colours in sRGB."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -27,9 +27,9 @@ def asphalt(
     Args:
       grey: sRGB grey of the whole (new 0.22-0.28, in use 0.34-0.45, bleached 0.5-0.58).
       chip_m: size of the coarse stones (8-11 mm wearing course, 16 mm coarse binder, 5 mm footways).
-      exposed: share of the top where traffic has worn the bitumen off the stones.
-      contrast: how far bare stones differ from the bitumen.
-      stain: large soft patches.
+      exposed: share of the surface where traffic has removed the bitumen from the stones.
+      contrast: contrast of bare stones and bitumen.
+      stain: strength of large soft patches.
     """
     stones = board.grain(chip_m)
     bare = board.share(stones, exposed, 0.5)
@@ -76,15 +76,15 @@ class Matter:
     """Materials of units and their joints.
 
     Attributes:
-      colours: sRGB, drawn per unit.
-      weights: how often each.
+      colours: sRGB colours, drawn per unit.
+      weights: probability of each colour.
       spread, hue: brightness and warmth that differ from unit to unit.
       mottling, speckle: soft clouds inside a unit; grains of rock (granite 0.15).
       joint_m, joint: width and colour of the joint; joint_depth m below the top.
       chamfer_m: width of the worn or bevelled rim.
       dome_m: how much higher the middle is.
-      uneven_m: how much units stand above or below each other.
-      roughness: of the top.
+      uneven_m: height difference of units.
+      roughness: roughness of the top.
     """
 
     colours: tuple[Colour, ...]
@@ -104,10 +104,10 @@ class Matter:
 
 
 def laid(board: Board, pattern: Laid, matter: Matter, choice: np.ndarray | None = None) -> Surface:
-    """Units of some matter in a layout.
+    """A surface of units of a material in a layout.
 
     Args:
-      choice: (size, size) number of the colour of each pixel's unit; drawn by `weights` if None.
+      choice: (size, size) index of the colour of each pixel's unit; drawn by `weights` if None.
     """
     inside = np.clip((pattern.edge - matter.joint_m / 2) / board.pixel + 0.5, 0.0, 1.0)
     count, number = pattern.count, pattern.number
@@ -116,7 +116,7 @@ def laid(board: Board, pattern: Laid, matter: Matter, choice: np.ndarray | None 
         choice = board.rng.choice(len(matter.colours), count, p=weights / weights.sum())[number]
     value = board.rng.normal(0.0, 0.6, count).clip(-1.3, 1.3).astype(np.float32)[number]
     warm = board.rng.normal(0.0, 1.0, count).clip(-2, 2).astype(np.float32)[number] * matter.hue
-    # Each unit is cut from another place of the rock: the mottling jumps from unit to unit.
+    # The mottling is sampled at another offset for each unit.
     jumps = board.rng.integers(0, board.size, (2, count), dtype=np.int32)
     cloud = _cut(board.noise(0.25, 2.2), jumps, number)
     grain = board.grain(matter.speckle_m)
@@ -136,7 +136,7 @@ def laid(board: Board, pattern: Laid, matter: Matter, choice: np.ndarray | None 
 
 
 def _cut(field: Field, jumps: np.ndarray, number: np.ndarray) -> Field:
-    """`field` read at another place for every unit."""
+    """Samples `field` at another offset for every unit."""
     size = field.shape[0]
     rows, columns = np.mgrid[0:size, 0:size].astype(np.int32)
     return field[(rows + jumps[0][number]) % size, (columns + jumps[1][number]) % size]

@@ -1,4 +1,4 @@
-"""The board a material is drawn on: a square of ground of known side in metres that wraps around in both directions."""
+"""The canvas of a material: a tileable square of ground of known side in metres."""
 
 import numpy as np
 from scipy import ndimage
@@ -11,7 +11,7 @@ SIZE = 512
 
 
 class Board:
-    """Metric coordinates and seeded noise; every field is (size, size) and wraps around.
+    """Metric coordinates and seeded noise; every field is (size, size) and tileable.
 
     Attributes:
       metres: side of the tile.
@@ -23,11 +23,12 @@ class Board:
         self.size, self.metres, self.pixel = size, metres, metres / size
         self.rng = noise.generator(f"grounds/{name}")
         line = (np.arange(size, dtype=np.float32) + 0.5) * np.float32(self.pixel)
-        #: Metres to the right (u, the driving direction) and down the image (against v).
+        #: m to the right (u, the driving direction) and downwards in the image (against v).
         self.x, self.y = np.meshgrid(line, line)
 
     def noise(self, largest_m: float, beta: float = 2.0) -> Field:
-        """Mean 0, standard deviation 1; no wave is longer than `largest_m`, energy falls as frequency^-beta."""
+        """Noise of mean 0 and standard deviation 1 with wavelengths up to `largest_m` and a spectrum of
+        frequency^-beta."""
         lowest = min(max(self.metres / largest_m, 1.0), self.size / 3)
         return noise.periodic_noise(self.rng, self.size, beta, lowest).astype(np.float32)
 
@@ -68,7 +69,7 @@ class Board:
         while pending:
             start, heading, length = pending.pop()
             steps = max(int(length * self.rng.uniform(0.6, 1.4) / self.pixel), 4)
-            # Turns with a memory: the crack follows grains of stone but keeps its way.
+            # A random walk of the direction with a limited range, so that a crack approximately keeps its direction.
             turn = np.cumsum(self.rng.normal(0.0, wander, steps)) * 0.35 + self.rng.normal(0.0, wander * 2, steps)
             direction = heading + turn
             path = start + np.cumsum(np.stack([np.sin(direction), np.cos(direction)], -1), 0) * self.pixel

@@ -38,7 +38,7 @@ def alligatored(surface: Surface, board: Board, share: float = 0.3) -> Surface:
 
 
 def sealed(surface: Surface, board: Board, count: int = 3) -> Surface:
-    """Cracks closed with bitumen: black, smooth bands a hand wide that follow them."""
+    """Cracks sealed with bitumen: black, smooth bands that follow the cracks."""
     lines = board.streaks(count, 2.6, branches=0.10, wander=0.16)
     field = board.blur(lines, 0.016) * 0.016 / board.pixel
     band = smoothstep((field - 0.10 + 0.02 * board.noise(0.2)) / 0.08)
@@ -144,7 +144,7 @@ def wet(surface: Surface, board: Board, amount: float = 1.0) -> Surface:
 
 
 def puddled(surface: Surface, board: Board, share: float = 0.22) -> Surface:
-    """Wet, and water standing in the low places: level, dark and mirror-smooth."""
+    """A wet surface with standing water in its low parts, which is level, dark and smooth."""
     surface = wet(surface, board, 0.8)
     low = -board.noise(1.4, 4.0) - np.clip(surface.height / 0.006, -1.5, 1.5) * 0.12
     water = board.share(low, share, 0.12)
@@ -160,7 +160,7 @@ def puddled(surface: Surface, board: Board, share: float = 0.22) -> Surface:
 
 
 def snowy(surface: Surface, board: Board, share: float, dirty: float = 0.0, tracks: bool = False) -> Surface:
-    """Snow over a share of the tile: it stays in joints and hollows longest; wheels leave tracks of slush."""
+    """Snow over a share of the tile, first in joints and hollows, with wheel tracks of slush."""
     field = board.noise(1.0, 3.5) - np.clip(surface.height / 0.004, -1.5, 1.5) * 0.3 + 0.12 * board.grain(0.04)
     if tracks:
         across = board.y / board.metres + 0.006 * board.noise(1.2, 3.0)
@@ -200,7 +200,7 @@ def icy(surface: Surface, board: Board, share: float = 0.5) -> Surface:
 
 
 def sanded(surface: Surface, board: Board, share: float = 0.35, colour: Colour = (0.66, 0.57, 0.43)) -> Surface:
-    """Blown sand and dust: a veil everywhere, drifts in the low places."""
+    """Blown sand and dust: a thin layer everywhere, more in the low parts."""
     drift = board.noise(1.0, 2.2) - surface.height / 0.004 * 0.4
     cover = np.clip(board.share(drift, share, 2.2) * 0.8 + 0.12, 0.0, 1.0)
     sand = toned(colour, 0.06 * board.grain(0.005), 0.04 * board.noise(0.3))

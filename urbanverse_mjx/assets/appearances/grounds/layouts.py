@@ -1,6 +1,6 @@
-"""How units (bricks, slabs, setts, stones) are laid: courses, herringbone, basket weave, hexagons, arcs, cells.
+"""Layouts of units (bricks, slabs, setts, stones): courses, herringbone, basket weave, hexagons, arcs, cells.
 
-Every layout tiles and gives, for each pixel, the distance to the edge of its unit and the unit's number.
+Every layout is tileable and returns for each pixel the distance to the edge of its unit and the unit's number.
 """
 
 import dataclasses
@@ -68,10 +68,10 @@ def random_courses(
     lengths = 1.0 + variation * board.rng.uniform(-1, 1, (rows, per_row))
     cuts = np.concatenate([np.zeros((rows, 1)), np.cumsum(lengths, 1)], 1)
     cuts *= board.metres / cuts[:, -1:]
-    # Half a unit from row to row, plus a throw: joints of neighbouring rows seldom meet.
+    # Rows are shifted by half a unit plus a random offset, so that joints of neighbouring rows seldom meet.
     start = (np.arange(rows) % 2 * 0.5 + board.rng.uniform(-0.15, 0.15, rows)) * mean_length
     x = (x + start[row].astype(np.float32)) % board.metres
-    # One sorted line of all cuts finds the unit of every pixel at once.
+    # All joints in one sorted array, so that one search finds the unit of every pixel.
     line = (cuts[:, :-1] + np.arange(rows)[:, None] * 2 * board.metres).ravel()
     number = np.searchsorted(line, x + row * (2 * board.metres), side="right") - 1
     number = np.clip(number, row * per_row, row * per_row + per_row - 1).astype(np.int32)
@@ -124,7 +124,7 @@ def cells(
     """Every point belongs to the nearest of seeds on a (jittered) grid: irregular stones, or hexagons without jitter.
 
     Args:
-      jitter: 0 to 1, how far seeds stray from the grid, in cells.
+      jitter: 0 to 1, random offset of the seeds from the grid, in cells.
       half_offset: odd rows are moved by half a cell (needs an even number of rows).
     """
     width, height = board.metres / columns, board.metres / rows
@@ -135,8 +135,8 @@ def cells(
     seed_x, seed_y = seed_x.astype(np.float32), seed_y.astype(np.float32)
     home_r = np.floor(y / height).astype(np.int32)
     home_c = np.floor(x / width).astype(np.int32)
-    # The two nearest seeds of each pixel. A positive float32 sorts as its bits do, so the lowest four bits can carry
-    # which of the neighbouring cells it is, and two minima do the whole choice.
+    # The two nearest seeds of each pixel. Positive float32 values sort like their bit patterns, so the lowest four bits
+    # encode the neighbouring cell, and two minima find both seeds.
     neighbours = [(dr, dc) for dr in (-1, 0, 1) for dc in ((-2, -1, 0, 1) if half_offset else (-1, 0, 1))]
     first = np.full(x.shape, np.iinfo(np.int32).max, np.int32)
     second = first.copy()

@@ -1,4 +1,4 @@
-"""Painting a material: its record becomes maps of 512 x 512 pixels (about a third of a second)."""
+"""Generates the maps (512 x 512 pixels) of a material from its record; takes about a third of a second."""
 
 import dataclasses
 
@@ -15,12 +15,12 @@ class GroundMaps:
     """A tileable set of maps; rows run against v, columns along u.
 
     Attributes:
-      record: what it is of.
+      record: record of the material.
       albedo: (512, 512, 3) uint8 sRGB.
       normal: (512, 512, 3) uint8, (n + 1) / 2 with x along u, y along v (up the image), z out of the ground.
       roughness: (512, 512) uint8, 255 is 1.
-      height: (512, 512) float32 m, 0 at the top of what one walks on.
-      preview: (512, 512, 3) uint8, lit from above: what thumbnails are cut from.
+      height: (512, 512) float32 m, 0 at the level of the walked-on top.
+      preview: (512, 512, 3) uint8, lit from above; the source of thumbnails.
     """
 
     record: GroundRecord
@@ -32,14 +32,14 @@ class GroundMaps:
 
 
 def paint_ground(uid: str) -> GroundMaps:
-    """Paints a material; the same uid gives the same maps.
+    """Generates the maps of a material, deterministically for a uid.
 
     Raises:
       ValidationError: no such material.
     """
     record, variant = find_ground(uid)
     board = drawing.Board(uid, record.tile_size_m)
-    # Two neighbours in the table are not cast from the same batch.
+    # A random tint, so that neighbours in the table differ.
     batch = 1.0 + board.rng.uniform(-0.04, 0.04) + board.rng.uniform(-0.015, 0.015) * np.array([1.0, 0.0, -1.0])
     surface = variant.make(board)
     surface = dataclasses.replace(surface, colour=surface.colour * batch.astype(np.float32))

@@ -1,4 +1,4 @@
-"""A surface while it is being made (colour, height, roughness), and what becomes of it: maps and a lit image."""
+"""A surface during its generation (colour, height, roughness), and its conversion to maps and a lit image."""
 
 import dataclasses
 
@@ -58,7 +58,7 @@ def lit(colour: np.ndarray, normal: np.ndarray, roughness: Field) -> np.ndarray:
 
 
 def shade_crevices(surface: Surface, board: Board, strength: float = 0.5) -> Surface:
-    """Darkens what lies deeper than its surroundings: skylight reaches it less."""
+    """Darkens parts below their surroundings, which receive less skylight."""
     around = board.blur(surface.height, 0.012)
     wide = board.blur(surface.height, 0.04)
     depth = np.clip((around - surface.height) / 0.006, 0, 1) * 0.6 + np.clip((wide - surface.height) / 0.02, 0, 1) * 0.4

@@ -1,4 +1,4 @@
-"""The 98 road and 190 sidewalk materials as records: everything that can be said of one without painting it."""
+"""Records of the 98 road and 190 sidewalk materials, available without generating their maps."""
 
 import dataclasses
 import functools

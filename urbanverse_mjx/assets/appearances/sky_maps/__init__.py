@@ -1,4 +1,4 @@
-"""306 skies: equirectangular radiance with sun, painted when asked for."""
+"""306 skies: equirectangular radiance with sun, generated on demand."""
 
 from .painting import SkyMap, paint_sky
 from .table import SkyRecord, sky_records

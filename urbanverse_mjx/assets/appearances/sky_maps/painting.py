@@ -1,4 +1,4 @@
-"""Painting a sky: its record becomes an equirectangular image of radiance and a sun (about a third of a second)."""
+"""Generates a sky from its record: an equirectangular image of radiance and a sun (about a third of a second)."""
 
 import dataclasses
 import itertools
@@ -14,7 +14,8 @@ from .table import SkyRecord, find_sky, unit_to_sun
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec. 709
 #: Rows of the image by default; twice as many columns.
 HEIGHT = 256
-#: Rows of elevation below this many degrees are painted this often and averaged: there a row spans kilometres.
+#: Elevation (degrees) below which rows are supersampled, because a row spans kilometres there, and the supersampling
+#: factor.
 _LOW, _FINER = 10.0, 3
 #: Half the angle of the sun's and the moon's disc, rad.
 DISC = np.radians(0.2666)
@@ -30,12 +31,12 @@ class SkyMap:
     """A painted sky. Radiances are scaled to an image: a white surface in the open is `record.exposure` bright.
 
     Attributes:
-      record: what it is of.
+      record: record of the sky.
       radiance: (height, 2 height, 3) float32 linear RGB without the sun's disc; rows from zenith to nadir, column 0
         at yaw -π growing counter-clockwise.
       sun_direction: (3,) unit to the sun (the moon at night); below the horizon at dawn and dusk.
       sun_irradiance: (3,) on a surface that faces the sun, after clouds, in the unit of π · radiance.
-      lux_per_unit: illuminance in lux that one unit of irradiance stands for.
+      lux_per_unit: illuminance in lux of one unit of irradiance.
     """
 
     record: SkyRecord
@@ -134,7 +135,7 @@ def _halo(directions: np.ndarray, sun: np.ndarray) -> np.ndarray:
 
 
 def paint_sky(uid: str, height: int = HEIGHT) -> SkyMap:
-    """Paints a sky; the same uid and height give the same numbers.
+    """Generates a sky, deterministically for a uid and height.
 
     Args:
       height: rows, a multiple of 4.
@@ -177,7 +178,7 @@ def _weather(
         below = below + GLOW_COLOUR * 0.022 / SUN_LUX
     far = _distance_colour(clear, record.cover)
     haze = (RAYLEIGH + 0.7 * air.haze / MIE_ALBEDO) * 1.6
-    # Above a sun that has just set, high clouds still stand in its light.
+    # High clouds are still lit by a sun that has just set.
     lit = air.sunlight(max(float(sun[2]), 0.0) + 0.02) if not night else direct
     late = float(np.clip((np.degrees(np.arcsin(sun[2])) + 5.0) / 5.0, 0.0, 1.0))
     light = Light(lit * late, above, below, _raised(sun), haze, far)

@@ -1,4 +1,4 @@
-"""306 skies by rule: 17 moments of the day and year times 18 kinds of weather, each with its own small deviations."""
+"""Table of 306 skies: 17 moments of the day and year times 18 kinds of weather, each with small random deviations."""
 
 import dataclasses
 import functools
