@@ -9,16 +9,24 @@ import sys
 import pytest
 
 from tests.support.box_bank import box_bank
+from tests.support.kept_programs import remove_least_recent
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.pipeline import ensure_default_bank
 
 TESTS = pathlib.Path(__file__).parent
+#: Bytes of compiled programs that are kept for later runs.
+KEPT = 2**30
 #: Folders whose tests take a second each or more, by their total time.
 LONG = (
     *("envs", "simulation", "training", "project", "crowds", "cli", "benchmarks", "robots", "gym", "evaluation"),
     *("assets", "scene", "distillation", "pipeline", "viewer"),
 )
+
+
+def programs_folder() -> pathlib.Path:
+    """Where compiled programs are kept."""
+    return settings.cache_dir("tests", "jax")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -36,8 +44,8 @@ def pytest_configure(config: pytest.Config) -> None:
         return
     options = {
         "jax_disable_most_optimizations": True,
-        "jax_compilation_cache_dir": str(settings.cache_dir("tests", "jax")),
-        "jax_compilation_cache_max_size": 2**30,
+        "jax_compilation_cache_dir": str(programs_folder()),
+        "jax_compilation_cache_max_size": -1,  # `pytest_unconfigure` sees to it
         "jax_persistent_cache_min_compile_time_secs": 0.1,
     }
     for name, value in options.items():
@@ -46,6 +54,12 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ[name.upper()] = str(value)
         if "jax" in sys.modules:  # imported by the conftest of a folder: it has read the environment
             sys.modules["jax"].config.update(name, value)
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Bounds the folder of compiled programs, once after a run."""
+    if not hasattr(config, "workerinput"):
+        remove_least_recent(programs_folder(), KEPT)
 
 
 @pytest.hookimpl(trylast=True)  # when slow tests are out of the list
