@@ -46,7 +46,7 @@ def pytest_configure(config: pytest.Config) -> None:
         "jax_disable_most_optimizations": True,
         "jax_compilation_cache_dir": str(programs_folder()),
         "jax_compilation_cache_max_size": -1,  # `pytest_unconfigure` sees to it
-        "jax_persistent_cache_min_compile_time_secs": 0.1,
+        "jax_persistent_cache_min_compile_time_secs": 0,
     }
     for name, value in options.items():
         if name.upper() in os.environ:
