@@ -1,4 +1,5 @@
-"""The navigation and the walking task: begin, advance, observe; its terms, presets, wrapper, registry and check."""
+"""The navigation and locomotion environments: stages (begin, advance, observe), reward terms, presets, training
+wrapper, registry and checks."""
 
 from .checks import EnvCheckError, check_env
 from .joystick import JoystickEnv

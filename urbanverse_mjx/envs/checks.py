@@ -1,4 +1,4 @@
-"""`check_env`: the contract of this package's environments, as checks that users can run on their own."""
+"""`check_env`: checks the contract of this package's environments; users can run it on their own environments."""
 
 import dataclasses
 from typing import Any
@@ -35,7 +35,7 @@ def _same(a: Any, b: Any, tolerance: float = 0.0) -> bool:
 
 
 def _unseen(obs: Any) -> dict[str, Any]:
-    """Observations but for images."""
+    """Observations without images."""
     return {name: x for name, x in obs.items() if not name.startswith("pixels/")}
 
 
@@ -44,7 +44,7 @@ def _frames_close(a: Any, b: Any) -> bool:
 
 
 class _Counted:
-    """jit with a count of its traces."""
+    """A jitted function that counts its traces."""
 
     def __init__(self, function: Any):
         self.traces = 0
@@ -60,12 +60,12 @@ def check_env(env: StagedEnv[Any], num_envs: int = 6, num_steps: int = 12, toler
     """Checks an environment with `begin`, `reset_episode`, `advance`, `observe`, `reset`, `step` (see `NavEnv`).
 
     Args:
-      env: not wrapped.
+      env: the environment without wrappers.
       num_envs, num_steps: size of the random rollout.
-      tolerance: for vmap against loop, in the units of each observation.
+      tolerance: largest difference between vmap and loop, in the units of each observation.
 
     Raises:
-      EnvCheckError: naming the broken promise.
+      EnvCheckError: a rule is violated; the message names it.
     """
     keys = jax.random.split(jax.random.key(0), num_envs)
     reset, step = _Counted(jax.vmap(env.reset)), _Counted(jax.vmap(env.step))
@@ -114,7 +114,7 @@ def _check_no_constant(states: list[Any]) -> None:
         stack = np.stack([np.asarray(s.obs[name], np.float32) for s in states])
         spread = stack.reshape(-1, *stack.shape[2:]).std(axis=0)
         share = float((spread == 0).mean())
-        # A few pixels may always see the robot itself or the sky's zenith.
+        # Some pixels may always show the robot itself or the zenith.
         allowed = 0.25 if name.startswith("pixels/") else 0.0
         _require(share <= allowed, f"observation {name} holds no constants", f"{share:.0%} constant")
 
@@ -135,10 +135,10 @@ def _check_vmap_is_loop(env: Any, first: Any, second: Any, action: Any, toleranc
 
 
 def _check_auto_reset(env: Any, step: Any, first: Any, keys: Any) -> None:
-    """`step`: the env's own over a batch, compiled already; `first`: its first state."""
+    """Checks auto-reset; `step`: compiled batch step of the env; `first`: its first state."""
     wrapped = wrap_for_training(env, env.config.episode_length)
     state = jax.jit(wrapped.reset)(keys)
-    # One step before time runs out for the first half of the batch: they must end now and begin anew.
+    # One step before the time limit for the first half of the batch, whose episodes must end now and be reset.
     half = np.arange(len(keys)) < len(keys) // 2
     steps = jnp.where(half, env.config.episode_length - 1, 0).astype(jnp.int32)
     state = dataclasses.replace(state, data=state.data._replace(steps=steps))
@@ -151,7 +151,7 @@ def _check_auto_reset(env: Any, step: Any, first: Any, keys: Any) -> None:
     wanted = jax.jit(jax.vmap(env.observe))(fresh)
     for i in np.flatnonzero(done):
         got = jax.tree.map(lambda x, i=i: x[i], after)
-        # Two programs, so sums may be rounded in another order: 3e-8 m was seen in a pose.
+        # Two programs may round sums in another order; the difference of poses is up to 3e-8 m.
         same = _same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh), 1e-6)
         _require(same, "auto-reset equals reset_episode in all carried state")
         for name in wanted:

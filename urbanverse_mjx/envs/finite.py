@@ -1,4 +1,4 @@
-"""Guards against NaN and infinity: inputs and intermediate values of a step may contain them, its outputs do not."""
+"""Guards against NaN and infinity: inputs and intermediate values of a step may contain them, its outputs must not."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-#: Larger numbers count as infinite: their squares and cubes would be.
+#: Larger numbers count as infinite, because their squares and cubes may overflow.
 LARGEST = 1e9
 
 
@@ -21,7 +21,7 @@ def is_sound(tree: Any) -> Bool[Array, ""]:
 
 
 def repaired[T](tree: T) -> tuple[T, Bool[Array, ""]]:
-    """A pytree with 0 for every float that is NaN or too large, and whether there was none: `is_sound`."""
+    """Replaces every float of a pytree that is NaN or too large by 0; also returns `is_sound` of the input."""
 
     def repair(leaf: Any) -> Any:
         return jnp.where(jnp.abs(leaf) <= LARGEST, leaf, 0.0).astype(leaf.dtype) if _is_float(leaf) else leaf
@@ -30,5 +30,5 @@ def repaired[T](tree: T) -> tuple[T, Bool[Array, ""]]:
 
 
 def choose[T](condition: Bool[Array, ""], new: T, old: T) -> T:
-    """The one pytree or the other."""
+    """Selects one of two pytrees."""
     return jax.tree.map(lambda a, b: jnp.where(condition, a, b), new, old)

@@ -1,4 +1,4 @@
-"""How high the ground is anywhere in a scene, from the bank's prisms: for critics, rewards and first poses.
+"""Ground height at any point of a scene, from the bank's prisms; used by critics, rewards and initial poses.
 
 It is not an observation of a blind policy.
 """
@@ -10,9 +10,9 @@ from jaxtyping import Array, Float, Int, UInt16
 from ..datatypes import SceneBank, ValidationError
 from ..geometry.grids import Grid, cell_of
 
-#: m, side of a cell where nothing else is asked for; a kerb's edge is known to half of it.
+#: m, default side of a cell; the position of a kerb's edge is accurate to half of it.
 CELL = 0.05
-#: m, the unit that heights are stored in, above the lowest ground of their scene.
+#: m, unit of the stored heights, which are relative to the lowest ground of the scene.
 UNIT = 0.001
 _VERTICAL_TOLERANCE = 1e-6
 
@@ -33,17 +33,17 @@ def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.nd
 def build_heights(
     bank: SceneBank, cell: float = CELL
 ) -> tuple[UInt16[np.ndarray, "Z X Y"], Float[np.ndarray, " Z"], Float[np.ndarray, "Z 2"]]:
-    """The ground's top at each cell's centre.
+    """Computes the height of the ground at the centre of each cell.
 
     Args:
       cell: m, side of a cell.
 
     Returns:
-      (Z, X, Y) u16 in `UNIT` above the scene's lowest ground, as which the cells beside the ground count; (Z,) f32 m
-      of that lowest ground; (Z, 2) f32 m, where cell (0, 0) begins.
+      (Z, X, Y) u16 in `UNIT` above the scene's lowest ground, 0 in cells without ground; (Z,) f32 m, height of that
+      lowest ground; (Z, 2) f32 m, lower corner of cell (0, 0).
 
     Raises:
-      ValidationError: ground that rises by 65 m.
+      ValidationError: the heights of a scene differ by more than 65 m.
     """
     boxes = bank.hull_box.astype(np.float64)
     corners = []
@@ -75,7 +75,7 @@ def build_heights(
 
 
 class GroundHeights:
-    """The ground's height in all scenes of a bank, to half a millimetre at the cells' centres.
+    """The ground height in all scenes of a bank, accurate to half a millimetre at the cells' centres.
 
     Args:
       bank: the scenes.
@@ -97,6 +97,6 @@ class GroundHeights:
         self.high = jnp.asarray(np.where(bank.prism_hull[..., None] >= 0, boxes, -np.inf).max(1)[:, :2])
 
     def __call__(self, scene: Int[Array, ""], p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n"]:
-        """(...) m under points (..., 2) m of a scene () i32; at the rim for points outside."""
+        """(...) m, height under points (..., 2) m of a scene () i32; that of the border for points outside."""
         cell = cell_of(p_xy, self.low[scene], self._cell, self._heights.shape[1:])
         return self._lowest[scene] + UNIT * self._heights[scene, cell[..., 0], cell[..., 1]].astype(jnp.float32)

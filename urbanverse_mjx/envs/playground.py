@@ -1,6 +1,6 @@
 """Model properties and domain randomiser in the interface of MuJoCo Playground.
 
-Physics runs in our engines. Of a randomised model they take the friction and the mass of the robot, as factors.
+The engines of this package run the physics. They use only the friction and the mass of a randomised model, as factors.
 """
 
 import contextlib
@@ -28,7 +28,7 @@ _TAKEN = ("geom_friction", "body_mass", "body_inertia", "body_subtreemass")
 
 @functools.cache
 def register_with_playground(cls: type) -> None:
-    """Where Playground is installed, makes environments of a class instances of `mujoco_playground.MjxEnv`."""
+    """Registers a class as virtual subclass of `mujoco_playground.MjxEnv` if Playground is installed."""
     with contextlib.suppress(ImportError):
         from mujoco_playground import MjxEnv
 
@@ -36,22 +36,22 @@ def register_with_playground(cls: type) -> None:
 
 
 class ModelNames:
-    """The robot's model under the names of Playground and Brax, without the scene: each env stands in its own."""
+    """The robot's model under the names of Playground and Brax, without a scene, because each env has its own."""
 
     robot: RobotSpec
     _first_model: "mjx.Model | None" = None
-    # Playground's and Brax's wrappers put a batch of randomised models here while they reset and step.
+    # Playground's and Brax's wrappers store a batch of randomised models here while they reset and step.
     _mjx_model: "mjx.Model | None" = None
 
     @property
     def mj_model(self) -> mujoco.MjModel:
-        """The robot's own model, without scene."""
+        """The robot's model without scene."""
         raise NotImplementedError
 
     @property
     def mjx_model(self) -> "mjx.Model":
         """`mj_model` for JAX."""
-        # MJX starts Warp, which importing this package does not.
+        # MJX initialises Warp, which importing this package must not do.
         from mujoco import mjx
 
         if self._mjx_model is None:
@@ -70,7 +70,7 @@ class ModelNames:
 
     @property
     def xml_path(self) -> str:
-        """A file of the cache with the robot's MJCF."""
+        """Path of a cached file with the robot's MJCF."""
         digest = hashlib.sha256(self.robot.mjcf.encode()).hexdigest()[:16]
         path = settings.cache_dir("robots", f"{self.robot.name}-{digest}.xml")
         if not path.is_file() or path.read_bytes() != self.robot.mjcf.encode():
@@ -79,14 +79,14 @@ class ModelNames:
 
     @property
     def model_assets(self) -> dict[str, bytes]:
-        """Files that the MJCF at `xml_path` names, as `mujoco.MjModel.from_xml_path` takes them: none."""
+        """Files that the MJCF at `xml_path` references: none."""
         return {}
 
     def with_model(self, sim: SimState) -> SimState:
-        """The first state of an episode under the model that a wrapper put in place, if it did.
+        """The first state of an episode with the friction and mass of a wrapper's randomised model, if any.
 
         Raises:
-          ValidationError: a wrapper randomises something else than friction and mass.
+          ValidationError: a wrapper randomises other properties than friction and mass.
         """
         first, model = self._first_model, self._mjx_model
         if first is None or model is None or model is first:
@@ -104,7 +104,7 @@ class ModelNames:
 
 
 def domain_randomize(model: "mjx.Model", rng: Key[Array, " n"] | Shaped[Array, "n 2"]) -> "tuple[mjx.Model, mjx.Model]":
-    """n models with another friction and mass each, and which of their fields have an axis of n (the rest: None).
+    """n models with random friction and mass, and the axes of their batched fields (None for all others).
 
     Args:
       rng: n keys, one for each env.

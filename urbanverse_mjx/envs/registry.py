@@ -1,4 +1,4 @@
-"""Environments by name, as in MuJoCo Playground; others can register their own from outside the package."""
+"""Registry of environments by name, as in MuJoCo Playground; users can register their own."""
 
 import difflib
 import pathlib
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 EnvMaker = Callable[[ConfigDict, SceneBank], StagedEnv[Any]]
 ConfigMaker = Callable[[str], ConfigDict]
 BankLoader = Callable[[], SceneBank]
-# Quoted, since beartype resolves unquoted names when the tests of shapes import this module.
+# Quoted, because beartype would resolve unquoted names at import in the tests of shapes.
 type DomainRandomizer = Callable[["mjx.Model", jax.Array], tuple["mjx.Model", "mjx.Model"]]
 
 
@@ -56,13 +56,13 @@ def register_environment(
     """Adds an environment.
 
     Args:
-      name: CamelCase, new.
-      make: (config, bank) -> environment.
-      make_config: preset name -> a fresh config.
-      load_bank: -> the bank where the user gives none; default: the shipped streets.
-      default_preset: where the user names none.
-      presets: all that both makers of configs take.
-      make_ppo_config: preset name -> a fresh config of its training; default: navigation's.
+      name: new name in CamelCase.
+      make: function (config, bank) -> environment.
+      make_config: function preset name -> new config.
+      load_bank: function that returns the default bank; default: the shipped streets.
+      default_preset: preset to use if the user names none.
+      presets: presets that both `make_config` and `make_ppo_config` accept.
+      make_ppo_config: function preset name -> new training config; default: that of navigation.
     """
     if name in _REGISTRY:
         raise ValidationError(f"environment {name!r}: found it registered already, needed a new name.")
@@ -73,7 +73,7 @@ def register_environment(
 
 
 def on_registration(follow: Callable[[str], None]) -> None:
-    """Calls a function with the name of every registered environment, now and whenever one is added."""
+    """Calls a function with the name of every registered environment, now and whenever one is registered."""
     _FOLLOWERS.append(follow)
     for name in all_envs():
         follow(name)
@@ -117,7 +117,7 @@ def get_ppo_config(name: str, preset: str | None = None) -> ConfigDict:
     """A fresh, locked config of an environment's training; None takes the environment's own default preset.
 
     Raises:
-      ValidationError: no environment has this name, or its training no such preset.
+      ValidationError: no environment has this name, or its training has no such preset.
     """
     entry = _entry(name)
     return entry.make_ppo_config(preset or entry.preset).lock()
@@ -154,10 +154,11 @@ def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDi
 
 
 def same_task(config: ConfigDict, name: str) -> ConfigDict:
-    """The task of one environment's config for the robot of another: all common keys except those of the robot.
+    """Transfers the task of an environment's config to the robot of another environment: copies all common keys except
+    those of the robot.
 
     Raises:
-      ValidationError: unknown name, or an environment with another action or none of the config's presets.
+      ValidationError: the name is unknown, or the environment has another action or none of the config's presets.
     """
     theirs = get_default_config(name, config.preset)
     if "action_mode" not in theirs or "action_mode" not in config:
@@ -197,9 +198,10 @@ def load(
 
     Args:
       name: a registered name, e.g. "CocoNav".
-      config: from `get_default_config`; None takes the default of the preset in `config_overrides`, or of its own.
-      config_overrides: flat dotted keys; "preset" picks the base when `config` is None.
-      bank: scenes; None loads the bank that `urbanverse scene bank` (to walk: `scene terrain`) built last.
+      config: config of `get_default_config`; None for that of the preset in `config_overrides`, or of the default
+        preset.
+      config_overrides: flat dotted keys; "preset" selects the base if `config` is None.
+      bank: bank of scenes; None for the one that `urbanverse scene bank` (for locomotion: `scene terrain`) built last.
     """
     entry = _entry(name)
     overrides = dict(config_overrides or {})
@@ -209,10 +211,10 @@ def load(
 
 
 def load_nav_env(name: str, config: ConfigDict, bank: SceneBank) -> NavEnv:
-    """`load` of an environment that navigates.
+    """`load` for navigation environments.
 
     Raises:
-      ValidationError: one of another task.
+      ValidationError: the environment has another task.
     """
     env = load(name, config=config, bank=bank)
     if not isinstance(env, NavEnv):
@@ -221,7 +223,7 @@ def load_nav_env(name: str, config: ConfigDict, bank: SceneBank) -> NavEnv:
 
 
 def load_default_bank() -> SceneBank:
-    """The bank of the six streets in the cache, or the one that `URBANVERSE_BANK` names.
+    """The bank of the six shipped streets in the cache, or that of `URBANVERSE_BANK`.
 
     Raises:
       ValidationError: it has not been built on this machine, or another bank took its place.
@@ -231,7 +233,7 @@ def load_default_bank() -> SceneBank:
 
 
 def load_terrain_bank() -> SceneBank:
-    """The terrain in the cache.
+    """The terrain bank in the cache.
 
     Raises:
       ValidationError: it has not been built on this machine, or another bank took its place.
@@ -240,7 +242,7 @@ def load_terrain_bank() -> SceneBank:
 
 
 def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
-    """A bank that a command builds; `keyed` where the file's name has a hash of its inputs."""
+    """Loads a bank that a command builds; `keyed`: the file's name contains a hash of its inputs."""
     if not path.is_file():
         raise ValidationError(f"scene bank: found none at {path}, needed one; run `{command}`.")
     bank = SceneBank.load(path)

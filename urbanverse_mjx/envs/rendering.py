@@ -1,4 +1,4 @@
-"""Images of an environment's states for people: the street, the robot, and moving agents and objects."""
+"""Renders an environment's states for display: street, robot, moving agents and objects."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -13,17 +13,17 @@ from .types import State
 if TYPE_CHECKING:
     from .staged import StagedBase
 
-#: m; a robot that is further away one state later has begun another episode.
+#: m; a larger movement between two states means that another episode has begun.
 _MAX_STEP = 2.0
 
 
 class StateRenderer:
-    """Draws states of one environment, with sun shadows and four rays a pixel.
+    """Renders states of one environment with sun shadows and four rays per pixel.
 
     Args:
       env: the environment.
       height, width: pixels.
-      camera: a camera of the robot by its name in the MJCF; None follows the robot from behind.
+      camera: name of a camera in the robot's MJCF; None follows the robot from behind.
 
     Raises:
       ValidationError: the robot has no such camera, or a size is below one.
@@ -64,7 +64,7 @@ class StateRenderer:
         """(height, width, 3) uint8 for each state of one env, in their order.
 
         Raises:
-          ValidationError: a batch of envs, or states without the simulation's.
+          ValidationError: states are batched, or lack the state of the simulation.
         """
         from ..simulation.rendering.cameras import in_batches
 
@@ -86,7 +86,7 @@ class StateRenderer:
         return list(in_batches(self._draw, carried, *cameras))
 
     def _following(self, carried: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Places (T, 3) and rotations (T, 4) of the camera; it follows smoothly within an episode."""
+        """Positions (T, 3) and rotations (T, 4) of the camera, which follows smoothly within an episode."""
         from ..simulation.rendering.cameras import following_cameras
 
         scene, xpos, xquat = (np.asarray(x) for x in (carried.sim.scene, carried.sim.xpos, carried.sim.xquat))

@@ -1,4 +1,4 @@
-"""The robot that an environment's config names."""
+"""Loads the robot of an environment's config."""
 
 from ml_collections import ConfigDict
 
@@ -6,7 +6,7 @@ from ..datatypes import RobotSpec
 
 
 def make_robot(config: ConfigDict) -> RobotSpec:
-    """The robot a config names: "coco", "go2", "wheelchair", or a robot.json of one's own (see `robots.load`)."""
+    """Loads the robot of a config: "coco", "go2", "wheelchair", or the path of a robot.json (see `robots.load`)."""
     from .. import robots
 
     if config.robot == "go2":

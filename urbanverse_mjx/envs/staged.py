@@ -1,4 +1,4 @@
-"""`StagedBase`: the common part of staged environments, derived from config and stages."""
+"""`StagedBase`: common base class of staged environments."""
 
 import abc
 from collections.abc import Callable, Sequence
@@ -23,17 +23,18 @@ def typed_key(key: PRNGKeyArray) -> Key[Array, ""]:
 
 
 class StagedBase[C](ModelNames, abc.ABC):
-    """Playground's interface over `begin`, `advance` and `observe`, which subclasses define (see `StagedEnv`)."""
+    """Implements Playground's interface by `begin`, `advance` and `observe`, which subclasses define (see
+    `StagedEnv`)."""
 
     bank: SceneBank
     _config: ConfigDict
-    #: Largest number of objects moved from their places in the bank, see `Bodies`.
+    #: Largest number of objects that are moved from their poses in the bank, see `Bodies`.
     num_bodies: int = 0
     _state_renderers: dict[tuple[int, int, str | None], StateRenderer]
 
-    @no_type_check  # what checks annotations while it runs (beartype) takes no Self of a single method
+    @no_type_check  # beartype does not support Self in a single method
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
-        # Not at import time, which must load neither Playground nor its imports (Brax, Warp).
+        # Not at import, which must load neither Playground nor its imports (Brax, Warp).
         register_with_playground(StagedBase)
         env = super().__new__(cls)
         env._state_renderers = {}
@@ -58,8 +59,8 @@ class StagedBase[C](ModelNames, abc.ABC):
     def action_size(self) -> int: ...
 
     def named_observations(self, carried: C, obs: dict[str, Array]) -> dict[str, Array]:
-        """Further observations of `reset` and `step`, under the names of Playground's PPO configs: `state` for a policy
-        without a camera and `privileged_state` for a critic, where an environment has them."""
+        """Additional observations of `reset` and `step` under the names of Playground's PPO configs: `state` for a
+        policy without a camera and `privileged_state` for a critic, if the environment has them."""
         return {}
 
     @property
@@ -68,7 +69,7 @@ class StagedBase[C](ModelNames, abc.ABC):
         return ()
 
     def agents_of(self, carried: C, /) -> AgentMotion | None:
-        """Where the moving agents of a state are, to be drawn; None where there are none."""
+        """Poses of the moving agents of a state for rendering; None if there are none."""
         return None
 
     @property
@@ -118,7 +119,7 @@ class StagedBase[C](ModelNames, abc.ABC):
         }
 
     def reset(self, key: PRNGKeyArray) -> State[C]:
-        """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
+        """First state of a random episode. Works with and without vmap, and with raw and typed keys."""
         carried = self.begin(key)
         zero = jnp.float32(0.0)
         return State(carried, self._all_of(carried), zero, zero, self.zero_metrics(), self.info_of(carried))
@@ -126,8 +127,8 @@ class StagedBase[C](ModelNames, abc.ABC):
     def step(self, state: State[C], action: Float[Array, " nu"]) -> State[C]:
         """One control step without auto-reset.
 
-        Entries of wrappers in `info` and `metrics` are kept. Where an `EpisodeWrapper` of Brax counts the steps (`info`
-        has its `episode_done`), it alone applies the time limit, as a truncation.
+        Entries of wrappers in `info` and `metrics` are kept. If Brax's `EpisodeWrapper` counts the steps (`info` has
+        its `episode_done`), only the wrapper applies the time limit, as a truncation.
         """
         carried, reward, done, metrics = self.advance(state.data, action)
         info = self.info_of(carried)
@@ -146,20 +147,20 @@ class StagedBase[C](ModelNames, abc.ABC):
         scene_option: mujoco.MjvOption | None = None,
         modify_scene_fns: Sequence[Callable[[mujoco.MjvScene], None]] | None = None,
     ) -> list[np.ndarray] | np.ndarray:
-        """Images of states: the street of each with the robot in it, by this package's renderer.
+        """Renders states with this package's renderer.
 
         Args:
           trajectory: states of one env, as `reset` and `step` return them, or one state.
           height, width: pixels.
           camera: a camera of the robot by its name in the MJCF; None follows the robot from behind.
-          scene_option: of MuJoCo's visualiser, which does not draw here; without effect.
-          modify_scene_fns: None; the same.
+          scene_option: option of MuJoCo's visualiser; ignored.
+          modify_scene_fns: must be None.
 
         Returns:
           (height, width, 3) uint8 for each state, or for the one state.
 
         Raises:
-          ValidationError: a batch of envs, an unknown camera, or `modify_scene_fns`.
+          ValidationError: states are batched, the camera is unknown, or `modify_scene_fns` is given.
         """
         del scene_option
         if modify_scene_fns is not None:
@@ -178,6 +179,6 @@ class StagedBase[C](ModelNames, abc.ABC):
 
 
 def observed_size(env: StagedEnv[Any]) -> dict[str, tuple[int, ...]]:
-    """Shapes of the outputs of `observe`, by name, for our own trainers."""
+    """Shapes of the outputs of `observe` by name, for the trainers of this package."""
     shapes = jax.eval_shape(lambda key: env.observe(env.begin(key)), jax.random.key(0))
     return {name: tuple(x.shape) for name, x in shapes.items()}

@@ -15,7 +15,7 @@ from ..datatypes import SceneBank, SimState
 
 
 class Result(enum.IntEnum):
-    """How an episode ended; RUNNING while it has not. HIT is a touch of an object or of the ground by the body."""
+    """How an episode ended, or RUNNING. HIT is contact with an object, or of the body with the ground."""
 
     RUNNING = 0
     GOAL = 1
@@ -36,8 +36,8 @@ class State[C]:
       data: `NavState`, or what another environment carries.
       obs: dict of observations.
       reward: () f32.
-      done: () f32, 1 when the episode ended with this step.
-      metrics: dict of () f32, the same keys from reset on.
+      done: () f32, 1 if the episode ended with this step.
+      metrics: dict of () f32, with the same keys after reset and step.
       info: dict of further values: scene, episode, result, steps, truncation, time_out.
     """
 
@@ -54,13 +54,13 @@ class State[C]:
         return self.data
 
     def replace(self, **changes: Any) -> "State[C]":
-        """A copy with some fields changed; `pipeline_state` is `data`."""
+        """A copy with some fields changed; `pipeline_state` means `data`."""
         if "pipeline_state" in changes:
             changes["data"] = changes.pop("pipeline_state")
         return dataclasses.replace(self, **changes)
 
     def tree_replace(self, changes: Mapping[str, Any]) -> "State[C]":
-        """A copy with what dotted names stand for changed, e.g. {"data.qpos": qpos, "info.scene": scene}."""
+        """A copy with nested fields changed, given by dotted names, e.g. {"data.qpos": qpos, "info.scene": scene}."""
         state = self
         for name, value in changes.items():
             state = _changed(state, name.split("."), value)
@@ -80,7 +80,7 @@ class State[C]:
 
 
 def _changed(tree: Any, names: Sequence[str], value: Any) -> Any:
-    """`tree` with a part of a part replaced; parts are keys of mappings or fields."""
+    """Replaces a nested part of `tree`; parts are keys of mappings or fields."""
     first, *rest = names
     if isinstance(tree, Mapping):
         return {**tree, first: _changed(tree[first], rest, value) if rest else value}
@@ -97,12 +97,12 @@ class Carried:
 
     @property
     def qpos(self) -> Float[Array, "*batch nq"]:
-        """Of the robot: m and wxyz of its root, then joints."""
+        """Robot state: m and wxyz of its root, then joints."""
         return self.sim.qpos
 
     @property
     def qvel(self) -> Float[Array, "*batch nv"]:
-        """Of the robot: m/s in the world's frame, rad/s in the body's, then joints."""
+        """Robot velocity: m/s in the world frame, rad/s in the body frame, then joints."""
         return self.sim.qvel
 
     @property
@@ -127,12 +127,12 @@ class Carried:
 
     @property
     def xfrc_applied(self) -> Float[np.ndarray, "*batch nbody 6"]:
-        """N and N m, all 0: only the street acts on the robot."""
+        """N and N m, always 0."""
         return np.zeros((*self.sim.xpos.shape[:-1], 6), np.float32)
 
     def replace(self, **changes: Any) -> Any:
-        """A copy with some fields changed, of its own or of `sim` (qpos, qvel, xpos, xquat). As in MJX, the next step
-        computes the quantities that follow from a new `qpos`."""
+        """A copy with some fields changed, including those of `sim` (qpos, qvel, xpos, xquat). As in MJX, the next step
+        computes the quantities that depend on a new `qpos`."""
         inner = {name: changes.pop(name) for name in list(changes) if name not in self._fields}
         if inner:
             changes["sim"] = changes.get("sim", self.sim)._replace(**inner)
@@ -141,8 +141,8 @@ class Carried:
 
 @runtime_checkable
 class StagedEnv[C](Protocol):
-    """The interface that `registry.load` returns and `wrap_for_training` needs; C is the environment's own carried
-    state, a pytree."""
+    """Interface of environments that `registry.load` returns and `wrap_for_training` needs; C is the type of the
+    carried state, a pytree."""
 
     bank: SceneBank
 
@@ -163,11 +163,11 @@ class StagedEnv[C](Protocol):
         ...
 
     def begin(self, key: PRNGKeyArray) -> C:
-        """The first episode of an env."""
+        """Begins the first episode of an env."""
         ...
 
     def reset_episode(self, carried: C, /) -> C:
-        """The episode after that of `carried`."""
+        """Begins the episode after that of `carried`."""
         ...
 
     def advance(
@@ -182,7 +182,7 @@ class StagedEnv[C](Protocol):
 
 
 class _NavFields(NamedTuple):
-    """Everything one navigation env carries from step to step; replaced when an episode begins.
+    """State of one navigation env; replaced when an episode begins.
 
     Attributes:
       key: typed PRNG key for the next episode.
@@ -190,19 +190,19 @@ class _NavFields(NamedTuple):
       episode: () i32, row of the scene's episode table.
       start: (3,) m.
       goal: (3,) m.
-      waypoints: (W, 3) m, the last real one is the goal, which then repeats.
+      waypoints: (W, 3) m; the last one is the goal, which is repeated as padding.
       num_waypoints: () i32.
       waypoint: () i32, the next waypoint to pass.
-      route_length: () f32 m along start, waypoints, goal.
-      route_done: () f32 m, most of the route completed so far, see `terms.route_completed`.
-      driven: () f32 m on the ground plane.
-      goal_distance: () f32 m, ground distance robot to goal.
-      steps: () i32 control steps done.
-      age, episodes: () i32, control steps and ended episodes behind this env; they alone outlive an episode.
+      route_length: () f32 m, length of the route through start, waypoints and goal.
+      route_done: () f32 m, largest completed length of the route so far, see `terms.route_completed`.
+      driven: () f32 m, distance driven on the ground plane.
+      goal_distance: () f32 m, distance from robot to goal on the ground plane.
+      steps: () i32, control steps of the episode.
+      age, episodes: () i32, control steps and ended episodes of this env, the only fields kept over episodes.
       last_action: (action_size,) f32.
       result: () i32, see `Result`.
       appearance_seed: () i32, see `Renderer.__call__`.
-      crowd: the agents' `Crowd` in the scenario dynamic, else None.
+      crowd: `Crowd` of the agents in the scenario dynamic, otherwise None.
     """
 
     key: Key[Array, ""]

@@ -1,7 +1,7 @@
-"""Training wrapper: batched, auto-resetting into a new scene, one frame a step.
+"""Training wrapper: a batch of envs with auto-reset to new scenes, and one rendered frame per step.
 
-Brax's own AutoResetWrapper would restore each env's first state (its scene, start and goal) at every reset, so it is
-not supported; `wrap_for_training` is handed to `brax.training.agents.ppo.train` as `wrap_env_fn`.
+Brax's AutoResetWrapper restores each env's first state (scene, start and goal) at every reset. For new episodes, pass
+`wrap_for_training` to `brax.training.agents.ppo.train` as `wrap_env_fn`.
 """
 
 import dataclasses
@@ -17,18 +17,19 @@ from .navigation import NavEnv
 from .staged import observed_size
 from .types import StagedEnv, State
 
-#: Name in `State.info` of the mean success of each episode, for `config.schedule.learnable`.
+#: Key in `State.info` of the success rate of each episode, for `config.schedule.learnable`.
 SUCCESS = "episode_success"
 
 
 class AutoResetEnv[C]:
-    """A batch of staged envs: advance, begin anew where done (all carried state replaced), then observe once.
+    """A batch of staged envs: advances, resets envs that are done (replacing all carried state), then observes once.
 
-    `reset(keys)` and `step(state, actions)` take a leading batch axis. Beside the env's own info the state holds what
-    Brax reads: steps, truncation, time_out, episode_done, episode_metrics (sums over the running episode). After a done
-    step, `obs` is the first observation of the next episode, while reward, metrics and info belong to the step that
-    ended; Brax's GAE does not bootstrap across `done`. With `config.schedule.learnable`, info["episode_success"] is
-    (Z, E) for the whole batch: the mean success that episodes are drawn by (`navigation.learnability`).
+    `reset(keys)` and `step(state, actions)` take a leading batch axis. In addition to the env's info, the state holds
+    the entries that Brax reads: steps, truncation, time_out, episode_done, episode_metrics (sums over the running
+    episode). After a done step, `obs` is the first observation of the next episode, while reward, metrics and info
+    belong to the step that ended; Brax's GAE does not bootstrap across `done`. With `config.schedule.learnable`,
+    info["episode_success"] is (Z, E) for the whole batch: the success rates by which episodes are drawn
+    (`navigation.learnability`).
     """
 
     def __init__(self, env: StagedEnv[C], episode_length: int):
@@ -109,7 +110,8 @@ def wrap_for_training[C](
     """The `wrap_env_fn` for Brax's trainers.
 
     Raises:
-      ValidationError: action_repeat other than 1 (the env's control step is the policy's step) or a Brax randomiser.
+      ValidationError: action_repeat is not 1 (the env's control step is the policy's step), or a Brax randomiser is
+        given.
     """
     if action_repeat != 1:
         raise ValidationError(f"action_repeat: found {action_repeat}, needed 1; set config.ctrl_dt instead.")

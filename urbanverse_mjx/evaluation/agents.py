@@ -1,4 +1,4 @@
-"""Baseline agents and the interfaces of agents: each gives an action (2,) in [-1, 1] for one env."""
+"""Baseline agents and interfaces of agents; an agent returns an action (2,) in [-1, 1] for one env."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
@@ -9,44 +9,44 @@ import numpy as np
 
 from ..envs import NavState
 
-#: (obs, key) -> action, inside jit.
+#: Function (obs, key) -> action, called inside jit.
 Agent = Callable[[Mapping[str, Any], jax.Array], jax.Array]
-#: Observations of n envs (name -> (n, ...)) -> actions (n, 2), in NumPy, outside jit.
+#: Function from observations of n envs (name -> (n, ...)) to actions (n, 2), in NumPy, called outside jit.
 BatchAgent = Callable[[Mapping[str, np.ndarray]], np.ndarray]
 
 
 @runtime_checkable
 class Privileged(Protocol):
-    """An agent with more information than a robot's sensors give; inside jit like `Agent`."""
+    """An agent with more information than a robot's sensors provide; called inside jit like `Agent`."""
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
-        """Its privileged data of n episodes, as arrays with a leading axis n; scenes, rows: (n,) of the bank."""
+        """Computes privileged data of n episodes as arrays with a leading axis n; scenes, rows: (n,) of the bank."""
         ...
 
     def act(self, nav: NavState, known: Any, /) -> jax.Array:
-        """The action in a state; known: what `prepare` found for its episode."""
+        """The action in a state; known: data of `prepare` for its episode."""
         ...
 
 
 @runtime_checkable
 class Recurrent(Protocol):
-    """An agent that remembers; inside jit like `Agent`."""
+    """A recurrent agent; called inside jit like `Agent`."""
 
     def first_memory(self) -> Any:
         """Its memory at the beginning of an episode."""
         ...
 
     def act(self, obs: Mapping[str, Any], memory: Any, key: jax.Array, /) -> tuple[jax.Array, Any]:
-        """The action, and what to remember."""
+        """The action, and the new memory."""
         ...
 
 
 @runtime_checkable
 class Beginning(Protocol):
-    """A `BatchAgent` that is notified when episodes begin, to reset its memory."""
+    """A `BatchAgent` that is notified when episodes begin, so that it can reset its memory."""
 
     def begin(self, count: int) -> None:
-        """`count` episodes begin together."""
+        """Notifies that `count` episodes begin."""
         ...
 
     def __call__(self, obs: Mapping[str, np.ndarray], /) -> np.ndarray:
@@ -62,11 +62,11 @@ def answer(
     memory: Any,
     key: jax.Array,
 ) -> tuple[jax.Array, Any]:
-    """An agent's action in a state of one env, and its new memory.
+    """Computes an agent's action in a state of one env, and its new memory.
 
     Args:
-      known: result of `told` for the env's episode.
-      memory: of a `Recurrent`; () of the others.
+      known: privileged data of the env's episode, see `told`.
+      memory: memory of a `Recurrent` agent; () for others.
     """
     if isinstance(agent, Recurrent):
         return agent.act(obs, memory, key)
@@ -74,33 +74,34 @@ def answer(
 
 
 def told(agent: Agent | Privileged | Recurrent, scenes: np.ndarray, rows: np.ndarray, count: int = 1) -> Any:
-    """Privileged data of `count` times n episodes, leading axis count * n; () for the others."""
+    """Privileged data of `count` times n episodes with a leading axis count * n; () for agents that are not
+    `Privileged`."""
     if not isinstance(agent, Privileged):
         return ()
     return jax.tree.map(lambda x: jnp.concatenate([x] * count), agent.prepare(scenes, rows))
 
 
 def zero(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
-    """Stands still."""
+    """Agent that stands still."""
     del obs, key
     return jnp.zeros(2)
 
 
 def random(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
-    """Uniform waypoints."""
+    """Agent that draws uniform waypoints."""
     del obs
     return jax.random.uniform(key, (2,), minval=-1.0, maxval=1.0)
 
 
 def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
-    """Drives straight to the goal without images: a waypoint one metre ahead in the goal's direction."""
+    """Agent that drives straight to the goal without images: a waypoint one metre ahead in the goal's direction."""
     del key
     goal = obs["goal"]
     return goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
 
 
 class _Cover:
-    """Observations with all pixels 0, and black images of the given shapes where there are none."""
+    """Sets all pixels of observations to 0, and adds black images of the given shapes if there are none."""
 
     def __init__(self, images: Mapping[str, Sequence[int]]) -> None:
         self._shapes = {name: tuple(shape) for name, shape in images.items()}
@@ -111,7 +112,7 @@ class _Cover:
 
 
 class _BlankRecurrent:
-    """An agent that remembers, with its camera covered."""
+    """A recurrent agent with black images."""
 
     def __init__(self, agent: Recurrent, cover: _Cover) -> None:
         self._agent, self._cover = agent, cover
@@ -124,10 +125,10 @@ class _BlankRecurrent:
 
 
 def blank_image(agent: Any, images: Mapping[str, Sequence[int]] | None = None) -> Any:
-    """The same agent with its camera covered (all pixels 0).
+    """The same agent with black images, an ablation of the camera.
 
     Args:
-      images: shapes of its image observations, for an environment that draws none.
+      images: shapes of its image observations, for an environment without images.
     """
     cover = _Cover(images or {})
     if isinstance(agent, Recurrent):

@@ -1,8 +1,7 @@
-"""Drives a frozen protocol and sums it up.
+"""Runs a frozen protocol and summarises the results.
 
-In:   an environment over a protocol's bank, a policy.
-Out:  `Outcome`: results and trajectories; tables as JSON, CSV and Markdown.
-When: once per benchmark and way of judging contact.
+In:   an environment over a protocol's bank, a policy. Out:  `Outcome`: results and trajectories; tables as JSON, CSV
+and Markdown. When: once per benchmark and contact rule.
 """
 
 import dataclasses
@@ -21,7 +20,7 @@ from .report import write_csv
 from .rollouts import EpisodeSet, Rollout, result_counts
 from .scores import SCORES, Table, by_scene, over_runs, over_scenes, rounded, scores
 
-#: Rule for contact: it ends an episode (the paper), or it is counted and the episode continues.
+#: Contact rules: contact ends an episode (paper), or is counted and the episode continues.
 CONTACTS = ("ends", "goes_on")
 #: Columns of the tables by their titles.
 _LABELS = {
@@ -43,7 +42,7 @@ class Outcome:
 
     Attributes:
       results: in the order of the episodes.
-      trajectories: (T, 2) m of each, where the robot was at every control step.
+      trajectories: (T, 2) m for each episode, position of the robot at every control step.
     """
 
     results: tuple[EpisodeResult, ...]
@@ -59,10 +58,10 @@ def drive(
     at_once: int,
     on_progress: Callable[[int, int], None] | None = None,
 ) -> Outcome:
-    """Drives every episode once, `at_once` of them side by side.
+    """Drives every episode once, `at_once` of them in parallel.
 
     Args:
-      batched: the policy is a `BatchAgent`.
+      batched: whether the policy is a `BatchAgent`.
       on_progress: called with (ended, total).
     """
     at_once = min(at_once, len(episodes))
@@ -70,7 +69,7 @@ def drive(
     results: list[EpisodeResult] = []
     trajectories: list[np.ndarray] = []
     for first in range(0, len(episodes), at_once):
-        # The last batch is padded with repeated episodes, so that one size is compiled.
+        # The last batch is padded with repeated episodes, so that only one size is compiled.
         rows = np.minimum(np.arange(first, first + at_once), len(episodes) - 1)
         real = min(at_once, len(episodes) - first)
 
@@ -96,12 +95,12 @@ def summary_of(runs: Runs, results: Sequence[EpisodeResult]) -> Table:
 
 
 def to_markdown(title: str, tables: Mapping[str, Mapping[str, Table]], by_scenes: Mapping[str, Table], how: str) -> str:
-    """The page of a benchmark.
+    """Formats the report of a benchmark.
 
     Args:
       tables: contact rule -> policy -> summary.
       by_scenes: contact rule -> scene -> scores.
-      how: what ± means.
+      how: explanation of ±.
     """
     lines = [f"# {title}", "", how]
     for contact, rows in tables.items():
@@ -123,7 +122,7 @@ _HEADINGS = {
 
 
 def _columns(contact: str) -> tuple[str, ...]:
-    # Where contact ends an episode, one that reaches the goal is without contact.
+    # If contact ends an episode, episodes that reach the goal have no contact.
     return SCORES if contact == "goes_on" else tuple(s for s in SCORES if s != "reached")
 
 

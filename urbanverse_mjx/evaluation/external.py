@@ -1,4 +1,4 @@
-"""Policies from outside: any Python callable; `onnx_policy` reads ONNX files.
+"""External policies: any Python callable; `onnx_policy` reads ONNX files.
 
 In:   `module:name`. Out:  `ExternalPolicy`: a `BatchAgent`, and its observations. When: once per run; called every
 control step, outside jit.
@@ -17,20 +17,20 @@ from ..datatypes.policy_file import PolicyRecord
 from .agents import BatchAgent, Beginning
 
 IMAGE, PROPRIO, PRIVILEGED = "pixels/front", "proprio", "privileged"
-#: Observations that a policy may request, and the default: those of the robot's sensors.
+#: Observations that a policy may request, and the defaults, which the robot's sensors provide.
 OBSERVATIONS = (IMAGE, "goal", PROPRIO, PRIVILEGED)
 SENSED = (IMAGE, "goal")
 
 
 @dataclasses.dataclass(frozen=True)
 class ExternalPolicy:
-    """A policy outside JAX: a `BatchAgent` that passes on the declared observations only.
+    """A policy outside JAX: a `BatchAgent` that receives only the observations it declares.
 
     Attributes:
       agent: observations of n envs -> actions (n, 2).
-      observations: their names, of `OBSERVATIONS`.
-      size: (height, width) of its images, None = that of the preset.
-      record: metadata of an ONNX file, None without metadata in our format.
+      observations: names of its observations, of `OBSERVATIONS`.
+      size: (height, width) of its images; None for that of the preset.
+      record: metadata of an ONNX file; None without metadata of this package.
     """
 
     agent: BatchAgent
@@ -39,7 +39,7 @@ class ExternalPolicy:
     record: PolicyRecord | None = None
 
     def begin(self, count: int) -> None:
-        """Tells a policy that remembers that `count` episodes begin."""
+        """Notifies a recurrent policy that `count` episodes begin."""
         if isinstance(self.agent, Beginning):
             self.agent.begin(count)
 
@@ -58,26 +58,27 @@ class ExternalPolicy:
 
     @property
     def sees(self) -> bool:
-        """Whether it takes images."""
+        """Whether the policy uses images."""
         return IMAGE in self.observations
 
     @property
     def privileged(self) -> bool:
-        """Whether it requests data that no sensor of the robot measures."""
+        """Whether the policy requests data that no sensor of the robot measures."""
         return any(name.startswith(PRIVILEGED) for name in self.observations)
 
 
 def load_callable(name: str) -> ExternalPolicy:
-    """The callable that `module:name` names, or an instance of it where it is a class.
+    """Loads the callable `module:name`; a class is instantiated.
 
-    It is given observations by name, each with a leading axis of n envs that begin together and keep their places, and
-    returns (n, 2) actions in [-1, 1]. An instance may remember: its method `begin(n)`, where it has one, is called
-    before n episodes begin. Its attribute `observations` names those that it is given, of `OBSERVATIONS`; without one
-    it is given the image and the goal. Images are drawn only where "pixels/front" is among them; "privileged" is
-    recorded in the report.
+    It is called with observations by name, each with a leading axis of n envs that begin together and keep their order,
+    and returns (n, 2) actions in [-1, 1]. An instance may have memory: its method `begin(n)`, if it has one, is called
+    before n episodes begin. Its attribute `observations` lists the observations it receives, of `OBSERVATIONS`; the
+    default is image and goal. Images are rendered only if "pixels/front" is listed; "privileged" is recorded in the
+    report.
 
     Raises:
-      ValidationError: no such module or name, an object that cannot be called, or observations that no environment has.
+      ValidationError: the module or name does not exist, the object is not callable, or no environment has its
+        observations.
     """
     module_name, _, attribute = name.partition(":")
     try:

@@ -1,13 +1,12 @@
-"""Frozen protocols: which episodes of which scenes a benchmark drives, as a file that never changes.
+"""Frozen protocols: the scenes and episodes of a benchmark in a file that never changes.
 
-In:   a bank (`freeze`), or a file and a bank (`Protocol.load`, `Protocol.on`).
-Out:  the file; the bank with the frozen episodes in place of its own tables, and which of them to drive.
-When: once per benchmark; before every run.
+In:   a bank (`freeze`), or a file and a bank (`Protocol.load`, `Protocol.on`). Out: the file; the bank with the frozen
+episodes in place of its tables, and the episodes to drive. When: once per benchmark; before every run.
 
-A file holds the canonical hash of each scene, and start, goal, way and seed of every episode: tables that are planned
-anew do not change a benchmark, and a scene that has changed is refused by its name. It also holds what the scenes and
-the robots are (`pins`): a benchmark whose map, hulls, light or robot has changed is another one, and needs another
-version. Lists of other people may leave the pins out.
+A file holds the canonical hash of each scene, and start, goal, route and seed of every episode. A benchmark therefore
+does not change when episode tables are planned again, and a changed scene is an error. The file also holds digests of
+the scenes and robots (`pins`): a benchmark needs a new version if a map, hull, light or robot has changed. External
+lists may omit the pins.
 """
 
 import dataclasses
@@ -25,12 +24,12 @@ from .pins import changed_part, checked, robot_pin, scene_pins
 from .rollouts import EpisodeSet
 
 SCHEMA = "urbanverse.protocol/2"
-#: Lists without version, pins and robots.
+#: Schema of lists without version, pins and robots.
 _SCHEMA_BEFORE = "urbanverse.protocol/1"
-#: Runs of the protocol `paper`: every scene once each (paper: "five runs per scene").
+#: Number of runs of the protocol `paper`, each of which drives every scene once (paper: "five runs per scene").
 RUNS = 5
 KINDS = ("paper", "full")
-#: m, decimals of places, and rad, of angles, in a file: 1 mm and 0.1 mrad.
+#: Decimals of x, y, z (m) and yaw (rad) in a file: 1 mm and 0.1 mrad.
 _DECIMALS = (3, 3, 3, 4)
 
 
@@ -40,10 +39,10 @@ class FrozenEpisode:
 
     Attributes:
       start: x, y, z of the ground (m), yaw (rad).
-      goal: x, y, z (m).
+      goal: x, y, z (m) of the goal.
       way: waypoints x, y, z (m) of the shortest path, every 5 m and the goal.
-      length: m, of the route.
-      seed: of the episode's random draws.
+      length: m, length of the route.
+      seed: seed of the episode's random draws.
     """
 
     start: tuple[float, ...]
@@ -66,8 +65,8 @@ class FrozenScene:
     """The episodes of one scene.
 
     Attributes:
-      hash: canonical, of its layout.
-      pins: what `pins.scene_pins` says of it; empty in lists that hold none.
+      hash: canonical hash of its layout.
+      pins: result of `pins.scene_pins`; empty in lists without pins.
     """
 
     id: str
@@ -86,11 +85,11 @@ class Protocol:
     """A benchmark.
 
     Attributes:
-      name: e.g. "craftbench".
+      name: name, e.g. "craftbench".
       paper_scenes: ids of the scenes that the protocol `paper` drives.
-      scenes: all of them, which the protocol `full` drives.
-      version: of the benchmark: whatever changes its scenes or robots makes another one.
-      robots: environment -> what `pins.robot_pin` says of its robot; others may drive, too.
+      scenes: all scenes, which the protocol `full` drives.
+      version: version of the benchmark, which is raised when its scenes or robots change.
+      robots: environment -> digest of its robot by `pins.robot_pin`; other robots are allowed too.
     """
 
     name: str
@@ -111,7 +110,8 @@ class Protocol:
             v.choice(scene, f"protocol {self.name!r}.paper_scenes", ids)
 
     def content_hash(self) -> str:
-        """Canonical hash of name, scenes and episodes; pins are left out: lists of one hash drive the same."""
+        """Canonical hash of name, scenes and episodes, without pins; lists with the same hash have the same
+        episodes."""
         scenes = [
             {"id": s.id, "hash": s.hash, "episodes": [dataclasses.asdict(e) for e in s.episodes]} for s in self.scenes
         ]
@@ -123,10 +123,10 @@ class Protocol:
         return {"schema": SCHEMA, "hash": self.content_hash(), **body, "scenes": scenes}
 
     def pinned(self, bank: SceneBank, robots: Mapping[str, RobotSpec]) -> "Protocol":
-        """The list with what the scenes of a bank and some robots, by environment, are now.
+        """The list with the pins of the current scenes of a bank and of some robots by environment.
 
         Raises:
-          ValidationError: a scene that is missing or is another one.
+          ValidationError: a scene is missing or has changed.
         """
         self._check_hashes(bank, self.scenes)
         rows = [bank.scene_ids.index(s.id) for s in self.scenes]
@@ -134,10 +134,11 @@ class Protocol:
         return dataclasses.replace(self, scenes=scenes, robots={name: robot_pin(r) for name, r in robots.items()})
 
     def check_robot(self, environment: str, robot: RobotSpec) -> None:
-        """Refuses a robot that has changed since the list was frozen; environments that it does not name may drive.
+        """Raises an error if a robot has changed since the list was frozen; environments that it does not name are
+        accepted.
 
         Raises:
-          ValidationError: another robot.
+          ValidationError: the robot has changed.
         """
         frozen = self.robots.get(environment)
         if frozen is not None and frozen != robot_pin(robot):
@@ -148,7 +149,7 @@ class Protocol:
             )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the file, an episode a line: a change shows as what it is."""
+        """Writes the file with one episode per line, so that differences are readable."""
         body = self.to_json()
         scenes = []
         for scene in body.pop("scenes"):
@@ -163,7 +164,7 @@ class Protocol:
         """Reads a file.
 
         Raises:
-          ValidationError: no protocol, or one whose content is not what its hash was taken of.
+          ValidationError: the file is not a protocol, or its content does not match its hash.
         """
         m = v.mapping(
             v.read_json(path, "protocol"),
@@ -189,14 +190,14 @@ class Protocol:
         return found
 
     def on(self, bank: SceneBank, kind: str = "full", limit: int | None = None) -> "Runs":
-        """The frozen episodes in a bank.
+        """Puts the frozen episodes into a bank.
 
         Args:
           kind: "paper": `RUNS` runs over `paper_scenes`, one episode each; "full": every episode of every scene.
-          limit: at most so many scenes, the first ones.
+          limit: use only the first `limit` scenes.
 
         Raises:
-          ValidationError: unknown kind, a scene that is missing or is another one.
+          ValidationError: the kind is unknown, or a scene is missing or has changed.
         """
         v.choice(kind, "protocol", KINDS)
         scenes = [s for s in self.scenes if kind == "full" or s.id in self.paper_scenes][:limit]
@@ -238,13 +239,13 @@ class Protocol:
 
 @dataclasses.dataclass(frozen=True)
 class Runs:
-    """A protocol in a bank, ready to be driven.
+    """A protocol applied to a bank.
 
     Attributes:
       kind: see `KINDS`.
-      scenes: ids.
-      bank: whose tables of these scenes are the frozen ones.
-      episodes: what to drive; under `paper` the run of an episode is its number in its scene.
+      scenes: ids of the scenes.
+      bank: bank with the frozen episode tables.
+      episodes: the episodes; in `paper`, the run of an episode is its number within its scene.
     """
 
     protocol: Protocol
@@ -255,7 +256,8 @@ class Runs:
 
 
 def _with_episodes(bank: SceneBank, rows: Sequence[int], scenes: Sequence[FrozenScene]) -> SceneBank:
-    """The bank with other episode tables in some rows; the other rows keep as many of theirs as there is room for."""
+    """Replaces the episode tables of some scenes in a bank; tables of other scenes are truncated to the same size if
+    needed."""
     most = max(len(s.episodes) for s in scenes)
     longest = max(max(len(e.way) for e in s.episodes) for s in scenes)
     longest = max(longest, bank.episode_waypoints.shape[2])
@@ -291,14 +293,14 @@ def _with_episodes(bank: SceneBank, rows: Sequence[int], scenes: Sequence[Frozen
 def freeze(
     name: str, bank: SceneBank, count: int, seed: int, extra: Sequence[str] = (), half: float | None = None
 ) -> Protocol:
-    """A protocol with `count` episodes of every scene of a bank, spread evenly over its table, in random order.
+    """Makes a protocol with `count` episodes of every scene of a bank, evenly spaced in its table, in random order.
 
     Args:
       extra: ids of scenes that the protocol `paper` leaves out.
-      half: m; only paths that stay within so much of the scene's beginning along its longer side: half a street.
+      half: m; use only paths within this distance of the scene's beginning along its longer side (half a street).
 
     Raises:
-      ValidationError: fewer episodes than wanted, a bank without hashes, an unknown id in `extra`.
+      ValidationError: there are too few episodes, the bank has no hashes, or an id in `extra` is unknown.
     """
     v.integer(count, "episodes of a scene", RUNS)
     for scene in extra:
@@ -321,7 +323,7 @@ def freeze(
 
 
 def half_rows(bank: SceneBank, scene: int, half: float) -> np.ndarray:
-    """(n,) rows of a scene's table that stay within the first half of its longer side, and within `half` m of it."""
+    """(n,) rows of a scene's table whose paths stay within the first half of its longer side, and within `half` m."""
     number = int(bank.num_episodes[scene])
     places = np.concatenate(
         [bank.episode_start[scene, :number, None, :2], bank.episode_waypoints[scene, :number, :, :2]], 1

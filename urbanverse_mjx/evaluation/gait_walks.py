@@ -1,8 +1,7 @@
-"""Robots that walk in C MuJoCo by a gait, recorded step by step.
+"""Simulates robots that walk by a gait in C MuJoCo, and records every step.
 
-In:   models of grounds with the robot in them, a gait, commands.
-Out:  `Walk`.
-When: on the host, to judge a gait outside the engine it was trained in.
+In:   models of grounds with the robot in them, a gait, commands. Out:  `Walk`. When: on the host, to evaluate a gait
+outside the engine in which it was trained.
 """
 
 import dataclasses
@@ -15,31 +14,32 @@ import numpy as np
 from ..datatypes import RobotSpec
 from ..robots.gait import Gait, sensor_frame
 
-#: The world's up in the body's frame, below which a robot counts as fallen (72 degrees), as in `envs.joystick`.
+#: z component of the world's up axis in the body frame below which a robot counts as fallen (72 degrees), as in
+#: `envs.joystick`.
 FALLEN = 0.3
-#: How `simulation.parity.c_mujoco.truth_model` names what belongs to the robot.
+#: Prefix of the robot's names in `simulation.parity.c_mujoco.truth_model`.
 _ROBOT = "robot/"
 #: (N, 3) positions (m), (N,) headings (rad), () s -> (N, 3) commands.
 Commander = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
-#: The same places, () s -> (N,) bool: walks that may stop.
+#: Function (positions (N, 3) m, () s) -> (N,) bool, walks that may stop.
 Finish = Callable[[np.ndarray, float], np.ndarray]
 
 
 @dataclasses.dataclass(frozen=True)
 class Walk:
-    """N robots over T control steps; NaN after a fall, and after a walk has stopped.
+    """Record of N robots over T control steps; NaN after a fall or after a walk has stopped.
 
     Attributes:
       command: (N, T, 3) m/s, m/s, rad/s.
-      position: (N, T, 3) m of the trunk.
+      position: (N, T, 3) m, position of the trunk.
       yaw: (N, T) rad.
       velocity: (N, T, 3) forward and left (m/s) and yaw rate (rad/s), at the end of the step.
       power: (N, T) W, sum over the joints of |torque x speed|, mean of the step's physics steps.
       torque: (N, T) largest share of a motor's torque limit.
       speed: (N, T) largest share of its speed limit.
       beyond: (N, T) rad, farthest that a joint is beyond its range.
-      slip: (N, T) m/s, mean speed over ground of the feet that stand; NaN where none does.
-      touch: (N, T) bool, contact of a part other than a foot.
+      slip: (N, T) m/s, mean speed over ground of feet in contact; NaN without contact.
+      touch: (N, T) bool, whether a part other than a foot has contact.
       fell: (N,) bool.
     """
 
@@ -57,7 +57,7 @@ class Walk:
 
 
 class _Body:
-    """Where the robot is in a model (attached by `truth_model`)."""
+    """Indices of the robot in a model to which `truth_model` attached it."""
 
     def __init__(self, model: mujoco.MjModel, robot: RobotSpec) -> None:
         self.root = model.body(_ROBOT + robot.root_body).id
@@ -99,13 +99,13 @@ class _Walker:
             self.standing[body.foot_of[geoms][body.foot_of[geoms] >= 0]] = True
             self.touch = self.touch or bool(body.is_other[geoms].any())
             self.fell = self.fell or bool(body.is_trunk[geoms].any())
-        # mj_step leaves places as they were before its last step.
+        # mj_step leaves positions as they were before the integration.
         mujoco.mj_kinematics(model, data)
         lying = data.xmat[body.root, 8] < FALLEN or not np.isfinite(data.qpos).all()
         self.fell = self.fell or bool(lying)
 
     def slip(self, control_dt: float) -> float:
-        """m/s, mean speed of the feet that stood in the last step."""
+        """m/s, mean speed of the feet in contact in the last step."""
         moved = np.linalg.norm((self.data.geom_xpos[self.body.feet] - self.feet)[:, :2], axis=1)
         return float(moved[self.standing].mean() / control_dt) if self.standing.any() else np.nan
 
@@ -158,16 +158,16 @@ def walk(
     kicks: dict[int, np.ndarray] | None = None,
     finish: Finish | None = None,
 ) -> Walk:
-    """Walks N robots at once, each alone in its world.
+    """Simulates N robots, each in a world of its own.
 
     Args:
-      models: of grounds with the robot (`simulation.parity.c_mujoco.truth_model`).
-      ground: (N,) row of each walk.
+      models: models of the grounds with the robot (`simulation.parity.c_mujoco.truth_model`).
+      ground: (N,) index of each walk's model.
       qpos: (N, nq) first positions, at rest.
-      commander: gives the robots' commands at every control step.
+      commander: function that returns the robots' commands at every control step.
       speed_limit: (J,) rad/s of the motors.
       kicks: control step -> (N, 2) m/s, world frame, by which the trunk's velocity changes at its beginning.
-      finish: walks that stop; None = none before the end.
+      finish: function that returns the walks to stop; None for no early stop.
     """
     substeps = round(gait.control_dt / robot.physics_timestep)
     bodies = [_Body(model, robot) for model in models]

@@ -1,4 +1,4 @@
-"""Streets that a policy was not trained on: fixed episodes on them, driven during and after its training."""
+"""Evaluation on held-out streets: fixed episodes that are driven during and after a training."""
 
 import copy
 import dataclasses
@@ -21,7 +21,7 @@ from .scores import over_scenes
 
 
 def for_scoring(env: Any, bank: SceneBank) -> Any:
-    """The same environment over other episode tables of the same scenes, with everything as the bank describes it."""
+    """The same environment with other episode tables of the same scenes and without randomisation."""
     other = copy.copy(env)
     other.bank = bank
     other._randomization, other.clutter = Randomization(ConfigDict(OFF)), None
@@ -37,12 +37,12 @@ def _joined(parts: Sequence[EpisodeSet]) -> EpisodeSet:
 
 @dataclasses.dataclass(frozen=True)
 class Suite:
-    """Fixed episodes of several sets of scenes, driven side by side.
+    """Fixed episodes of several sets of scenes, driven in parallel.
 
     Attributes:
-      bank: all scenes, with the episode tables of the frozen benchmarks among them.
-      scenes: of each set, by its name.
-      episodes: of each set.
+      bank: all scenes, with the episode tables of frozen benchmarks.
+      scenes: scenes of each set by its name.
+      episodes: episodes of each set.
     """
 
     bank: SceneBank
@@ -51,7 +51,8 @@ class Suite:
 
     @staticmethod
     def of(bank: SceneBank, held: Mapping[str, Sequence[str]], count: int, frozen: Sequence[str]) -> "Suite":
-        """`count` episodes of each set of scenes `held`, evenly from their tables; and benchmarks, protocol full."""
+        """Makes a suite of `count` evenly spaced episodes of each set of scenes `held`, and of benchmarks (protocol
+        full)."""
         scenes, episodes = {}, {}
         for name in frozen:
             runs = Protocol.load(settings.protocol_root() / f"{name}.json").on(bank, "full")
@@ -66,7 +67,7 @@ class Suite:
         return Suite(bank, scenes, episodes)
 
     def score(self, env: Any, name: str, agent: Any) -> dict[str, Any]:
-        """The benchmark's table of one agent for each set."""
+        """The benchmark scores of one agent for each set."""
         episodes = _joined(list(self.episodes.values()))
         run = benchmark.drive(for_scoring(env, self.bank), name, agent, episodes, False, len(episodes))
         parts = {k: [r for r in run.results if r.scene in ids] for k, ids in self.scenes.items()}
@@ -76,7 +77,8 @@ class Suite:
         }
 
     def quick(self, env: Any, student: Any, names: Sequence[str], chunk: int = 20) -> Callable[[Any], dict[str, float]]:
-        """params of a student -> success rate in each of the named sets; compiled once, for use during a training."""
+        """Makes a function from parameters of a student to the success rate in each of the named sets; compiled once,
+        for use during a training."""
         env = for_scoring(env, self.bank)
         chosen = _joined([self.episodes[name] for name in names])
         sizes = [len(self.episodes[name]) for name in names]
@@ -110,7 +112,8 @@ class Suite:
 
 
 def _where(going: jax.Array, new: jax.Array, old: jax.Array) -> jax.Array:
-    """`new` in the envs that are `going`; keys, which `jnp.where` does not take, are new in all."""
+    """Selects `new` for the envs that are `going`, and `old` for others; keys, which `jnp.where` does not support, are
+    always new."""
     if jnp.issubdtype(new.dtype, jax.dtypes.prng_key):
         return new
     return jnp.where(going.reshape(-1, *[1] * (new.ndim - 1)), new, old)

@@ -1,12 +1,12 @@
-"""SR, CT, RC, DTG and relatives with 95 % intervals.
+"""Metrics SR, CT, RC, DTG and others with 95 % intervals.
 
 SR: share of episodes that reach the goal without a hit. CT: mean share of episode time in contact (the paper's
-definition; near 0 where an episode ends at contact, so the share of episodes with a hit is reported too). RC: mean
-share of the route reached. DTG: mean distance to the goal at the end, m. SPL: Anderson et al. 2018.
+definition; near 0 if episodes end at contact, so the share of episodes with a hit is reported too). RC: mean share of
+the route reached. DTG: mean distance to the goal at the end, m. SPL: Anderson et al. 2018.
 
 With people (scenario dynamic): agent_hits, share of episodes that end by touching an agent; people_distance, mean over
-episodes of the least distance to a person, m; IT, mean share of time within 0.45 m of one (Hall's intimate distance);
-speed_near_people, mean speed within 1.2 m of one, m/s, over the episodes that have such time.
+episodes of the least distance to a person, m; IT, mean share of time within 0.45 m of a person (Hall's intimate
+distance); speed_near_people, mean speed within 1.2 m of a person, m/s, over the episodes with such time.
 """
 
 import math
@@ -17,7 +17,7 @@ import numpy as np
 from ..datatypes import EpisodeResult
 
 _Z = 1.959964  # 97.5 % quantile of the normal distribution
-#: Draws of the bootstrap and their seed.
+#: Number of bootstrap draws, and their seed.
 _DRAWS, _SEED = 2000, 0
 
 
@@ -33,17 +33,17 @@ def wilson_interval(successes: int, total: int) -> tuple[float, float]:
 
 
 def drawn_counts(scenes: Sequence[str]) -> np.ndarray | None:
-    """(draws, n) how often each of n episodes counts in each draw of a bootstrap of two stages.
+    """(draws, n) count of each of n episodes in each draw of a two-stage bootstrap.
 
-    Scenes are drawn with replacement, then from each drawn scene as many episodes as it has, with replacement: the
-    episodes of one scene are correlated, and an interval for streets of this kind has to draw streets (Davison and
-    Hinkley 1997, section 3.8).
+    Scenes are drawn with replacement, then from each drawn scene as many episodes as it has, with replacement, because
+    the episodes of one scene are correlated and the interval is for similar streets (Davison and Hinkley 1997, section
+    3.8).
 
     Args:
       scenes: the scene of each episode.
 
     Returns:
-      None where all episodes are in one scene, which gives no interval over scenes.
+      None if all episodes are in one scene, which does not allow an interval over scenes.
     """
     ids, which = np.unique(np.asarray(scenes), return_inverse=True)
     if len(ids) < 2:
@@ -61,7 +61,7 @@ def mean_interval(values: Sequence[float | None], counts: np.ndarray | None) -> 
     """95 % percentile interval of the mean over the episodes that have a value; None without draws.
 
     Args:
-      values: (n,) one an episode, None where it has none.
+      values: (n,) value of each episode, or None.
       counts: see `drawn_counts`.
     """
     if counts is None:
@@ -84,14 +84,14 @@ def _entry(mean: float, interval: tuple[float, float] | None, digits: int) -> di
 def summarise(results: Sequence[EpisodeResult]) -> dict[str, object]:
     """Metric -> {"mean", "low", "high"}; SR, CT, RC and rates in percent, DTG in metres.
 
-    `n` is the number of episodes, `scenes` that of scenes; low and high are None where there is one scene alone.
+    `n` is the number of episodes, `scenes` that of scenes; low and high are None for a single scene.
     """
     counts = drawn_counts([r.scene for r in results])
 
     def share(flags: Sequence[bool]) -> dict[str, float | None]:
         found = mean_interval([100.0 * x for x in flags], counts)
         if found is not None:
-            # No draw has a success where no episode had one; scenes make an interval wider, never narrower.
+            # Without any success, the bootstrap has no spread; the interval is at least Wilson's.
             low, high = wilson_interval(sum(flags), len(flags))
             found = min(found[0], 100.0 * low), max(found[1], 100.0 * high)
         return _entry(100.0 * float(np.mean(flags)), found, 1)

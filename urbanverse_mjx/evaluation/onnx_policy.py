@@ -1,8 +1,7 @@
-"""Policies in ONNX files, of `urbanverse export-onnx` or of others, run by onnxruntime on the CPU.
+"""Policies in ONNX files of `urbanverse export-onnx` or other sources, run by onnxruntime on the CPU.
 
-In:   a file.
-Out:  `ExternalPolicy`: a `BatchAgent` that remembers where the file has memory.
-When: once per run; asked every control step, outside jit.
+In:   a file. Out: `ExternalPolicy`: a `BatchAgent`, with memory if the file has memory inputs. When: once per run;
+called every control step, outside jit.
 """
 
 import dataclasses
@@ -16,21 +15,21 @@ from ..datatypes import ValidationError
 from ..datatypes.policy_file import METADATA_KEY, NEXT, PolicyRecord, memories
 from .external import IMAGE, OBSERVATIONS, ExternalPolicy
 
-#: Names that others give to observations (docs/sources/reference_systems.md b.7: `rgb`, `goal_vector`).
+#: Other names of observations (docs/sources/reference_systems.md b.7: `rgb`, `goal_vector`).
 ALIASES = {"rgb": IMAGE, "image": IMAGE, "pixels": IMAGE, "goal_vector": "goal"}
 _DTYPES: dict[str, Any] = {"tensor(float)": np.float32, "tensor(double)": np.float64, "tensor(uint8)": np.uint8}
 
 
 def load_onnx(path: pathlib.Path) -> ExternalPolicy:
-    """A policy from an ONNX file.
+    """Loads a policy from an ONNX file.
 
     Its inputs are observations by name (see `ALIASES`): images (n, H, W, C) or (n, C, H, W), as uint8 or as floats in
-    [0, 1]. The output `action`, or else the first one, is the action (n, 2). An input X with an output `next_`X is
-    memory: zeros when an episode begins, then that output of the step before. A file made for one env (a first axis of
-    1) is asked n times.
+    [0, 1]. The output `action`, or otherwise the first one, is the action (n, 2). An input X with an output `next_`X is
+    memory: zeros when an episode begins, then that output of the previous step. A file for one env (a first axis of 1)
+    is called n times.
 
     Raises:
-      ValidationError: no such file, none that onnxruntime loads, or inputs that no robot has.
+      ValidationError: the file does not exist, onnxruntime cannot load it, or no robot has its inputs.
     """
     if not path.is_file():
         raise ValidationError(f"--policy: found no file {path}, needed an ONNX file.")
@@ -51,7 +50,7 @@ def _session(path: pathlib.Path) -> Any:
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
-    # One thread adds up in one order: the same numbers every time.
+    # One thread, for reproducible sums.
     options.intra_op_num_threads = 1
     try:
         return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
@@ -124,7 +123,7 @@ def _dtype(value: Any, path: pathlib.Path) -> Any:
 
 
 class _OnnxAgent:
-    """A `BatchAgent` that asks a session and keeps its memory."""
+    """A `BatchAgent` that runs a session and keeps its memory."""
 
     def __init__(self, session: Any, inputs: Sequence[_Input], memory: Sequence[_Memory], action: str) -> None:
         self._session, self._inputs, self._memory = session, inputs, memory
@@ -133,7 +132,7 @@ class _OnnxAgent:
         self._kept: dict[str, np.ndarray] = {}
 
     def begin(self, count: int) -> None:
-        """Empties the memory of `count` robots."""
+        """Resets the memory of `count` robots."""
         self._kept = {m.name: np.zeros((count, *m.shape), m.dtype) for m in self._memory}
 
     def __call__(self, obs: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -25,13 +25,13 @@ class PeopleTally(NamedTuple):
 
 
 def no_people(number: int) -> PeopleTally:
-    """Before the first step of `number` envs."""
+    """The initial tally of `number` envs."""
     zero = jnp.zeros(number)
     return PeopleTally(zero + FAR, zero, zero, zero)
 
 
 def counted(tally: PeopleTally, metrics: Mapping[str, Any]) -> PeopleTally:
-    """With one more control step of one env."""
+    """Adds a control step of one env."""
     return PeopleTally(
         jnp.minimum(tally.nearest, metrics["people_distance"]),
         tally.intimate + metrics["intimate_time_per_step"],

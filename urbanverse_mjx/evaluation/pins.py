@@ -1,12 +1,11 @@
-"""What a frozen benchmark rests on, in one digest for each part: a change of any of them is noticed and named.
+"""Digests of the parts of scenes and robots on which a frozen benchmark depends, to detect and name changes.
 
-In:   a scene of a `SceneBank`, or a `RobotSpec`.
-Out:  digests of the scene's map and physics, figures of its light and of its surfaces, the digest of the robot.
-When: once, as a benchmark is frozen; before every run.
+In:   a scene of a `SceneBank`, or a `RobotSpec`. Out:  digests of the scene's map and physics, figures of its light and
+of its surfaces, the digest of the robot. When: once when a benchmark is frozen, and before every run.
 
-The hash of a scene's layout says which assets stand where. It does not say what shape these assets have, how the map
-was drawn, what the sky looks like or how heavy the robot is. Lengths are compared in whole millimetres. Light and
-surfaces are compared within 2 %: they come of float32 functions that differ in the last digits between processors.
+The hash of a scene's layout covers which assets stand where, but not the shape of the assets, the map, the sky or the
+robot. Lengths are compared in whole millimetres. Light and surfaces are compared within 2 %, because float32 functions
+differ in the last digits between processors.
 """
 
 import hashlib
@@ -22,13 +21,13 @@ from ..datatypes.hashing import content_hash
 
 #: Parts of a scene, in the order in which they are compared.
 PARTS = ("map", "physics", "light", "surfaces")
-#: m, and of everything else without a unit: what digests are taken in steps of.
+#: Quantisation step of digests: m for lengths, no unit for other values.
 _QUANTUM = 1e-3
-#: Rotations are products of float32: a step so large that their last digits do not count.
+#: Quantisation step of rotations, large enough to hide rounding errors of float32.
 _ROTATION_QUANTUM = 1e-2
-#: Relative and absolute difference up to which figures are the same.
+#: Relative and absolute tolerance of figures.
 _TOLERANCE = (0.02, 0.002)
-#: Arrays of a MuJoCo model that its motion depends on.
+#: Arrays of a MuJoCo model that affect its motion.
 _MODEL = (
     *("body_mass", "body_inertia", "body_ipos", "body_iquat", "body_pos", "body_quat", "body_parentid"),
     *("jnt_type", "jnt_pos", "jnt_axis", "jnt_range", "jnt_stiffness", "jnt_limited", "qpos0"),
@@ -52,7 +51,7 @@ def scene_pins(bank: SceneBank, scene: int) -> dict[str, Any]:
 
 
 def robot_pin(robot: RobotSpec) -> str:
-    """64 hexadecimal digits over a robot's MuJoCo model, to six digits of every number, and its limits."""
+    """Digest of 64 hexadecimal digits over a robot's MuJoCo model, rounded to six digits, and its limits."""
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     values = {name: getattr(model, name) for name in _MODEL} | {name: getattr(model.opt, name) for name in _OPTION}
     arrays = {name: [f"{x:.6g}" for x in np.ravel(value)] for name, value in values.items()}
@@ -61,10 +60,10 @@ def robot_pin(robot: RobotSpec) -> str:
 
 
 def checked(value: Any, where: str) -> dict[str, Any]:
-    """Pins as a file holds them.
+    """Checks the pins of a file.
 
     Raises:
-      ValidationError: not the four parts, or a part of another type.
+      ValidationError: the parts are not the four of `PARTS`, or have other types.
     """
     pins = v.mapping(value, where, PARTS)
     return {
@@ -76,7 +75,7 @@ def checked(value: Any, where: str) -> dict[str, Any]:
 
 
 def changed_part(frozen: Mapping[str, Any], found: Mapping[str, Any]) -> str | None:
-    """The first part in which a scene differs from what was frozen; None where it is the same."""
+    """The first part in which a scene differs from its frozen pins; None if there is none."""
     for part in PARTS:
         if isinstance(found[part], str):
             same = frozen[part] == found[part]
@@ -100,7 +99,7 @@ def _steps(values: np.ndarray, quantum: float = _QUANTUM) -> np.ndarray:
 
 
 def _map(bank: SceneBank, scene: int) -> str:
-    """Without the rows and columns of 0 by which maps of one bank are made equally large."""
+    """Digest of the map without the padding of the bank."""
     kind = bank.map_kind[scene]
     rows, columns = (np.flatnonzero(kind.any(axis)) for axis in (1, 0))
     if not len(rows):

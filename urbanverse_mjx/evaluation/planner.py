@@ -1,13 +1,12 @@
-"""The privileged planner: a policy with full knowledge of the scene, the upper reference of a benchmark.
+"""The privileged planner: a policy with full knowledge of the scene, an upper reference for benchmarks.
 
-In:   the scene's clearance maps, an episode's route fields, the robot's pose and speed.
-Out:  a waypoint, the same action as any policy's.
-When: every control step, inside jit, per env.
+In:   the scene's clearance maps, an episode's route fields, the robot's pose and speed. Out: a waypoint, the same
+action as that of other policies. When: every control step, inside jit, per env.
 
-It evaluates a few hundred commands of two phases each by simulating a simple model of the robot: a lag of first order
-on speed and yaw rate (`Motion`), the robot's collision spheres as discs on the ground. The cost is the distance left at
-the end (`route_fields`) and the nearness of discs to hulls and of wheels to edges. Freedom of contact is a hard
-constraint: a command is taken only if some continuation of it, such as standing still, stays clear. That is the dynamic
+It evaluates a few hundred commands of two phases each by simulating a simple model of the robot: a first-order lag on
+speed and yaw rate (`Motion`), with the robot's collision spheres as discs on the ground. The cost is the remaining
+distance at the end (`route_fields`) and the nearness of discs to hulls and of wheels to edges. Freedom of contact is a
+hard constraint: a command is allowed only if some continuation of it, such as stopping, stays free. This is the dynamic
 window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global dynamic window
 planning (Brock, Khatib 1999).
 
@@ -38,14 +37,14 @@ _OPTIONS = PlannerOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Motion:
-    """How a robot answers a command (v, omega).
+    """Model of a robot's response to a command (v, omega).
 
     Attributes:
-      speed_lag, turn_lag: s, time constants; the second one's of a turn on the spot.
-      eases: m/s, speed at which the turn's lag is half of that: a robot on wheels that roll turns in more easily.
-      pivot: m, how far behind the root body's origin the point lies that moves straight ahead (the rear axle).
-      curvature: 1/m, of the tightest bend; infinite for a robot that turns on the spot.
-      dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which it stands still; 0 for none.
+      speed_lag, turn_lag: s, time constants; the second one of a turn on the spot.
+      eases: m/s, speed at which the turn's lag is half of that, because rolling wheels turn more easily.
+      pivot: m, distance behind the root body's origin of the point without lateral motion (the rear axle).
+      curvature: 1/m, largest curvature; infinite for a robot that turns on the spot.
+      dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which the robot stands still; 0 for none.
     """
 
     speed_lag: float
@@ -56,14 +55,14 @@ class Motion:
     dead: tuple[float, float] = (0.0, 0.0)
 
     def obeyed(self, v: Any, omega: Any) -> tuple[Any, Any]:
-        """The velocity that a command (v, omega) reaches: 0 where it is too small to move the robot."""
+        """The velocity that a command (v, omega) reaches; 0 if it is too small to move the robot."""
         if not all(self.dead):
             return v, omega
         moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
         return moves * v, moves * omega
 
     def drive(self, pose: Any, v: Any, w: Any, told: tuple[Any, Any], dt: Any) -> tuple[Any, Any, Any]:
-        """Pose (3,) x, y, yaw and speeds (v, w) `dt` s later, under what `obeyed` gives for a command."""
+        """Pose (3,) x, y, yaw and speeds (v, w) after `dt` s; told: result of `obeyed` for the command."""
         new_v = told[0] + (v - told[0]) * jnp.exp(-dt / self.speed_lag)
         turn_lag = self.turn_lag / (1.0 + 0.5 * jnp.abs(new_v + v) / self.eases)
         new_w = told[1] + (w - told[1]) * jnp.exp(-dt / turn_lag)
@@ -73,8 +72,8 @@ class Motion:
         return pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w]), new_v, new_w
 
 
-#: Robot -> motion; tests/evaluation/test_planner.py compares COCO's and the Go2's with C MuJoCo; the Go2's gait stands
-#: still at smaller commands (docs/decisions/go2.md); other robots get `DEFAULT`.
+#: Robot -> motion; other robots use `DEFAULT`. tests/evaluation/test_planner.py compares those of COCO and Go2 with C
+#: MuJoCo. The Go2's gait stands still at small commands (docs/decisions/go2.md).
 MOTIONS = {
     "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),
@@ -85,10 +84,10 @@ DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
 
 @dataclasses.dataclass(frozen=True)
 class Footprint:
-    """A robot on the ground, in its heading frame.
+    """Shape of a robot on the ground in its heading frame.
 
     Attributes:
-      discs: (D, 3) x, y, radius (m) of the collision spheres that can be the outermost.
+      discs: (D, 3) x, y, radius (m) of the outer collision spheres.
       feet: (F, 2) m, ground contacts.
       half_width: m, largest distance from its heading line.
       reach: m, farthest point.
@@ -101,7 +100,7 @@ class Footprint:
 
 
 def footprint(robot: RobotSpec) -> Footprint:
-    """The robot's in its first pose."""
+    """Footprint of a robot in its initial pose."""
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
@@ -134,7 +133,7 @@ def _commands(robot: RobotSpec, motion: Motion, speeds: Sequence[float], turns: 
 
 
 class _Ahead(NamedTuple):
-    """A simulated drive: its state, and its cost so far."""
+    """State and accumulated cost of a simulated drive."""
 
     pose: Any
     speed: Any
@@ -147,11 +146,11 @@ class _Ahead(NamedTuple):
 
 
 class Planner:
-    """The policy; `act` takes the env's whole state.
+    """The planner as a policy; `act` uses the env's complete state.
 
     Args:
-      env: with the scenes.
-      people: include moving agents.
+      env: environment with the scenes.
+      people: whether to include moving agents.
     """
 
     def __init__(self, env: NavEnv, people: bool = True) -> None:
@@ -175,7 +174,7 @@ class Planner:
         )
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteField:
-        """Its data of n episodes: leading axis n.
+        """Privileged data of n episodes with a leading axis n.
 
         Args:
           scenes, rows: (n,) rows of the bank and of the scenes' episode tables.
@@ -199,7 +198,8 @@ class Planner:
         return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
 
     def costs(self, scene: Any, state: Any, route: RouteField, agents: Any) -> Any:
-        """(first, after) cost of every command of the first phase with every one after it, held ones before followed.
+        """(first, after) cost of every command of the first phase with every command of the second; constant commands
+        come before those that follow the field.
 
         Args:
           state: (5,) x, y, yaw, speed, yaw rate.
@@ -216,7 +216,7 @@ class Planner:
                 told = self._downhill(route, ahead.pose, command) if follow else command
                 return self._lookahead_step(scene, route, agents, ahead, told, *now), None
 
-            # A loop and not a row of copies: compiled in a tenth of the time.
+            # A loop compiles in a tenth of the time of unrolled steps.
             return jax.lax.scan(lookahead_step, ahead, (numbers[part], dts[part], ends[part]))[0]
 
         begin, go_on = slice(0, _OPTIONS.first_steps), slice(_OPTIONS.first_steps, None)
@@ -230,7 +230,7 @@ class Planner:
         return jax.vmap(whole)(self.first)
 
     def _agents(self, nav: NavState) -> Any:
-        """(A, 6) x, y, vx, vy, radius, presence of moving agents, long ones as discs around the whole of them."""
+        """(A, 6) x, y, vx, vy, radius, presence of moving agents; long ones are enclosing discs."""
         dynamic, crowd = self._env.dynamic, nav.crowd
         assert dynamic is not None
         assert crowd is not None
@@ -239,12 +239,13 @@ class Planner:
         return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, crowd.present.astype(jnp.float32)], -1)
 
     def _downhill(self, route: RouteField, pose: Any, speed: Any) -> Any:
-        """(2,) command that turns to where the field falls, and drives at up to `speed` when it points there."""
+        """(2,) command that turns to the descent direction of the field, and drives at up to `speed` when it points
+        there."""
         left, right = (
             _field_at(route, pose, _OPTIONS.nose, side) for side in (_OPTIONS.nose_angle, -_OPTIONS.nose_angle)
         )
         ahead, here = _field_at(route, pose, _OPTIONS.nose), _field_at(route, pose, 0.0)
-        # On a plane field that falls by 1 a metre at an angle e from straight ahead: sin e and cos e.
+        # On a planar field with slope 1 in the direction e from straight ahead, these are sin e and cos e.
         sine, cosine = (
             (right - left) / (2.0 * _OPTIONS.nose * np.sin(_OPTIONS.nose_angle)),
             (here - ahead) / _OPTIONS.nose,
@@ -260,7 +261,7 @@ class Planner:
     def _lookahead_step(
         self, scene: Any, route: RouteField, agents: Any, ahead: _Ahead, command: Any, k: Any, dt: Any, end: Any
     ) -> _Ahead:
-        """The drive at step `k` ahead, `dt` s after the one before and `end` s from now."""
+        """Advances the drive to step `k`, `dt` s after the previous one and `end` s from now."""
         motion = self._motion
         pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt)
         gap = self._gap(scene, pose)
@@ -271,14 +272,14 @@ class Planner:
         shy = dt / self._slower * driving * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
         touched = driving * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
         here = _field_at(route, pose, 0.0) - _OPTIONS.goal_distance
-        # The episode ends where the goal is reached: later costs do not count.
+        # The episode ends when the goal is reached, so later costs are ignored.
         driving = driving * (here > 0.0)
         left = driving * (0.5 * (here + _field_at(route, pose, _OPTIONS.nose) - _OPTIONS.goal_distance) + _OPTIONS.nose)
         mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving)
 
     def _gap(self, scene: Any, pose: Any) -> Any:
-        """m, how near the discs are to hulls, or the feet to an edge."""
+        """m, least distance of discs to hulls and of feet to an edge."""
         to_hull = self._to_hull.at(scene, *placed(pose, self._body.discs))
         to_edge = self._to_edge.at(scene, *placed(pose, self._body.feet))
         return jnp.minimum(
@@ -298,7 +299,7 @@ class Planner:
 
 
 def placed(poses: Any, points: np.ndarray) -> tuple[Any, Any]:
-    """x and y (..., n) m of a robot's points (n, 2 or more), in its own frame, at poses (..., 3) x, y, yaw."""
+    """World x and y (..., n) m of a robot's points (n, 2 or more) in its frame, at poses (..., 3) x, y, yaw."""
     px, py = points[:, 0].astype(np.float32), points[:, 1].astype(np.float32)
     x, y, yaw = (poses[..., k, None] for k in range(3))
     c, s = jnp.cos(yaw), jnp.sin(yaw)
@@ -306,10 +307,10 @@ def placed(poses: Any, points: np.ndarray) -> tuple[Any, Any]:
 
 
 def waypoint_of(v: Any, omega: Any, max_speed: float, control_period: float) -> Any:
-    """(2,) m in [-1, 1]: the waypoint that `robots.waypoint.pd_velocity` turns into (v, omega)."""
+    """(2,) m in [-1, 1], the waypoint that `robots.waypoint.pd_velocity` converts to (v, omega)."""
     horizon = max(WAYPOINT_REACH / max_speed, control_period)
     bearing = omega * horizon
-    # A turn on the spot is a waypoint close by; straight ahead of no length means to stand still.
+    # A turn on the spot is a close waypoint; a waypoint of length 0 means to stand still.
     x = jnp.where((v < 1e-3) & (jnp.abs(omega) > 1e-3), 5e-3, v * horizon)
     y = x * jnp.tan(jnp.clip(bearing, -1.5, 1.5))
     return jnp.stack([x, y]) / jnp.maximum(jnp.maximum(jnp.abs(x), jnp.abs(y)), 1.0)
@@ -325,18 +326,18 @@ def _cost(ahead: _Ahead) -> Any:
 
 
 def _field_at(route: RouteField, pose: Any, ahead: float, side: float = 0.0) -> Any:
-    """Cost-metres to the goal from `ahead` m before a pose (3,), `side` rad to its left."""
+    """Cost-metres to the goal from the point `ahead` m in front of a pose (3,), `side` rad to its left."""
     angle = pose[2] + side
     point = pose[:2] + ahead * jnp.stack([jnp.cos(angle), jnp.sin(angle)]) if ahead else pose[:2]
     return _bilinear(route.cost, (point - route.origin) / NODE)
 
 
 class _Field(NamedTuple):
-    """Fields of scenes in half cells of the clearance maps, looked up without interpolation, with an error of 1 cm.
+    """Fields of scenes in half cells of the clearance maps, looked up without interpolation with an error of 1 cm.
 
     Attributes:
       values: (n,) i16 mm, scene after scene.
-      row: (Z,) place of a scene among them.
+      row: (Z,) index of a scene among them.
       shape: (X, Y).
       origin: (Z, 2) m.
     """
@@ -358,7 +359,7 @@ class _Field(NamedTuple):
         return _Field(jnp.asarray(values.reshape(-1)), jnp.asarray(row), (x, y), jnp.asarray(origin, jnp.float32))
 
     def at(self, scene: Any, x: Any, y: Any) -> Any:
-        """(...) m at places x, y (...) of the world, m."""
+        """(...) m, values at world positions x, y (...) m."""
         i = jnp.clip(((x - self.origin[scene, 0]) * (2 / CELL)).astype(jnp.int32), 0, self.shape[0] - 1)
         j = jnp.clip(((y - self.origin[scene, 1]) * (2 / CELL)).astype(jnp.int32), 0, self.shape[1] - 1)
         flat = (self.row[scene] * self.shape[0] + i) * self.shape[1] + j
@@ -366,14 +367,15 @@ class _Field(NamedTuple):
 
 
 def _stretched(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Rows at broken row numbers, linearly."""
+    """Linear interpolation of rows at fractional indices."""
     low = np.clip(np.floor(at).astype(int), 0, len(rows) - 2)
     share = np.clip(at - low, 0.0, 1.0)[:, None].astype(np.float32)
     return rows[low] * (1.0 - share) + rows[low + 1] * share
 
 
 def _bilinear(field: Any, cell: Any) -> Any:
-    """Value of a field (X, Y) at (2,) cells, whose centres are whole numbers; the border's beyond it."""
+    """Bilinear interpolation of a field (X, Y) at (2,) cells, whose centres are whole numbers; that of the border
+    outside."""
     x, y = field.shape
     cx, cy = jnp.clip(cell[0], 0.0, x - 1.001), jnp.clip(cell[1], 0.0, y - 1.001)
     i, j = cx.astype(jnp.int32), cy.astype(jnp.int32)

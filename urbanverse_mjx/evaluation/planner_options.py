@@ -1,4 +1,4 @@
-"""Sampled commands and cost weights of the planner."""
+"""Options of the planner."""
 
 import dataclasses
 
@@ -7,32 +7,32 @@ import dataclasses
 class PlannerOptions:
     """Sampled commands and cost weights.
 
-    Set by hand; docs/results.md has the planner's scores.
+    Chosen manually; docs/results.md has the planner's scores.
 
     Attributes:
-      steps: s of each prediction at `reference_speed`: between two of them a robot moves less than its length.
-      first_steps: how many of them the first phase lasts.
+      steps: s, times of the predictions at `reference_speed`; between two of them a robot moves less than its length.
+      first_steps: number of predictions in the first phase.
       reference_speed: m/s, upper limit of all robots' speeds; for slower robots the prediction after the first phase
         covers the same distance.
       speeds: shares of the top speed in the first phase.
       turns: shares of the top yaw rate in the first phase.
       later_speeds: shares of the top speed in the second phase.
       later_turns: shares of the top yaw rate in the second phase.
-      follow_speeds: shares of the top speed at which the second phase may also follow the field downhill.
-      follow_gain: (rad/s) / rad of that.
-      nose: m ahead of the robot of further samples of the field, which make its heading count.
-      nose_angle: rad to both sides of it.
-      touch_distance: m; nearer than this counts as touching.
-      margin: m, distance below which nearness has a cost.
-      margin_time: m more per m/s.
-      margin_cost: of a second at distance 0 at 2 m/s (the cost per metre is the same at lower speed).
-      touch_cost: of touching at once.
-      goal_distance: m of route left that still count as arrived.
-      edge_distance: m that wheels keep from an edge.
-      agent_distance: m to keep from agents.
-      agent_drift: m more per second ahead, for the uncertainty of their motion.
-      mean_weight: share of the mean distance left in the cost: of two commands with equal ends the faster one is
-        better.
+      follow_speeds: shares of the top speed at which the second phase may also descend the field.
+      follow_gain: (rad/s) / rad, gain of the descent.
+      nose: m in front of the robot, distance of additional samples of the field, so that the heading affects the cost.
+      nose_angle: rad, angle of these samples to both sides.
+      touch_distance: m, distance below which the robot counts as touching.
+      margin: m, distance to obstacles below which there is a cost.
+      margin_time: s, increase of the margin with the speed.
+      margin_cost: cost of a second at distance 0 at 2 m/s (the cost per metre does not depend on the speed).
+      touch_cost: cost of immediate contact.
+      goal_distance: m, remaining route that counts as arrived.
+      edge_distance: m, distance of wheels to an edge.
+      agent_distance: m, distance to agents.
+      agent_drift: m/s, increase of that distance with the prediction time, for the uncertainty of their motion.
+      mean_weight: weight of the mean remaining distance in the cost, so that of two commands with equal ends the faster
+        one is better.
     """
 
     steps: tuple[float, ...] = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3)

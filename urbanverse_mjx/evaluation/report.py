@@ -1,4 +1,4 @@
-"""A `BenchmarkReport` as Markdown and CSV."""
+"""Writes a `BenchmarkReport` as Markdown and CSV."""
 
 import csv
 import pathlib
@@ -16,7 +16,7 @@ _INTERVALS = (
 
 
 def make_report(title: str, results: Sequence[EpisodeResult], record: dict[str, object]) -> BenchmarkReport:
-    """Sums up episodes by agent, in order of first appearance."""
+    """Summarises episodes by agent, in order of first appearance."""
     agents = list(dict.fromkeys(r.agent for r in results))
     summary = {a: summarise([r for r in results if r.agent == a]) for a in agents}
     return BenchmarkReport(title, summary, tuple(results), record)
@@ -31,7 +31,7 @@ def _cell(entry: dict[str, float | None] | None) -> str:
 
 
 def to_markdown(report: BenchmarkReport) -> str:
-    """Tables: all scenes, how episodes ended, and each scene."""
+    """Formats the tables: all scenes, results of episodes, and each scene."""
     lines = [f"# {report.title}", "", _INTERVALS, ""]
     metrics = ("SR", "CT", "RC", "DTG", "hit_episodes", "SPL")
     lines += ["| agent | " + " | ".join(metrics) + " | episodes | scenes |", "|---" * (len(metrics) + 3) + "|"]
@@ -68,7 +68,7 @@ def to_markdown(report: BenchmarkReport) -> str:
 
 
 def _people_table(report: BenchmarkReport) -> list[str]:
-    """Lines about people; none for streets without them."""
+    """Lines about people; none for scenarios without people."""
     metrics = ("agent_hits", "people_distance", "IT", "speed_near_people")
     if not all("people_distance" in values for values in report.summary.values()):
         return []

@@ -1,4 +1,4 @@
-"""Seeded rollouts over fixed episodes: every agent drives the same rows of the same scenes."""
+"""Seeded rollouts over fixed episodes, which are the same for every agent."""
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
@@ -21,8 +21,8 @@ class EpisodeSet:
     Attributes:
       scenes: (n,) i32 rows of the bank.
       episodes: (n,) i32 rows of the episode tables.
-      seed: of random agents and streets.
-      seeds: (n,) of each episode, independent of the others; None = all from `seed`.
+      seed: seed of random agents and streets.
+      seeds: (n,) seed of each episode; None to derive all from `seed`.
     """
 
     scenes: np.ndarray
@@ -40,16 +40,16 @@ class EpisodeSet:
         return jax.vmap(jax.random.key)(jnp.asarray(self.seeds, jnp.uint32))
 
     def part(self, rows: np.ndarray) -> "EpisodeSet":
-        """The episodes of some rows."""
+        """A subset of the episodes by row."""
         seeds = None if self.seeds is None else self.seeds[rows]
         return dataclasses.replace(self, scenes=self.scenes[rows], episodes=self.episodes[rows], seeds=seeds)
 
 
 def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
-    """`count` episodes spread evenly over the env's scenes and over each scene's table, the same on every machine.
+    """`count` episodes evenly distributed over the env's scenes and over each scene's table, deterministic.
 
     Raises:
-      ValidationError: the tables hold fewer.
+      ValidationError: the tables have fewer episodes.
     """
     per_scene = -(-count // len(env.scenes))
     scenes, rows = [], []
@@ -59,15 +59,14 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
             raise ValidationError(f"episodes: found {available} in {env.bank.scene_ids[scene]}, needed {per_scene}.")
         rows.append(np.linspace(0, available - 1, per_scene).round().astype(np.int32))
         scenes.append(np.full(per_scene, scene, np.int32))
-    # Interleaved, so that a count that does not divide still takes from every scene alike.
+    # Interleaved, so that any count uses scenes equally.
     order = np.argsort(np.tile(np.arange(per_scene), len(env.scenes)), kind="stable")[:count]
     return EpisodeSet(np.concatenate(scenes)[order], np.concatenate(rows)[order], seed)
 
 
 class _Tally(NamedTuple):
-    """Counts during the episode, per env; touches: how often contact began; people: `PeopleTally` or None.
-
-    memory: of each agent, () without one.
+    """Counts during the episode per env; touches: number of contacts; people: `PeopleTally` or None; memory: memory of
+    each agent, or ().
     """
 
     hit_time: Any
@@ -84,8 +83,8 @@ class Trajectory:
 
     Attributes:
       xpos: (T, n, nbody, 3) m, xquat: (T, n, nbody, 4) wxyz of the robot's bodies.
-      running: (T, n) bool, the episode had not ended.
-      agents: places of moving agents, fields (T, n, A, ...); None where there are none.
+      running: (T, n) bool, whether the episode had not ended.
+      agents: poses of moving agents, fields (T, n, A, ...); None if there are none.
     """
 
     xpos: np.ndarray
@@ -95,10 +94,10 @@ class Trajectory:
 
 
 def asked(name: str, agent: BatchAgent, obs: Any, shape: tuple[int, int]) -> np.ndarray:
-    """The actions of an agent outside JAX, of the shape (n, action_size), for a batch of observations.
+    """Calls an agent outside JAX for a batch of observations; returns actions (n, action_size).
 
     Raises:
-      ValidationError: it answers with something else than finite ones of that shape.
+      ValidationError: the actions are not finite or have another shape.
     """
     action = np.asarray(agent(jax.tree.map(np.asarray, obs)))
     finite = bool(np.isfinite(action).all())
@@ -111,14 +110,14 @@ def asked(name: str, agent: BatchAgent, obs: Any, shape: tuple[int, int]) -> np.
 
 
 class Rollout:
-    """Runs agents over the same episodes at the same time, `chunk` steps a call so that it can stop early.
+    """Runs agents over the same episodes in parallel, `chunk` steps per call, so that it can stop early.
 
-    All agents share one batch and one compilation; each env asks every agent and follows its own.
+    All agents share one batch and one compilation; each env evaluates every agent and uses its own.
 
     Args:
       chunk: number of agent calls in one compiled call.
-      hold: control steps for which an action is kept, so that agents act at their own rate in an env with shorter
-        control steps, whose poses make a smooth video.
+      hold: control steps for which an action is held, so that agents act at their rate in an env with shorter control
+        steps for smooth videos.
     """
 
     def __init__(self, env: NavEnv, chunk: int = 20, hold: int = 1):
@@ -132,11 +131,11 @@ class Rollout:
         episodes: EpisodeSet,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> tuple[list[EpisodeResult], Trajectory]:
-        """Every episode once by every agent; results ordered by agent, then episode.
+        """Runs every agent on every episode; results are ordered by agent, then episode.
 
         Args:
           agents: name -> agent, see `agents`.
-          episodes: what to drive; equal keys for all agents.
+          episodes: the episodes; all agents have the same random keys.
           on_progress: called with (ended, total) after each chunk.
         """
         n, count = len(episodes), len(agents)
@@ -168,10 +167,10 @@ class Rollout:
         episodes: EpisodeSet,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> tuple[list[EpisodeResult], Trajectory]:
-        """Every episode once by an agent outside JAX, which is called for all of them together at each step.
+        """Runs an agent outside JAX on every episode; it is called for all of them together at each step.
 
         Raises:
-          ValidationError: it answers with something else than a finite (n, 2).
+          ValidationError: its actions are not finite or not (n, 2).
         """
         nav, tally = self._start(episodes, 1)
         observe, places = jax.jit(jax.vmap(self.env.observe)), jax.jit(self._places)
@@ -192,7 +191,7 @@ class Rollout:
         return self._results(name, nav, tally, episodes), trajectory
 
     def _start(self, episodes: EpisodeSet, count: int, agents: Sequence[Any] = ()) -> tuple[NavState, _Tally]:
-        """The first states of `count` times all episodes, and what `agents` remember then."""
+        """The initial states of `count` times all episodes, and the initial memories of `agents`."""
         number = len(episodes) * count
         keys = jnp.tile(episodes.keys(), count)
         scenes, rows = np.tile(episodes.scenes, count), np.tile(episodes.episodes, count)
@@ -211,7 +210,7 @@ class Rollout:
         return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents
 
     def _advance(self, nav: NavState, tally: _Tally, action: jax.Array) -> tuple[NavState, _Tally]:
-        """One env one step on; an ended episode stands still as it ended."""
+        """Advances one env by a step; the state of an ended episode does not change."""
         new, _, _, metrics = self.env.advance(nav, action)
         running = nav.result == 0
         new_tally = tally._replace(
@@ -281,5 +280,5 @@ class Rollout:
 
 
 def result_counts(results: Sequence[EpisodeResult]) -> dict[str, int]:
-    """How many episodes ended how."""
+    """Number of episodes by result."""
     return {name: sum(r.result == name for r in results) for name in RESULTS}

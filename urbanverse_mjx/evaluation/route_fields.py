@@ -1,4 +1,4 @@
-"""Distance from any place to an episode's goal: the planner's cost-to-go.
+"""Distance fields to the goals of episodes: the planner's cost-to-go.
 
 In:   `ClearanceMaps`, goals.
 Out:  `RouteFields`, a field for each episode, in a window around its route.
@@ -14,25 +14,25 @@ from ..envs.navigation.clearance_maps import CELL, ClearanceMaps
 from ..geometry.geodesics import STEPS, Cells, GridGraph, Step, extra_near
 from ..geometry.grids import cell_of, pooled
 
-#: Cells of the maps along a node, and m between nodes.
+#: Cells of the maps along a side of a node, and m between nodes.
 POOL = 2
 NODE = POOL * CELL
-#: Of the diagonals one needs both cells beside it, the other neither: fields that scores are known with are so.
+#: One diagonal needs both adjacent cells to be free, the other neither. Published scores depend on this asymmetry.
 _STEPS = {**STEPS, (1, -1): ((0, -1), (1, 0)), (-1, 1): ((0, 1), (-1, 0))}
 
 
 @dataclasses.dataclass(frozen=True)
 class RouteFieldOptions:
-    """Costs of a metre, and the range of a field; chosen manually.
+    """Costs per metre, and the range of a field; chosen manually.
 
     Attributes:
-      tight_cost: a metre where the robot just fits costs so many times as much.
-      width_slack: m that may be missing from half the robot's width: nodes seldom lie in the middle of a gap.
-      tight_margin: m; a gap fits tightly with less clearance than this.
-      window_margin: m around a route that its window shows.
-      reach_ratio: times a route's length that a field reaches,
-      reach_margin: and m more.
-      outside_cost: of a metre off the passable nodes, added to that of the nearest passable one.
+      tight_cost: factor on the cost per metre where the robot just fits.
+      width_slack: m, tolerance of half the robot's width, because nodes seldom lie in the middle of a gap.
+      tight_margin: m, clearance below which a gap counts as tight.
+      window_margin: m, margin of the window around a route.
+      reach_ratio: range of a field as a multiple of the route's length.
+      reach_margin: m, additional range.
+      outside_cost: cost per metre off the passable nodes, added to that of the nearest passable one.
     """
 
     tight_cost: float = 3.0
@@ -49,11 +49,11 @@ _OPTIONS = RouteFieldOptions()
 
 @dataclasses.dataclass(frozen=True)
 class RouteFields:
-    """Fields of n episodes.
+    """Cost fields of n episodes.
 
     Attributes:
       origin: (n, 2) f32 m, centre of the first node of each window.
-      cost: (n, X, Y) f32, cost-metres to the goal; large where there is no path. Nodes are `NODE` apart.
+      cost: (n, X, Y) f32, cost-metres to the goal; large without a path. Nodes are `NODE` apart.
     """
 
     origin: np.ndarray
@@ -68,14 +68,14 @@ def build_route_fields(
     lengths: np.ndarray,
     half_width: float,
 ) -> RouteFields:
-    """Fields to the goals of n episodes.
+    """Computes the fields to the goals of n episodes.
 
     Args:
       scenes: (n,) rows of the maps.
       goals: (n, 2) m.
       routes: (n, W, 2) m, points of the routes, which the windows enclose.
       lengths: (n,) m.
-      half_width: m, of the robot across its heading.
+      half_width: m, half the robot's width.
     """
     low = routes.min(1) - _OPTIONS.window_margin
     spans = np.ceil((routes.max(1) + _OPTIONS.window_margin - low) / NODE).astype(int)
@@ -98,7 +98,7 @@ def build_route_fields(
 
 
 class _Costs:
-    """The nodes of one scene that the robot's centre may pass, and the cost of a metre there."""
+    """The passable nodes of one scene for the robot's centre, and their cost per metre."""
 
     def __init__(self, maps: ClearanceMaps, scene: int, half_width: float) -> None:
         clear = np.minimum(maps.to_hull[scene], maps.to_edge[scene]).astype(np.float32)
@@ -115,7 +115,7 @@ class _Costs:
         self._outside, self._nearest = ndimage.distance_transform_edt(~self._passable, return_indices=True)
 
     def costs(self, goal: np.ndarray, limit: float) -> np.ndarray:
-        """(X, Y) f32, cost-metres to the goal of every node, at most about `limit`."""
+        """(X, Y) f32, cost-metres from every node to the goal, up to about `limit`."""
         if not self._graph.edges.nnz:
             return np.full(self._passable.shape, limit, np.float32)
         i, j = cell_of(goal, self._origin, NODE, self._passable.shape)

@@ -1,9 +1,9 @@
-"""`RouteFollower`: a scripted controller with the reference route and the distances to hulls and edges.
+"""`RouteFollower`: a scripted controller that uses the reference route and the distances to hulls and edges.
 
-A dynamic window (Fox, Burgard and Thrun, "The Dynamic Window Approach to Collision Avoidance", 1997): of some dozen
-commands held for a while it takes the one whose arc keeps clear of hulls and edges and ends nearest to a point of the
-route ahead. It looks up distances that the environment has already and needs no preparation, so it labels states for
-imitation at a fraction of the cost of `Planner`, which plans better. Of moving agents it uses the distance only.
+A dynamic window (Fox, Burgard and Thrun, "The Dynamic Window Approach to Collision Avoidance", 1997): of several dozen
+constant commands, it selects the one whose arc keeps clear of hulls and edges and ends nearest to a point of the route
+ahead. It uses distances that the environment computes anyway and needs no preparation, so it labels states for
+imitation at a fraction of the cost of `Planner`, which plans better. It uses only the distance to moving agents.
 """
 
 import itertools
@@ -19,47 +19,46 @@ from ..envs.navigation import terms
 from ..geometry import rotations
 from .planner import DEFAULT, MOTIONS, footprint, placed, waypoint_of
 
-#: Shares of top speed and of top yaw rate that a command combines.
+#: Shares of the top speed and of the top yaw rate that commands combine.
 SPEEDS = (0.0, 0.2, 0.4, 0.7, 1.0)
 TURNS = (-1.0, -0.6, -0.35, -0.2, -0.1, 0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
-#: s into the future at which a drive is checked, with the command held.
+#: s, prediction times at which a drive with a constant command is checked.
 TIMES = (0.2, 0.4, 0.6, 0.9, 1.2, 1.6)
-#: m of clearance below which the cost of a drive rises, and below which it counts as a contact: the looked-up distances
-#: are off by half a cell of 0.2 m.
+#: m, clearance below which the cost of a drive rises, and below which it counts as contact; the distances have an error
+#: of half a cell of 0.2 m.
 SHY, TOUCH = 0.4, 0.02
-#: m that the feet may be nearer to an edge than hulls to the body: the edge's distance is that of the nearest cell
-#: that is not wholly walkable.
+#: m, tolerance of the feet's distance to an edge, which is that of the nearest cell that is not completely walkable.
 EDGE = 0.12
-#: Cost in metres of no clearance at all for the whole drive; of a contact.
+#: Cost in metres of zero clearance during the whole drive, and of a contact.
 SHY_COST, TOUCH_COST = 5.0, 30.0
-#: (X, Y, 2) m in the heading frame: nodes of the cost to go, and their distance.
+#: m, spacing of the nodes of the cost-to-go; (X, Y, 2) m, nodes in the heading frame.
 STEP = 0.3
 NODES = np.stack(np.meshgrid(np.arange(-4, 17) * STEP, np.arange(-10, 11) * STEP, indexing="ij"), -1).astype(np.float32)
-#: m along the route from the point nearest to the robot to the one to go for.
+#: m, distance along the route from the point nearest to the robot to the target point.
 AHEAD = 3.5
-#: Extra cost of a metre where the robot just does not fit, and sweeps of the cost-to-go over the nodes.
+#: Additional cost per metre where the robot does not fit, and number of sweeps of the cost-to-go.
 CLOSED, SWEEPS = 20.0, 26
 _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
 
 
 def route_point(start: Any, waypoints: Any, position: Any) -> Any:
-    """(2,) m, the point of the polyline start (3,), waypoints (W, 3) at an arc length (m); its end beyond it."""
+    """(2,) m, point of the polyline start (3,), waypoints (W, 3) at an arc length (m); the end point beyond it."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
     span = points[1:] - points[:-1]
     length = jnp.sqrt((span**2).sum(-1) + 1e-12)
     share = jnp.clip((position - (jnp.cumsum(length) - length)) / length, 0.0, 1.0)
-    # Segments behind the place count whole, those before it not at all.
+    # Segments before the position count completely, those after it not at all.
     return points[0] + (share[:, None] * span).sum(0)
 
 
 class RouteFollower:
-    """The controller; `act` takes the env's whole state, see `agents.Privileged`.
+    """The controller; `act` uses the env's complete state, see `agents.Privileged`.
 
     Args:
-      env: with `action_mode="waypoint"`.
+      env: environment with `action_mode="waypoint"`.
 
     Raises:
-      ValidationError: another action mode.
+      ValidationError: the action mode is another one.
     """
 
     def __init__(self, env: NavEnv) -> None:
@@ -77,7 +76,7 @@ class RouteFollower:
         self._root = env.mj_model.body(robot.root_body).id
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> None:
-        """No data; the state contains the route."""
+        """Returns no data, because the state contains the route."""
 
     def act(self, nav: NavState, known: None = None) -> Any:
         """(2,) waypoint in [-1, 1]."""
@@ -93,7 +92,7 @@ class RouteFollower:
         return waypoint_of(v, omega, self._robot.max_speed, self._env.dt)
 
     def _cost_to_go(self, nav: NavState, pose: Any, target: Any) -> Any:
-        """(X, Y) metres, with extra cost near obstacles, from each of the `NODES` around a pose (3,) to a target
+        """(X, Y) cost in metres, higher near obstacles, from each of the `NODES` around a pose (3,) to a target
         (2,)."""
         found = self._env.distances(nav, pose[:2] + terms.to_world(jnp.asarray(NODES), pose[2]))
         gap = jnp.minimum(found[..., 0] - self._body.half_width, found[..., 1])
@@ -111,7 +110,7 @@ class RouteFollower:
         return jax.lax.fori_loop(0, SWEEPS, sweep, jnp.where(far < 1.5 * STEP, far, 1e3))
 
     def _cost(self, nav: NavState, start: Any, speed: Any, turn: Any, to_go: Any, command: Any) -> Any:
-        """Metres left after a drive and during it, and the cost of nearness to objects."""
+        """Cost of a drive: remaining metres after and during it, and nearness to objects."""
         motion = self._motion
         told = motion.obeyed(command[0], command[1])
         pose, v, w, poses = start, speed, turn, []
@@ -122,7 +121,7 @@ class RouteFollower:
         gaps, times = self._gaps(nav, drive), np.array(TIMES)
         steps = np.diff(times, prepend=0.0) / times[-1]
         shy = (steps * jnp.clip((SHY - gaps) / SHY, 0.0, 1.0) ** 2).sum()
-        # A contact soon is worse than one later, which the next command can still avoid.
+        # Later contacts cost less, because the next command can still avoid them.
         touched = ((gaps < TOUCH) * (2.0 - times / times[-1])).max()
         nose = drive[:, :2] + 0.6 * jnp.stack([jnp.cos(drive[:, 2]), jnp.sin(drive[:, 2])], -1)
         local = terms.to_world(nose - start[:2], -start[2])
@@ -130,7 +129,7 @@ class RouteFollower:
         return left[-1] + (steps * left).sum() + SHY_COST * shy + TOUCH_COST * touched
 
     def _gaps(self, nav: NavState, drive: Any) -> Any:
-        """(T,) m, how near the robot at poses (T, 3) is to hulls, or its feet to an edge."""
+        """(T,) m, least distance of the robot at poses (T, 3) to hulls and of its feet to an edge."""
         discs, feet = self._body.discs, self._body.feet
         points = np.concatenate([discs[:, :2], feet[:, :2]])
         found = self._env.distances(nav, jnp.stack(placed(drive, points), -1))
@@ -139,6 +138,7 @@ class RouteFollower:
 
 
 def _at(values: Any, points: Any) -> Any:
-    """(n,) values of the `NODES` at points (n, 2) in the heading frame, bilinear; those of the border beyond it."""
+    """(n,) values of the `NODES` at points (n, 2) in the heading frame by bilinear interpolation; those of the border
+    outside."""
     place = (points - NODES[0, 0]) / STEP
     return jax.scipy.ndimage.map_coordinates(values, [place[:, 0], place[:, 1]], order=1, mode="nearest")

@@ -1,6 +1,6 @@
-"""Scores of a benchmark: over runs with their standard error, over scenes with bootstrap intervals.
+"""Scores of a benchmark: over runs with standard errors, over scenes with bootstrap intervals.
 
-Every score is a ratio of sums over episodes, so that it can be taken of any set of them:
+Every score is a ratio of sums over episodes and is defined for any set of episodes:
 
 | score | of what |
 | --- | --- |
@@ -22,7 +22,7 @@ import numpy as np
 
 from ..datatypes import EpisodeResult
 
-#: Draws of the bootstrap and their seed.
+#: Number of bootstrap draws, and their seed.
 _DRAWS, _SEED = 10_000, 0
 
 
@@ -34,7 +34,7 @@ def _failures(r: EpisodeResult) -> float:
     return 100.0 * (contacts + (r.result in ("off_traversable", "fall", "non_finite", "timeout")))
 
 
-#: Score -> numerator and denominator of an episode.
+#: Score -> functions of an episode for its numerator and denominator.
 _PARTS: dict[str, tuple[Callable[[EpisodeResult], float], Callable[[EpisodeResult], float]]] = {
     "SR": (lambda r: 100.0 * r.success, lambda r: 1.0),
     "CT": (lambda r: 100.0 * r.hit_time, lambda r: 1.0),
@@ -47,7 +47,7 @@ _PARTS: dict[str, tuple[Callable[[EpisodeResult], float], Callable[[EpisodeResul
     "reached": (lambda r: 100.0 * (r.result == "goal"), lambda r: 1.0),
 }
 SCORES = tuple(_PARTS)
-#: Metres below which a way driven is too short for a rate per 100 m.
+#: m, driven distance below which a rate per 100 m is undefined.
 _MIN_DISTANCE = 1.0
 
 Score = float | None
@@ -77,10 +77,10 @@ def by_scene(results: Sequence[EpisodeResult]) -> Table:
 
 
 def over_runs(results: Sequence[EpisodeResult], runs: Sequence[int]) -> Table:
-    """Score -> mean over runs, its standard error, and the runs' number.
+    """Score -> mean over runs, its standard error, and the number of runs.
 
     Args:
-      runs: number of the run of each episode.
+      runs: index of the run of each episode.
     """
     numbers = sorted(set(runs))
     rows = [_ratios(_sums([r for r, k in zip(results, runs, strict=True) if k == n])) for n in numbers]
@@ -92,8 +92,7 @@ def over_runs(results: Sequence[EpisodeResult], runs: Sequence[int]) -> Table:
 def over_scenes(results: Sequence[EpisodeResult]) -> Table:
     """Score -> mean over all episodes, standard error and 95 % interval of a bootstrap that draws scenes.
 
-    Scenes differ more than the episodes of one: an estimate for streets of this kind, not only for these streets, has
-    to draw streets.
+    Scenes differ more than the episodes of one scene, so an estimate for similar streets has to draw scenes.
     """
     ids = list(dict.fromkeys(r.scene for r in results))
     sums = np.array([_sums([r for r in results if r.scene == scene]) for scene in ids])
@@ -115,7 +114,7 @@ def _plain(x: float) -> Score:
 
 
 def rounded(table: Mapping[str, Score], name: str) -> str:
-    """A cell: the value with as many digits as it deserves, ± its standard error."""
+    """Formats a cell: the value with significant digits, ± its standard error."""
     digits = 2 if name in ("CT", "DTG", "failures", "speed") else 1
     if table["mean"] is None:
         return "-"

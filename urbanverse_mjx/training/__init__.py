@@ -1,1 +1,1 @@
-"""Training policies with Brax PPO. Submodules load Brax when they are imported, this package does not."""
+"""Training of policies by PPO and imitation. Submodules import Brax, this package does not."""

@@ -1,16 +1,15 @@
-"""The one place that fixes Brax 0.14.2 for newer JAX.
+"""Compatibility fixes of Brax 0.14.2 for newer JAX.
 
-`jax.device_put_replicated` left JAX with 0.10, and Brax's PPO still calls it. The replacement goes through
-`jax.pmap`, so that its result has the very sharding that pmap returns: with any other the training epoch would
-be compiled twice (docs/sources/brax_over_warp.md, Q7).
+JAX 0.10 removed `jax.device_put_replicated`, which Brax's PPO calls. The replacement uses `jax.pmap`, so that its
+result has the sharding that pmap returns; with any other sharding the training epoch would be compiled twice
+(docs/sources/brax_over_warp.md, Q7).
 
-Newer JAX's `pmap` returns one array over all hosts, and `x[0]` of it is a computation that all processes must join.
-Brax takes the parameters out in the first process alone, and training over several hosts stands still: each process now
-takes its own copy.
+The `pmap` of newer JAX returns one array over all hosts, and indexing `x[0]` is a computation in which all processes
+must take part. Brax reads the parameters in the first process only, which would block a training over several hosts;
+with this fix, each process reads its own copy.
 
-The streets of a bank are constants of what is compiled: hundreds of megabytes in the program's text, which XLA copies
-and hashes. JAX can make arguments of them, but `pmap` refuses such functions, so on one accelerator Brax gets `jit` of
-`vmap`.
+The tables of a bank would be constants of the compiled program, hundreds of megabytes that XLA copies and hashes. JAX
+can convert them to arguments, but `pmap` does not support this, so on one accelerator Brax gets `jit` of `vmap`.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,13 +29,13 @@ def device_put_replicated(tree: Any, devices: Sequence[Any]) -> Any:
 
 
 def own_copy(tree: Any) -> Any:
-    """This process's copy of what `jax.pmap` returned the same on all devices: without the leading axis of devices."""
+    """This process's copy of a replicated result of `jax.pmap`, without the leading axis of devices."""
     return jax.tree.map(lambda x: x.addressable_data(0)[0], tree)
 
 
 def tables_as_arguments() -> bool:
-    """Makes the tables of environments arguments of what is compiled from now on; returns whether it did: on one
-    accelerator. On a CPU and with several devices nothing changes."""
+    """Makes the tables of environments arguments of functions that are compiled from now on; returns whether it did.
+    Applies to one accelerator only, not to CPUs or several devices."""
     if jax.default_backend() == "cpu" or jax.device_count() > 1 or not hasattr(jax.config, _AS_ARGUMENTS):
         return False
     jax.config.update(_AS_ARGUMENTS, True)
@@ -51,13 +50,13 @@ def one_device_pmap(
     devices: Sequence[Any] | None = None,
     **_: Any,
 ) -> Any:
-    """`jax.pmap` on one device by `jit` and `vmap`."""
+    """Replacement of `jax.pmap` for one device by `jit` and `vmap`."""
     del devices
     return jax.jit(jax.vmap(function, in_axes=in_axes, axis_name=axis_name), donate_argnums=donate_argnums)
 
 
 class _JaxOnOneDevice(ModuleType):
-    """`jax` as Brax's PPO sees it: with another `pmap` and what is built on it."""
+    """Replacement of the module `jax` in Brax's PPO, with another `pmap` and `device_put_replicated`."""
 
     pmap = staticmethod(one_device_pmap)
 
@@ -72,7 +71,7 @@ class _JaxOnOneDevice(ModuleType):
 
 
 def load_ppo() -> ModuleType:
-    """`brax.training.agents.ppo.train`, working on this JAX."""
+    """Returns `brax.training.agents.ppo.train` with the compatibility fixes."""
     if not hasattr(jax, "device_put_replicated"):
         jax.device_put_replicated = device_put_replicated
     from brax.training.agents.ppo import train

@@ -1,4 +1,4 @@
-"""PPO hyper-parameters as the registry has them, and the sizes that Brax makes of them."""
+"""PPO hyper-parameters of the registry, and their conversion to Brax's arguments."""
 
 from typing import Any
 
@@ -9,15 +9,15 @@ from ..envs import registry
 
 
 def default_ppo_config(preset: str = "paper", environment: str = "CocoNav") -> ConfigDict:
-    """A fresh, locked configuration, as `registry.register_environment` was given it.
+    """Returns a new, locked configuration from the function given to `registry.register_environment`.
 
     Raises:
-      ValidationError: unknown environment or preset.
+      ValidationError: the environment or preset is unknown.
     """
     return registry.get_ppo_config(environment, preset)
 
 
-#: Fields of our configs with the same name in Brax's `ppo.train`.
+#: Fields that have the same name in Brax's `ppo.train`.
 _SAME = (
     "num_envs",
     "unroll_length",
@@ -37,10 +37,10 @@ _SAME = (
 
 
 def brax_arguments(config: ConfigDict) -> dict[str, Any]:
-    """Our hyper-parameters under the names of `ppo.train`, `batch_size` and `num_minibatches` among them.
+    """Hyper-parameters under the names of `ppo.train`, including `batch_size` and `num_minibatches`.
 
     Raises:
-      ValidationError: the sizes do not divide.
+      ValidationError: sizes are not divisible as required.
     """
     batch_size, num_minibatches = batch_shape(config)
     return {
@@ -56,7 +56,7 @@ def brax_ppo_config(environment: str, preset: str | None = None) -> ConfigDict:
     name, with Brax's own networks on the observations `state` and `privileged_state`, which see no pixels.
 
     Raises:
-      ValidationError: unknown environment or preset.
+      ValidationError: the environment or preset is unknown.
     """
     env, own = registry.get_default_config(environment, preset), registry.get_ppo_config(environment, preset)
     if "algorithm" in own:
@@ -76,10 +76,10 @@ def brax_ppo_config(environment: str, preset: str | None = None) -> ConfigDict:
 
 
 def batch_shape(config: ConfigDict) -> tuple[int, int]:
-    """(batch_size, num_minibatches) in Brax's sense: sequences a minibatch, minibatches a rollout.
+    """(batch_size, num_minibatches) in Brax's sense: sequences per minibatch, minibatches per rollout.
 
     Raises:
-      ValidationError: the sizes do not divide.
+      ValidationError: sizes are not divisible as required.
     """
     if config.minibatch % config.unroll_length:
         raise ValidationError(

@@ -1,10 +1,10 @@
-"""Imitation of a privileged teacher by a student with a camera: DAgger, the student drives and the teacher labels.
+"""DAgger: a student with a camera imitates a privileged teacher, which labels the states that the student visits.
 
 Every iteration steps all envs for a few control steps, mostly by the student and in some envs by the teacher, queries
 the teacher's action in each visited state, and fits the student to these labels; older data are dropped. (Ross et al.,
 "A Reduction of Imitation Learning and Structured Prediction to No-Regret Online Learning", 2011.)
 
-Half of the envs are seen in a mirror (`sequences`).
+The observations of half of the envs are mirrored (`sequences`).
 """
 
 from collections.abc import Callable
@@ -21,13 +21,13 @@ from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
 from .student import SEEN, Student
 
-#: (parameters, `State` of n envs, key) -> actions (n, action_size): a teacher. A network uses the observations alone, a
-#: planner the robot's pose.
+#: A teacher: function (parameters, `State` of n envs, key) -> actions (n, action_size). A network uses the observations
+#: only, a planner also the robot's pose.
 Teacher = Callable[[Any, Any, jax.Array], jax.Array]
 
 
 def default_dagger_config() -> ConfigDict:
-    """A fresh configuration.
+    """Returns a new configuration.
 
     Fields:
       algorithm: "dagger", the type tag of a saved policy. num_envs, unroll_length: envs, and control steps of an
@@ -44,7 +44,7 @@ def default_dagger_config() -> ConfigDict:
 
 
 def make_student(config: ConfigDict, action_size: int) -> Student:
-    """The network that `config.network` describes."""
+    """Makes the network of `config.network`."""
     network = config.network
     layers = tuple((int(a), int(b), int(c)) for a, b, c in network.layers)
     dtype = jnp.bfloat16 if network.bfloat16 else jnp.float32
@@ -58,7 +58,7 @@ class DaggerState(NamedTuple):
       params, optimizer: of the student.
       env: `State` of all envs.
       memory: (n, memory).
-      begins: (n,) bool, the present observation is the first of an episode.
+      begins: (n,) bool, whether the current observation is the first of an episode.
       mirrored: (n,) bool.
       key: typed.
       steps: () i32 iterations done.
@@ -80,7 +80,7 @@ class Batch(NamedTuple):
     Attributes:
       obs: `SEEN`.
       label: the teacher's actions.
-      target: the map to predict.
+      target: map that the auxiliary output predicts.
       begins: bool.
     """
 
@@ -94,10 +94,11 @@ class Dagger:
     """The algorithm over a wrapped env (`wrap_for_training`).
 
     Args:
-      env: batched and auto-resetting; its observations hold `SEEN`, `privileged_map` and those of the teacher.
-      teacher: (parameters, state of the envs, key) -> actions.
+      env: batched, auto-resetting environment whose observations include `SEEN`, `privileged_map` and those of the
+        teacher.
+      teacher: function (parameters, state of the envs, key) -> actions.
       config: see `default_dagger_config`.
-      teacher_params: its parameters; may be set later with the same shapes.
+      teacher_params: parameters of the teacher; may be set later with the same shapes.
     """
 
     def __init__(self, env: Any, teacher: Teacher, config: ConfigDict, teacher_params: Any = None) -> None:
@@ -106,11 +107,11 @@ class Dagger:
         self._rate = optax.cosine_decay_schedule(
             config.learning_rate, 1, config.final_learning_rate / config.learning_rate
         )
-        # Times the learning rate, which follows the progress of the training.
+        # The update is multiplied by the learning rate, which depends on the progress of the training.
         self._optimizer = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
         self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
         self._reset = jax.jit(env.reset)
-        # The teacher's parameters are an argument, so compiled code does not depend on the teacher.
+        # The teacher's parameters are an argument, so that the compiled function does not depend on them.
         self._compiled: Any = jax.jit(self._iterate, donate_argnums=0)
 
     def compile(self) -> None:
@@ -119,15 +120,15 @@ class Dagger:
         self._compiled = self._compiled.lower(state, self.teacher_params, jnp.float32(0.0)).compile()
 
     def iterate(self, state: DaggerState, progress: jax.Array) -> tuple[DaggerState, dict[str, jax.Array]]:
-        """One iteration, which takes the buffers of `state`; and what happened in it.
+        """Runs one iteration; donates the buffers of `state`. Returns the new state and metrics.
 
         Args:
-          progress: () in [0, 1], of the whole training; the learning rate follows it.
+          progress: () in [0, 1], progress of the whole training, which determines the learning rate.
         """
         return self._compiled(state, self.teacher_params, progress)
 
     def begin(self, params: Any = None) -> DaggerState:
-        """The state before the first iteration; params: of the initial student."""
+        """The state before the first iteration; params: parameters of the initial student."""
         n = int(self.config.num_envs)
         key, key_env, key_net = jax.random.split(jax.random.key(int(self.config.seed)), 3)
         env = self._reset(jax.random.split(key_env, n))
@@ -142,7 +143,7 @@ class Dagger:
         )
 
     def _share(self, iterations: jax.Array) -> jax.Array:
-        """Of the envs that the teacher drives."""
+        """Share of the envs that the teacher drives."""
         done = iterations * self.steps_per_iteration / max(int(self.config.warm_up), 1)
         return jnp.maximum(1.0 - done, 0.0) * (1.0 - self.config.teacher_share) + self.config.teacher_share
 
@@ -184,7 +185,7 @@ class Dagger:
         return imitation + self.config.auxiliary * auxiliary, (imitation, auxiliary)
 
     def _learn(self, state: DaggerState, batch: Batch, memory: jax.Array, key: jax.Array, rate: jax.Array) -> Any:
-        """Epochs over an iteration's sequences; memory: (n, memory) at their begin; rate: () learning rate."""
+        """Trains over an iteration's sequences; memory: (n, memory) at their beginning; rate: () learning rate."""
         return epochs(
             self._loss, self._optimizer, (state.params, state.optimizer), batch, memory, key, rate,
             int(self.config.epochs), int(self.config.minibatches),

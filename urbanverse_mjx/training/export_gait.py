@@ -1,4 +1,4 @@
-"""A trained walking policy -> `Gait`, the file that needs neither Brax nor the environment."""
+"""Exports a trained locomotion policy as `Gait`, a file that needs neither Brax nor the environment."""
 
 import pathlib
 from typing import Any
@@ -14,13 +14,13 @@ from .policy import PolicySpec, latest_policy, load_params
 
 
 def export_gait(source: pathlib.Path, meta: dict[str, Any] | None = None) -> Gait:
-    """The actor of the newest policy under `source`.
+    """Makes a gait from the actor of the newest policy under `source`.
 
     Args:
-      meta: further facts to keep, such as how long the training took.
+      meta: additional metadata, such as the duration of the training.
 
     Raises:
-      ValidationError: no policy there, or one of another task.
+      ValidationError: there is no policy, or it belongs to another task.
     """
     folder = latest_policy(source)
     spec = PolicySpec.load(folder)
@@ -32,7 +32,7 @@ def export_gait(source: pathlib.Path, meta: dict[str, Any] | None = None) -> Gai
     layers = load_params(folder)[1]["params"]["mean"]
     names = [*sorted((n for n in layers if n.startswith("hidden_")), key=lambda n: int(n.split("_")[1])), "out"]
     kernels, biases = (tuple(np.asarray(layers[n][part], np.float32) for n in names) for part in ("kernel", "bias"))
-    # The last layer ends in the means; the standard deviations are a parameter of their own.
+    # The last layer outputs the means; the standard deviations are a separate parameter.
     legs = Legs(make_robot(config), tuple(config.action_scale))
     facts = {
         "robot": config.robot,

@@ -1,7 +1,7 @@
-"""A trained policy -> an ONNX file for robots and other programs, converted by jax2onnx and compared with JAX.
+"""Exports a trained policy as an ONNX file by jax2onnx and compares it with JAX.
 
-Arithmetic is single precision: convolutions that were trained in bfloat16 are not rounded to it, as no CPU runtime has
-them. `datatypes.policy_file` describes the metadata.
+The file computes in single precision, also for convolutions that were trained in bfloat16, which CPU runtimes do not
+support. `datatypes.policy_file` describes the metadata.
 """
 
 import dataclasses
@@ -21,16 +21,16 @@ from ..datatypes.policy_file import BATCH, METADATA_KEY, NEXT, PolicyRecord, Ten
 from .networks import PIXELS
 from .policy import PolicySpec, latest_policy, load_params, network_factory
 
-#: Outputs may differ from JAX's by so much: sums of some hundred products in single precision in another order.
+#: Largest difference of outputs to those of JAX, due to the order of sums in single precision.
 TOLERANCE = 1e-5
-#: Observations that an exported file is compared on, and how many of them at once.
+#: Number of observations for the comparison of an exported file, and batch size.
 OBSERVATIONS, _AT_ONCE = 1000, 100
 MEMORY = "memory"
 
 
 @dataclasses.dataclass(frozen=True)
 class _Step:
-    """One control step as a function of arrays with a leading axis of robots.
+    """One control step as a function of arrays, whose leading axis is the robots.
 
     Attributes:
       function: arrays in the order of `inputs` -> tuple in the order of `outputs`.
@@ -44,7 +44,7 @@ class _Step:
 
 
 class _Reads(dict[str, Any]):
-    """Observations that remember which of them were asked for."""
+    """Mapping of observations that records which were read."""
 
     def __init__(self, values: dict[str, Any]) -> None:
         super().__init__(values)
@@ -60,8 +60,8 @@ def export_onnx(source: pathlib.Path, out: pathlib.Path) -> PolicyRecord:
     """Writes the newest policy under `source` as the ONNX file `out`; returns its metadata.
 
     Raises:
-      ValidationError: no policy there, another ending than .onnx, or an output that differs from JAX's by more than
-        `TOLERANCE` over `OBSERVATIONS` random observations; no file is written then.
+      ValidationError: there is no policy, the file name does not end in .onnx, or an output differs from JAX's by more
+        than `TOLERANCE` over `OBSERVATIONS` random observations. No file is written then.
     """
     if out.suffix != ".onnx":
         raise ValidationError(f"export-onnx: found {out.name!r} to write, needed a name that ends in .onnx.")
@@ -115,7 +115,7 @@ def _feed_forward(spec: PolicySpec, config: ConfigDict, params: Any, shapes: dic
 
     def act(*values: jax.Array) -> tuple[jax.Array, ...]:
         logits = network.apply(None, params, dict(zip(read, values, strict=True)))
-        # The mode of a normal distribution squashed by tanh; the standard deviations follow the means.
+        # The mode of a normal distribution squashed by tanh; the standard deviations come after the means.
         return (jnp.tanh(logits[..., : spec.action_size]),)
 
     return act, {name: shapes[name] for name in read}, {}
@@ -146,13 +146,13 @@ def _student_step(network: Any, params: Any, values: tuple[jax.Array, ...]) -> t
 
 
 def _converted(step: _Step) -> Any:
-    """`onnx.ModelProto` of a step for any number of robots."""
+    """Converts a step to an `onnx.ModelProto` for any number of robots."""
     import jax2onnx
 
     inputs = [jax.ShapeDtypeStruct((BATCH, *shape), dtype) for shape, dtype in step.inputs.values()]
     log = logging.getLogger("onnx_ir")
     level = log.level
-    log.setLevel(logging.ERROR)  # it warns of every shape that depends on the number of robots
+    log.setLevel(logging.ERROR)  # jax2onnx warns about every shape that depends on the number of robots
     try:
         return jax2onnx.to_onnx(
             lambda *values: step.function(*values),
@@ -166,7 +166,8 @@ def _converted(step: _Step) -> Any:
 
 
 def _random(step: _Step, count: int, seed: int) -> Iterator[list[np.ndarray]]:
-    """Batches of `count` observations in all: images of noise, vectors of some units, memories in [-1, 1]."""
+    """Yields batches of `count` random observations in all: noise images, vectors of some units, memories in [-1,
+    1]."""
     rng = np.random.default_rng(seed)
     for begin in range(0, count, _AT_ONCE):
         n = min(_AT_ONCE, count - begin)
@@ -182,7 +183,8 @@ def _random(step: _Step, count: int, seed: int) -> Iterator[list[np.ndarray]]:
 
 
 def largest_difference(model: bytes, step: _Step, count: int = OBSERVATIONS, seed: int = 0) -> float:
-    """Of a file's outputs from those of a step in JAX on the CPU, over `count` random observations."""
+    """Largest difference between a file's outputs and those of a step in JAX on the CPU, over `count` random
+    observations."""
     import onnxruntime
 
     session = onnxruntime.InferenceSession(model, providers=["CPUExecutionProvider"])
@@ -253,7 +255,7 @@ def _view(config: dict[str, Any]) -> str:
 
 
 def _note(model: Any, record: PolicyRecord) -> None:
-    """Puts the record into the model's metadata."""
+    """Writes the record to the model's metadata."""
     entry = model.metadata_props.add()
     entry.key, entry.value = METADATA_KEY, record.to_json()
     model.doc_string = "A policy of urbanverse_mjx; its metadata say how it is driven."

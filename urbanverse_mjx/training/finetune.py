@@ -1,10 +1,10 @@
-"""PPO of a student with a camera after imitation: it learns from its own episodes what its teacher could not show it.
+"""PPO fine-tuning of a student with a camera after imitation.
 
 A privileged teacher with exact distances drives close to objects; a student with images needs larger margins, which it
-can learn only from its own failures. The critic has the teacher's observations and trains alone at first, the steps of
-the actor are small, and the teacher's labels stay in the loss with a weight that falls. Algorithm: Schulman et al.,
-"Proximal Policy Optimization Algorithms", 2017, over whole sequences, so that a memory is trained through time; the
-anchor: Schmitt et al., "Kickstarting Deep Reinforcement Learning", 2018.
+can only learn from its own failures. The critic uses the teacher's observations and is trained alone at first, the
+steps of the actor are small, and the teacher's labels stay in the loss with a decreasing weight. Algorithm: Schulman et
+al., "Proximal Policy Optimization Algorithms", 2017, over whole sequences, so that a memory is trained through time;
+the anchor: Schmitt et al., "Kickstarting Deep Reinforcement Learning", 2018.
 """
 
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ ENDS = ("success", "hit", "off_traversable", "timeout")
 
 
 def default_finetune_config() -> ConfigDict:
-    """A fresh configuration.
+    """Returns a new configuration.
 
     Fields:
       num_envs, unroll_length: envs, and control steps of an iteration.
@@ -48,7 +48,7 @@ class FinetuneState(NamedTuple):
       optimizer: of both.
       env: `State` of all envs.
       memory: (n, memory).
-      begins: (n,) bool, the present observation is the first of an episode.
+      begins: (n,) bool, whether the current observation is the first of an episode.
       mirrored: (n,) bool.
       key: typed.
       steps: () i32 iterations done.
@@ -70,10 +70,10 @@ class Batch(NamedTuple):
     Attributes:
       obs: `SEEN`, mirrored where the env is.
       privileged: the critic's observation, never mirrored.
-      action: of the student, not clipped.
-      mean: of the distribution that it was drawn from.
+      action: action of the student, not clipped.
+      mean: mean of the distribution from which it was drawn.
       label: the teacher's action.
-      target: the map to predict.
+      target: map that the auxiliary output predicts.
       begins: bool.
       advantage, returns: f32, in scaled rewards.
     """
@@ -123,12 +123,12 @@ class Finetune:
     """The algorithm over a wrapped env (`wrap_for_training`).
 
     Args:
-      env: batched and auto-resetting; its observations hold `student.SEEN`, `privileged`, `privileged_map` and those of
-        the teacher.
-      teacher: (parameters, state of the envs, key) -> actions.
-      dagger_config: of the student's training, with its network.
+      env: batched, auto-resetting environment whose observations include `student.SEEN`, `privileged`, `privileged_map`
+        and those of the teacher.
+      teacher: function (parameters, state of the envs, key) -> actions.
+      dagger_config: config of the student's training, with its network.
       config: see `default_finetune_config`.
-      teacher_params: its parameters; may be set later with the same shapes.
+      teacher_params: parameters of the teacher; may be set later with the same shapes.
     """
 
     def __init__(
@@ -146,15 +146,15 @@ class Finetune:
         self._compiled: Any = jax.jit(self._iterate, donate_argnums=0)
 
     def compile(self, actor: Any) -> None:
-        """Compiles an iteration ahead of the first one. actor: parameters, or their shapes."""
+        """Compiles an iteration before the first one; actor: parameters, or their shapes."""
         state = jax.eval_shape(self.begin, actor)
         self._compiled = self._compiled.lower(state, self.teacher_params, jnp.float32(0.0)).compile()
 
     def iterate(self, state: FinetuneState, progress: jax.Array) -> tuple[FinetuneState, dict[str, jax.Array]]:
-        """One iteration, which takes the buffers of `state`; and what happened in it.
+        """Runs one iteration; donates the buffers of `state`. Returns the new state and metrics.
 
         Args:
-          progress: () in [0, 1], of the whole training; learning rate and anchor follow it.
+          progress: () in [0, 1], progress of the whole training, which determines learning rate and anchor.
         """
         return self._compiled(state, self.teacher_params, progress)
 
@@ -184,7 +184,7 @@ class Finetune:
             key_teacher, key_noise, key_light = jax.random.split(key, 3)
             label = mirror_lateral(self.teacher(teacher, env, key_teacher), state.mirrored, LATERAL_ACTION)
             seen = mirrored_view(env.obs, state.mirrored)
-            # Here and not in the loss: the actions' probabilities belong to the original observations.
+            # Augmented here and not in the loss, because the actions' probabilities belong to these observations.
             seen[PIXELS] = relit(
                 seen[PIXELS][None], key_light, config.light, config.pixel_noise, config.get("blur", 0.0)
             )[0]
@@ -196,7 +196,7 @@ class Finetune:
             new = self.env.step(env, mirror_lateral(jnp.clip(action, -1.0, 1.0), state.mirrored, LATERAL_ACTION))
             value = self._value(state.params["critic"], privileged)
             reward = config.reward_scaling * new.reward
-            # The advantage and the return of a step are known once all steps are taken.
+            # Advantages and returns are computed after the last step.
             kept = Batch(seen, privileged, action, mean[0], label, target, begins, reward, reward)
             counts = {name: new.metrics[name].sum() for name in (*ENDS, "slot_overflow")} | {"reward": new.reward.sum()}
             return (new, memory, new.done > 0), (kept, reward, new.done, value, counts)

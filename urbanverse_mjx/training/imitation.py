@@ -1,4 +1,4 @@
-"""A training by imitation of a teacher as a run folder: `dagger.Dagger` with logs, policies and exact resumption."""
+"""Imitation learning in a run folder: `dagger.Dagger` with logs, policies and exact resumption."""
 
 import pathlib
 from typing import Any
@@ -24,19 +24,19 @@ def distil(
     resume: bool = False,
     quiet: bool = False,
 ) -> TrainingResult:
-    """Trains a student by DAgger and returns where its policy is.
+    """Trains a student by DAgger and returns the folder of its policy.
 
     Args:
       environment: the name the env is registered under.
-      env: not wrapped; its observations hold `student.SEEN` and `privileged_map`.
+      env: environment without wrappers, whose observations include `student.SEEN` and `privileged_map`.
       config: see `dagger.default_dagger_config`, with `num_timesteps` and `num_checkpoints`.
       folder: run folder; checkpoints/<steps>/, state.npz, state-before.npz, log.jsonl and TensorBoard events go there.
-      teacher: labels every visited state.
-      resume: continue from the newest checkpoint there, bit-equal to an uninterrupted run if `num_timesteps` is
-        unchanged. Where that checkpoint is damaged, from the one before it, with a line on standard error.
+      teacher: teacher that labels every visited state.
+      resume: whether to continue from the newest checkpoint, bit-equal to an uninterrupted run if `num_timesteps` is
+        unchanged. If that checkpoint is damaged, the one before it is used, with a line on standard error.
 
     Raises:
-      ValidationError: a folder in use, no run to resume or one that is complete, or a resumed run with another
+      ValidationError: the folder is in use, there is no run to resume or it is complete, or a resumed run has another
         configuration.
     """
     folder = folder.absolute()

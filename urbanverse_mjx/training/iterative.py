@@ -1,4 +1,4 @@
-"""A learner that iterates (`dagger.Dagger`, `finetune.Finetune`) as a run folder: log, policies, validation and exact
+"""Runs an iterative learner (`dagger.Dagger`, `finetune.Finetune`) in a run folder: log, policies, validation and exact
 resumption."""
 
 import contextlib
@@ -18,31 +18,32 @@ from .policy import latest_policy, policy_path
 from .progress import TrainingLog
 from .run import TrainingResult
 
-#: The whole state of the training at the newest checkpoint, and at the checkpoint before it.
+#: Files of the state of the training at the newest checkpoint and at the one before it.
 STATE, STATE_BEFORE = "state.npz", "state-before.npz"
-#: The best checkpoint so far by success rate on validation scenes.
+#: File about the best checkpoint so far by success rate on validation scenes.
 VALIDATION = "validation.json"
 _ENDS = ("success", "hit", "off_traversable", "timeout")
 
-#: (parameters of the actor) -> success rate by set of validation scenes.
+#: Function (parameters of the actor) -> success rate by set of validation scenes.
 Validate = Callable[[Any], dict[str, float]]
 
 
 @dataclasses.dataclass(frozen=True)
 class Iterations:
-    """How a learner becomes a run folder.
+    """The run of a learner in a folder.
 
     Attributes:
-      learner: has `iterate` and `steps_per_iteration`.
-      begin: its state before the first iteration.
-      actor_of: the parameters of the actor in a state.
-      save: (parameters of the actor, env-steps of this learner) -> the policy folder that it wrote, named by its steps
-        in checkpoints/.
+      learner: learner with `iterate` and `steps_per_iteration`.
+      begin: function that returns its state before the first iteration.
+      actor_of: function that returns the parameters of the actor in a state.
+      save: function (parameters of the actor, env-steps of this learner) that writes a policy folder to checkpoints/
+        and returns it.
       folder: log.jsonl, TensorBoard's events, state.npz, state-before.npz and validation.json go there.
-      iterations: of the whole training.
-      num_checkpoints: evenly over it.
-      validate: where given, only checkpoints that are at least as good as all before them become policies.
-      steps_before: env-steps of the stages before this one, for the log.
+      iterations: number of iterations of the whole training.
+      num_checkpoints: number of checkpoints, evenly spaced.
+      validate: validation; if given, only checkpoints that are at least as good as all before them are saved as
+        policies.
+      steps_before: env-steps of earlier stages, for the log.
     """
 
     learner: Any
@@ -57,15 +58,15 @@ class Iterations:
     quiet: bool = False
 
     def first_state(self, resume: bool) -> Any:
-        """The state to begin with: a new one, or where a run is resumed the newest one in the folder that is whole.
+        """The initial state: a new one, or for a resumed run the newest undamaged one in the folder.
 
         Raises:
-          ValidationError: nothing to resume, or a state of another training.
+          ValidationError: there is nothing to resume, or the state belongs to another training.
         """
         return _newest_state(self.folder, jax.eval_shape(self.begin)) if resume else self.begin()
 
     def replace_missing_policy(self, state: Any) -> None:
-        """Writes the policy of a state from which a run continues, if a kill or damage removed it."""
+        """Writes the policy of a state from which a run continues if the policy is missing."""
         done = int(state.steps)
         if self.validate is not None and self._best()[1] != done:
             return
@@ -78,8 +79,8 @@ class Iterations:
             self.save(self.actor_of(state), steps)
 
     def run(self, state: Any) -> TrainingResult:
-        """Iterates from `state` to the end; returns the newest policy, which is None where no checkpoint was as good as
-        the initial parameters."""
+        """Iterates from `state` to the end; returns the newest policy, or None if no checkpoint is as good as the
+        initial parameters."""
         each, done = self.learner.steps_per_iteration, int(state.steps)
         before = self.steps_before
         log = TrainingLog(self.folder, before + self.iterations * each, before + done * each, self.quiet)
@@ -121,9 +122,9 @@ class Iterations:
         return v.number(body["success"], "validation.success"), v.integer(body["iteration"], "validation.iteration", 0)
 
     def _judge(self, number: int, state: Any) -> tuple[bool, dict[str, float]]:
-        """Whether a state is at least as good as all before it, by the mean over the sets, and the rate of each set.
+        """Validates a state: whether its mean success rate is at least that of all before it, and the rate of each set.
 
-        A run that was killed and has gone back judges the same states again; `>=` accepts the best of them once more.
+        A resumed run may validate the same states again; `>=` accepts the best of them again.
         """
         assert self.validate is not None
         rates = self.validate(self.actor_of(state))
@@ -135,7 +136,7 @@ class Iterations:
 
 
 def _named(reported: dict[str, float]) -> dict[str, float]:
-    """What a learner reports under the names of the log; shares of no episodes are undefined and left out."""
+    """Metrics of a learner under the names of the log; undefined ones (without ended episodes) are left out."""
     ended = reported.get("ended")
     named = {f"episode/{k}": reported[k] for k in _ENDS} if ended else {}
     rest = {k: x for k, x in reported.items() if k not in (*_ENDS, "ended")}
@@ -143,10 +144,10 @@ def _named(reported: dict[str, float]) -> dict[str, float]:
 
 
 def _newest_state(folder: pathlib.Path, like: Any) -> Any:
-    """The newest state in a run folder that is whole.
+    """The newest undamaged state in a run folder.
 
     Raises:
-      ValidationError: there is none, or it is one of another training.
+      ValidationError: there is none, or it belongs to another training.
     """
     try:
         return snapshot.load_state(folder / STATE, like)

@@ -1,7 +1,7 @@
-"""Networks for a privileged teacher of `NavEnv`: no camera, but the distances around the robot as a small map.
+"""Networks for a privileged teacher of `NavEnv`, which uses a map of distances around the robot instead of a camera.
 
-The map `privileged_map` goes through a convolutional encoder, so that an obstacle is the same pattern wherever it
-stands; the vector `privileged` (goal, route, speeds, near distances) through an MLP.
+A convolutional encoder, which is translation-equivariant, processes the map `privileged_map`; an MLP processes the
+vector `privileged` (goal, route, speeds, near distances).
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ class MapTrunk(nn.Module):
     """`privileged_map` and `privileged` to features: a convolutional encoder, then dense layers with ELU.
 
     Attributes:
-      layers: (depth, kernel, stride) of the convolutions; empty leaves the map out.
+      layers: (depth, kernel, stride) of the convolutions; empty to ignore the map.
       hidden: units of the dense layers.
     """
 
@@ -35,7 +35,7 @@ class MapTrunk(nn.Module):
     @nn.compact
     def __call__(self, distances: jax.Array | None, vector: jax.Array) -> jax.Array:
         """(..., 640) u8 cm and (..., n) f32 -> (..., hidden[-1]) f32."""
-        # The first six are goal and two waypoints (m), the others are near one already.
+        # The first six values are goal and two waypoints (m); the others are of order one.
         near = [goal_features(vector[..., k : k + 2]) for k in (0, 2, 4)]
         x = jnp.concatenate([*near, vector[..., 6:]], axis=-1)
         if distances is not None:
@@ -83,12 +83,11 @@ def make_map_networks(
     """Brax's network factory for a teacher.
 
     Args:
-      observation_size: shapes by name, as Brax hands them over; needs `privileged`, and `privileged_map` where
-        `map_layers` are given.
+      observation_size: shapes by name; needs `privileged`, and `privileged_map` if `map_layers` are given.
       action_size: 2, or the number of actuators with action_mode="joint".
-      preprocess_observations_fn: unused; all observations have fixed scales here, so statistics cannot drift.
-      map_layers: (depth, kernel, stride) of the convolutions on the map; empty = a teacher without it.
-      hidden: units of the dense layers, alike in actor and critic.
+      preprocess_observations_fn: unused, because all observations have fixed scales.
+      map_layers: (depth, kernel, stride) of the convolutions on the map; empty for a teacher without the map.
+      hidden: units of the dense layers in actor and critic.
       convolution: see `networks.convolution_of`.
     """
     del preprocess_observations_fn

@@ -1,6 +1,6 @@
 """Networks for tasks without pixels: an actor on proprioception, a critic with privileged observations.
 
-Observations come in units near 1 (`envs.joystick`), so no statistics of them are kept that could drift.
+Observations are scaled to about 1 (`envs.joystick`), so no running statistics are needed.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,8 @@ from brax.training import distribution, networks, types
 from brax.training.agents.ppo import networks as ppo_networks
 from flax import linen as nn
 
-#: softplus of it is 0.35: with actions of about a radian, 0.69 (a parameter of 0) throws a robot over at once.
+#: Initial parameter of the standard deviation; its softplus is 0.35. With 0.69 (a parameter of 0), robots fall at once,
+#: because actions are about a radian.
 FIRST_STD = -0.87
 
 
@@ -56,7 +57,7 @@ def make_mlp_networks(
     """Brax's network factory for `JoystickEnv`.
 
     Args:
-      observation_size: shapes by name, as Brax hands them over.
+      observation_size: shapes by name.
       action_size: number of joints.
       preprocess_observations_fn: unused.
       actor_hidden, critic_hidden: units of the layers.

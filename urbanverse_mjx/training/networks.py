@@ -1,8 +1,8 @@
-"""The paper's networks for Brax PPO: conv 16/32/64 on the image, an MLP on the goal, 3 x 128 ELU.
+"""The paper's networks for Brax PPO: convolutions of 16/32/64 channels on the image, an MLP on the goal, 3 x 128 ELU.
 
-Pixels arrive as uint8 and are scaled here, nowhere else. Convolutions are written as space-to-depth and matrix
-products: XLA's CPU convolutions have gradients that run 13-20 times slower inside `lax.scan`, where Brax does its
-SGD (docs/sources/brax_over_warp.md, Q2). They are exact: tested against `flax.linen.Conv` with the same parameters.
+Pixels are uint8 and are scaled only here. On a CPU, convolutions are computed by space-to-depth and matrix products,
+because the gradients of XLA's CPU convolutions are 13-20 times slower inside `lax.scan`, where Brax runs SGD
+(docs/sources/brax_over_warp.md, Q2). The results equal those of `flax.linen.Conv` with the same parameters.
 """
 
 import functools
@@ -47,7 +47,7 @@ def conv_by_matmul(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int
 
 
 def conv_by_xla(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int) -> jax.Array:
-    """The same by XLA's own convolution, which is cuDNN's on a GPU."""
+    """The same convolution by XLA, which uses cuDNN on a GPU."""
     # conv_by_matmul cuts incomplete blocks, which a VALID convolution never reads.
     numbers = ("NHWC", "HWIO", "NHWC")
     return jax.lax.conv_general_dilated(x, kernel, (stride, stride), "VALID", dimension_numbers=numbers) + bias
@@ -100,8 +100,9 @@ class Encoder(nn.Module):
 
 
 def goal_features(goal: jax.Array) -> jax.Array:
-    """(..., 2) goal in the heading frame (m) -> (..., 5): in units of 10 m, direction, and 1 m nearness."""
-    # `jnp.linalg.norm` in operations that ONNX has.
+    """Features (..., 5) of a goal (..., 2) m in the heading frame: the goal in units of 10 m, its direction, and its
+    nearness at a scale of 1 m."""
+    # `jnp.linalg.norm` by operations that ONNX supports.
     distance = jnp.sqrt((goal * goal).sum(-1, keepdims=True))
     direction = goal / jnp.maximum(distance, 1e-3)
     return jnp.concatenate([goal / 10.0, direction, jnp.exp(-distance)], axis=-1)
@@ -128,7 +129,7 @@ class Trunk(nn.Module):
 
 
 class Actor(nn.Module):
-    """Mean from the trunk, a standard deviation of its own per action (paper: constant, initialised at 0)."""
+    """Mean by the trunk, and a separate standard deviation per action (paper: constant, initialised at 0)."""
 
     trunk: Trunk
     action_size: int
@@ -153,7 +154,7 @@ class Critic(nn.Module):
     def __call__(self, pixels: jax.Array | None, goal: jax.Array, privileged: jax.Array) -> jax.Array:
         x = self.trunk(pixels, goal)
         if self.privileged:
-            # Metres to units of about one; the rest is there already.
+            # Scales metres to about one; the other values are of order one.
             y = jnp.concatenate([privileged[..., :6] / 10.0, privileged[..., 6:]], axis=-1)
             x = jnp.concatenate([x, nn.elu(nn.Dense(64, name="privileged")(y))], axis=-1)
             x = nn.elu(nn.Dense(128, name="joint")(x))
@@ -172,12 +173,12 @@ def make_networks(
     """Brax's network factory for `NavEnv`.
 
     Args:
-      observation_size: shapes by name, as Brax hands them over.
+      observation_size: shapes by name.
       action_size: 2, or the number of actuators with action_mode="joint".
-      preprocess_observations_fn: unused; goals and pixels have fixed scales here, so statistics cannot drift.
+      preprocess_observations_fn: unused, because goals and pixels have fixed scales.
       layers: (depth, kernel, stride) of the conv layers.
-      critic_sees: "pixels" (the paper: the same as the actor) or "privileged" (no second CNN).
-      bfloat16: convolutions in bfloat16, heads stay float32.
+      critic_sees: "pixels" (as the actor, like the paper) or "privileged" (without a second CNN).
+      bfloat16: whether convolutions compute in bfloat16; heads always use float32.
       convolution: see `convolution_of`.
     """
     del preprocess_observations_fn

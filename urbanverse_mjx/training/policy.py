@@ -1,4 +1,4 @@
-"""`Policy`: a trained controller as a folder: parameters (orbax, through Brax) and their description, `policy.json`."""
+"""Policy folders: parameters of a trained policy (orbax, through Brax) and their description `policy.json`."""
 
 import dataclasses
 import functools
@@ -22,19 +22,20 @@ from .policy_files import FILE
 
 SCHEMA = "urbanverse.policy/1"
 HINT = "take another checkpoint of the run, or copy it again from where it is whole"
-#: Far above the size of any observation and action.
+#: Limits far above the size of any observation or action.
 _MAX_AXES, _MAX_SIDE = 4, 100_000
 PolicyFunction = Callable[[Any, jax.Array], jax.Array]
 
 
 @dataclasses.dataclass(frozen=True)
 class PolicySpec:
-    """The data needed to use a policy's parameters.
+    """The description of a policy that is needed to use its parameters.
 
     Attributes:
       environment, env_config: name and full config of the environment it was trained in.
       ppo_config: full training config, networks included.
-      observations: name to shape; action_size.
+      observations: name -> shape.
+      action_size: number of components of an action.
       scene_ids, bank_hashes: of its training.
       steps: env-steps of training.
       versions: packages.
@@ -66,7 +67,8 @@ class PolicySpec:
         )
 
     def save(self, folder: pathlib.Path) -> None:
-        """Writes `policy.json`, with the checksums of the folder's files and its own; they reach the disk before it."""
+        """Writes `policy.json` with checksums of itself and of the folder's files, which are flushed to disk before
+        it."""
         v.write_json(folder / FILE, policy_files.sealed({"schema": SCHEMA, **dataclasses.asdict(self)}, folder))
 
     @staticmethod
@@ -74,7 +76,7 @@ class PolicySpec:
         """Reads `policy.json`.
 
         Raises:
-          ValidationError: no such file, or a field that is missing or of another type.
+          ValidationError: the file does not exist, or a field is missing or of another type.
         """
         body = v.read_json(folder / FILE, "policy")
         fields = [f.name for f in dataclasses.fields(PolicySpec)]
@@ -109,26 +111,26 @@ def _version(package: str) -> str:
 
 
 def policy_path(checkpoints: pathlib.Path, steps: int) -> pathlib.Path:
-    """The folder of the policy of so many env-steps."""
+    """The folder of the policy after `steps` env-steps."""
     return checkpoints / f"{steps:012d}"
 
 
 def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
-    """Writes a policy folder named by its steps under `folder`; returns it. `policy.json` comes last."""
+    """Writes a policy folder named by its steps under `folder` and returns it. `policy.json` is written last."""
     import flax.serialization
     import orbax.checkpoint as ocp
 
     path = policy_path(folder, spec.steps)
-    # Orbax would wait for all processes of a training over several hosts, of which only the first writes.
+    # In a training over several hosts, only the first process writes; by default Orbax would wait for the others.
     me = jax.process_index()
     alone = ocp.options.MultiprocessingOptions(me, {me}, "policy" if jax.process_count() > 1 else None)
     writer = ocp.Checkpointer(ocp.PyTreeCheckpointHandler(multiprocessing_options=alone), multiprocessing_options=alone)
-    # The format of `brax.training.checkpoint.load`. The normaliser's own class would make JAX arrays of its counts
-    # again.
+    # The format that `brax.training.checkpoint.load` reads; the normaliser is stored as a plain structure.
     normaliser, *rest = params
     plain = (flax.serialization.to_state_dict(normaliser), *rest)
     writer.save(path, jax.tree.map(np.asarray, plain), force=True)
-    # Orbax's mark that it is done names the folder on this machine; `policy.json`, which comes last, is ours.
+    # Orbax's completion marker contains the folder's path on this machine and is not needed, because `policy.json` is
+    # written last.
     (path / "commit_success.txt").unlink(missing_ok=True)
     spec.save(path)
     return path
@@ -138,18 +140,18 @@ def save_student(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib
     """Writes a student's policy folder under `folder`, in half precision; returns it."""
     from brax.training.acme import running_statistics, specs
 
-    # Brax reads a normaliser from every checkpoint; a student has none, so this one is never used.
+    # Brax expects a normaliser in every checkpoint; a student has none, so this one is not used.
     normaliser = running_statistics.init_state(specs.Array((1,), jnp.dtype("float32")))
     half = jax.tree.map(lambda x: np.asarray(x, np.float16), params)
     return save_policy(folder, (normaliser, half, {}), spec)
 
 
 def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
-    """Writes the newest policy under `source` without its critic to the folder `out`: half the bytes, to be driven and
-    not to be trained further.
+    """Writes the newest policy under `source` without its critic to the folder `out`; the result has half the size and
+    cannot be trained further.
 
     Raises:
-      ValidationError: no policy there, or something is in `out` already.
+      ValidationError: there is no policy, or `out` is not empty.
     """
     folder = latest_policy(source)
     if out.exists() and any(out.iterdir()):
@@ -162,28 +164,28 @@ def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
 
 
 def load_params(folder: pathlib.Path) -> Any:
-    """(normaliser, policy, value) parameters of a policy folder that `latest_policy` named.
+    """(normaliser, policy, value) parameters of a policy folder.
 
     Raises:
-      ValidationError: no policy there, or one from before there were checksums that cannot be read.
+      ValidationError: there is no policy, or its parameters cannot be read.
     """
     from brax.training import checkpoint
 
     if not (folder / FILE).is_file():
         raise ValidationError(f"policy: found no {FILE} in {folder}, needed a policy folder; see `urbanverse train`.")
     try:
-        # Orbax takes no relative paths.
+        # Orbax does not accept relative paths.
         return checkpoint.load(folder.absolute())
     except Exception as error:
-        # Orbax and its storage raise a dozen kinds for files that are cut off.
+        # Orbax and its storage raise many types of errors for truncated files.
         reason = v.show(" ".join(str(error).split()), 100)
         raise v.fail(str(folder), f"parameters that cannot be read ({reason})", "a whole policy", HINT) from error
 
 
 def latest_policy(folder: pathlib.Path) -> pathlib.Path:
-    """The finished policy folder with the most steps under `folder` (or `folder` itself), with all its files whole.
+    """The complete, undamaged policy folder with the most steps under `folder` (or `folder` itself).
 
-    Damaged ones are passed over, each with a line on standard error; a damaged `folder` itself is refused.
+    Damaged ones are skipped with a line on standard error; if `folder` itself is a damaged policy, this is an error.
 
     Raises:
       ValidationError: there is none.
@@ -205,7 +207,7 @@ def latest_policy(folder: pathlib.Path) -> pathlib.Path:
 
 
 def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
-    """The network factory of a training config, for `ppo.train` and for loading."""
+    """The network factory of a training config, used for `ppo.train` and for loading."""
     network = ppo_config.network
     if "map_layers" in network:
         from .map_networks import make_map_networks
@@ -226,7 +228,7 @@ def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
         layers=layers,
         critic_sees=network.critic_sees,
         bfloat16=network.bfloat16,
-        # Policies saved before this could be chosen do not have it.
+        # Configurations of older policies do not have this field.
         convolution=network.get("convolution", "auto"),
     )
 
@@ -234,7 +236,7 @@ def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
 def make_policy_function(
     observations: dict[str, Any], action_size: int, ppo_config: ConfigDict, params: Any, deterministic: bool = True
 ) -> PolicyFunction:
-    """(observation, key) -> action, for one env or a batch."""
+    """Makes a function (observation, key) -> action for one env or a batch."""
     from brax.training.agents.ppo import networks as ppo_networks
 
     nets = network_factory(ppo_config)({k: tuple(s) for k, s in observations.items()}, action_size)
@@ -243,8 +245,8 @@ def make_policy_function(
 
 
 def parametric_policy(spec: PolicySpec) -> Callable[[Any, Any, jax.Array], jax.Array]:
-    """(parameters, observations, key) -> deterministic actions, for networks of `spec` with any parameters of theirs
-    (see `load_params`)."""
+    """Makes a function (parameters, observations, key) -> deterministic actions for the networks of `spec` (for the
+    parameters see `load_params`)."""
     from brax.training.agents.ppo import networks as ppo_networks
 
     sizes = {name: tuple(shape) for name, shape in spec.observations.items()}
@@ -253,18 +255,18 @@ def parametric_policy(spec: PolicySpec) -> Callable[[Any, Any, jax.Array], jax.A
 
 
 def initial_params(observations: dict[str, Any], action_size: int, ppo_config: ConfigDict, seed: int) -> Any:
-    """Parameters before any training."""
+    """Randomly initialised parameters."""
     nets = network_factory(ppo_config)({k: tuple(s) for k, s in observations.items()}, action_size)
     key_policy, key_value = jax.random.split(jax.random.PRNGKey(seed))
     return None, nets.policy_network.init(key_policy), nets.value_network.init(key_value)
 
 
 def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> Any:
-    """The newest parameters under `folder`, for networks that a training in `env` makes; {} for the critic of a policy
+    """The newest parameters under `folder` that fit the networks of a training in `env`; {} for the critic of a policy
     without one.
 
     Raises:
-      ValidationError: no policy there, or networks of other shapes.
+      ValidationError: there is no policy, or its networks have other shapes.
     """
     path = latest_policy(folder)
     found = load_params(path)
@@ -280,7 +282,7 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
 
 
 def untrained_policy(spec: PolicySpec) -> Any:
-    """The policy of `spec` before any training, from the seed of its config."""
+    """The policy of `spec` with random parameters from the seed of its config."""
     config = ConfigDict(spec.ppo_config)
     if config.get("algorithm") == "dagger":
         from .dagger import make_student
@@ -293,10 +295,11 @@ def untrained_policy(spec: PolicySpec) -> Any:
 
 
 def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[Any, PolicySpec]:
-    """A trained policy, (observation, key) -> action or a `StudentPolicy` with memory, and its description.
+    """Loads a trained policy, a function (observation, key) -> action or a `StudentPolicy` with memory, and its
+    description.
 
     Args:
-      folder: a policy folder, or one that holds some (the most trained is taken).
+      folder: a policy folder, or a folder of several (the one with the most steps is loaded).
     """
     folder = latest_policy(folder)
     spec = PolicySpec.load(folder)
@@ -305,7 +308,7 @@ def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[Any, 
         from .dagger import make_student
         from .student import StudentPolicy
 
-        # Half precision halves the file; the arithmetic is single.
+        # Parameters are stored in half precision; computation is in single precision.
         params = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(folder)[1])
         return StudentPolicy(make_student(config, spec.action_size), params), spec
     function = make_policy_function(spec.observations, spec.action_size, config, load_params(folder), deterministic)

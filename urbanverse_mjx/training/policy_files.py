@@ -1,4 +1,4 @@
-"""Checksums of a policy's files, kept in its `policy.json`: a policy that was cut off or changed is never driven."""
+"""Checksums of a policy's files in its `policy.json`, so that truncated or modified policies are not used."""
 
 import hashlib
 import json
@@ -9,14 +9,14 @@ from typing import Any
 from ..datatypes import validation as v
 
 FILE = "policy.json"
-#: Fields of `policy.json` that this module adds: path within the folder -> SHA-256 of that file, and the SHA-256 of
-#: all other fields. Policies from before they were written have neither, and load unchecked.
+#: Fields of `policy.json` that this module adds: path within the folder -> SHA-256 of that file, and the SHA-256 of all
+#: other fields. Older policies have neither and are loaded without this check.
 SEAL = ("files", "checksum")
 _NEEDED = "the bytes that were written; take another checkpoint, or copy the policy again from where it is whole"
 
 
 def sealed(body: Mapping[str, Any], folder: pathlib.Path) -> dict[str, Any]:
-    """The fields with `SEAL`; when this returns the folder's files are on the disk."""
+    """Adds the fields of `SEAL`; flushes the folder's files to disk first."""
     entries = [path for path in sorted(folder.rglob("*")) if path != folder / FILE]
     files = [path for path in entries if path.is_file()]
     for path in (*entries, folder):
@@ -27,17 +27,17 @@ def sealed(body: Mapping[str, Any], folder: pathlib.Path) -> dict[str, Any]:
 
 
 def check(path: pathlib.Path) -> None:
-    """Whether a policy is as it was written.
+    """Checks that the files of a policy are unchanged.
 
     Args:
-      path: its `policy.json`.
+      path: path of its `policy.json`.
 
     Raises:
-      ValidationError: a file is missing, cut off or changed.
+      ValidationError: a file is missing, truncated or changed.
     """
     body = v.read_json(path, "policy")
     if not isinstance(body, dict) or not set(SEAL) & set(body):
-        return  # from before there were checksums, or no policy, for which its reader gives the better error
+        return  # an older policy without checksums, or not a policy, for which the reader has a better error
     files = body.get("files")
     if not isinstance(files, dict) or body.get("checksum") != _checksum(body):
         raise v.fail(str(path), "content that does not match its checksum", _NEEDED)
@@ -50,7 +50,7 @@ def check(path: pathlib.Path) -> None:
 
 
 def _checksum(body: Mapping[str, Any]) -> str:
-    """Over all fields but itself, as JSON reads them back, in order of their names."""
+    """Checksum over all other fields in JSON, sorted by name."""
     rest = {name: value for name, value in body.items() if name != "checksum"}
     return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()
 

@@ -12,12 +12,13 @@ from ..progress import Progress
 
 
 class TrainingLog:
-    """Receives Brax's two kinds of progress calls and writes them down.
+    """Writes the metrics of Brax's progress callbacks to logs and the progress bar.
 
     Args:
       folder: run folder; `log.jsonl` and TensorBoard's event file go there.
-      total: env-steps of the whole run, start: steps already done by earlier segments.
-      quiet: print no progress on standard error.
+      total: env-steps of the whole run.
+      start: env-steps done by earlier segments.
+      quiet: whether to print no progress on standard error.
     """
 
     def __init__(self, folder: pathlib.Path, total: int, start: int = 0, quiet: bool = False):
@@ -32,7 +33,7 @@ class TrainingLog:
 
     @property
     def steps_per_second(self) -> float:
-        """Median of the measured rates, the first (which holds the compilation) left out."""
+        """Median of the measured rates without the first, which includes the compilation."""
         values = sorted(rate for _, rate in self.rates)
         return values[len(values) // 2] if values else 0.0
 
@@ -64,7 +65,7 @@ class TrainingLog:
 
 def _how_it_goes(values: Mapping[str, float]) -> str:
     if "episode/success" in values:
-        # Imitation counts how episodes end and has no share of the route.
+        # Imitation logs counts of results and no route completion.
         known = {"success": "success", "hit": "hit", "route": "route_completion"}
         keys = {word: f"episode/{key}" for word, key in known.items()}
         return ", ".join(f"{word} {values[key]:.0%}" for word, key in keys.items() if key in values)
@@ -72,7 +73,7 @@ def _how_it_goes(values: Mapping[str, float]) -> str:
 
 
 def _tidy(name: str) -> str:
-    """Brax files losses and episode sums under "episode/"; ours have names of their own."""
+    """Renames metrics; Brax logs both losses and episode sums under "episode/"."""
     loss = ("total_loss", "policy_loss", "v_loss", "entropy_loss", "kl_mean", "learning_rate")
     base = name.removeprefix("episode/")
     return f"training/{base}" if base in loss else name

@@ -17,13 +17,13 @@ from .config import default_ppo_config
 from .policy import PolicySpec, package_versions
 
 FILE = "config.json"
-#: PPO fields that a resumed run may change: the duration and the number of checkpoints only.
+#: PPO fields that a resumed run may change: duration and number of checkpoints.
 MAY_CHANGE = ("num_timesteps", "num_checkpoints")
 
 
 @dataclasses.dataclass(frozen=True)
 class RunRequest:
-    """A caller's settings of a run; None and missing keys mean not given.
+    """Settings of a run by the caller; None and missing keys mean not given.
 
     Attributes:
       environment: registered name.
@@ -43,7 +43,7 @@ class RunRequest:
 
     @property
     def ppo(self) -> dict[str, Any]:
-        """All that is said about PPO, flat dotted keys."""
+        """All PPO settings as flat dotted keys."""
         own = {name: getattr(self, name) for name in ("num_timesteps", "num_envs", "seed")}
         return {**self.ppo_overrides, **{k: x for k, x in own.items() if x is not None}}
 
@@ -70,7 +70,7 @@ class RunRecord:
         """Reads the record of a run folder.
 
         Raises:
-          ValidationError: none there, or not one of a run.
+          ValidationError: there is no record, or it is invalid.
         """
         path = folder / FILE
         if not path.is_file():
@@ -83,27 +83,27 @@ class RunRecord:
         return RunRecord(body["environment"], dict(body["env"]), ppo, tuple(body.get("segments") or (first,)))
 
     def save(self, folder: pathlib.Path) -> None:
-        """Writes `config.json`, replacing an older one at once."""
+        """Writes `config.json` atomically."""
         v.write_json(folder / FILE, dataclasses.asdict(self))
 
     def configs(self) -> tuple[str, ConfigDict, ConfigDict]:
-        """Environment, and fresh configs of it and of PPO."""
+        """Name of the environment, and new configs of it and of PPO."""
         return self.environment, ConfigDict(self.env), ConfigDict(self.ppo)
 
 
 def configs_of(
     request: RunRequest, preset: str | None = None, environment: str = "CocoNav"
 ) -> tuple[str, ConfigDict, ConfigDict]:
-    """Environment, its config and its training's for a new run; `preset` and `environment` where the request names
-    none. Without either the preset is `quick`, or `cpu` for an environment that has no `quick`.
+    """Environment, its config and its training config for a new run; `preset` and `environment` are defaults of the
+    request. Without a preset, it is `quick`, or `cpu` for an environment without `quick`.
 
     Raises:
-      ValidationError: an unknown name, or an override that does not fit.
+      ValidationError: a name is unknown, or an override does not fit.
     """
     environment = request.environment or environment
     preset = request.preset or preset or ("quick" if "quick" in registry.presets(environment) else "cpu")
     overrides = dict(request.env_overrides)
-    # As in `registry.load`: this key picks the config that the others change.
+    # As in `registry.load`, this key selects the base config.
     base = registry.get_default_config(environment, overrides.pop("preset", preset))
     env = registry.with_overrides(base, overrides)
     return environment, env, registry.with_overrides(default_ppo_config(preset, environment), request.ppo)
@@ -113,7 +113,7 @@ def resumed_configs(folder: pathlib.Path, request: RunRequest) -> tuple[str, Con
     """Environment and configs of the run in `folder`, with the requested `MAY_CHANGE`.
 
     Raises:
-      ValidationError: no run there, or a request that differs from the run's settings.
+      ValidationError: there is no run, or the request differs from the run's settings.
     """
     name, env, ppo = RunRecord.load(folder).configs()
     asked_env = registry.with_overrides(env, request.env_overrides)
@@ -134,10 +134,10 @@ def begin_segment(
     from_steps: int,
     start_from: pathlib.Path | None = None,
 ) -> RunRecord:
-    """The record with one more segment, not written to a file. A resumed run has `from_steps` above 0.
+    """Adds a segment to the record without writing it to a file. A resumed run has `from_steps` above 0.
 
     Raises:
-      ValidationError: a resumed run with settings other than those of its record.
+      ValidationError: a resumed run has settings other than those of its record.
     """
     earlier: tuple[dict[str, Any], ...] = ()
     if from_steps:
@@ -159,10 +159,10 @@ def begin_segment(
 
 
 def check_scenes(trained: PolicySpec, env: Any) -> None:
-    """Whether `env` has the very scenes of a checkpoint.
+    """Checks that `env` has exactly the scenes of a checkpoint.
 
     Raises:
-      ValidationError: others, or the same ids with other layouts.
+      ValidationError: the scenes differ, or the same ids have other layouts.
     """
     ids = [env.bank.scene_ids[i] for i in env.scenes]
     hashes = env.bank.meta.get("hashes", {})
@@ -176,7 +176,7 @@ def check_scenes(trained: PolicySpec, env: Any) -> None:
 
 
 def _plain(config: ConfigDict) -> dict[str, Any]:
-    """Flat dotted keys to values as JSON holds them."""
+    """Flat dotted keys -> JSON values."""
 
     def flat(value: Any, prefix: str) -> dict[str, Any]:
         if not isinstance(value, dict):

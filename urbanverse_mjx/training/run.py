@@ -1,4 +1,4 @@
-"""Training: Brax PPO, unmodified, over a `NavEnv`, with logs, checkpoints and resumption."""
+"""Training by unmodified Brax PPO with logs, checkpoints and resumption."""
 
 import dataclasses
 import pathlib
@@ -24,10 +24,10 @@ class TrainingResult:
     """The result of a training.
 
     Attributes:
-      policy: folder of the last policy; None in all processes of a training over several hosts but the first.
+      policy: folder of the last policy; None in all but the first process of a training over several hosts.
       steps: env-steps in all segments.
       seconds: wall time of this segment, compilation included.
-      steps_per_second: median over the run's logging intervals, compilation left out.
+      steps_per_second: median over the run's logging intervals, without compilation.
     """
 
     policy: pathlib.Path | None
@@ -54,13 +54,13 @@ def _start_of(folder: pathlib.Path, resume: bool, env: Any) -> tuple[int, Any]:
 
 
 def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
-    """Our hyper-parameters under the names of `ppo.train`."""
+    """Arguments of `ppo.train` from the config."""
     same = brax_arguments(config)
     return {
         **same,
         "normalize_observations": False,
         "num_evals": config.num_checkpoints + 1,
-        # Brax builds an evaluator even when it never runs it; the same size shares the render context.
+        # Brax builds an evaluator even if it never runs it; with the same size it shares the render context.
         "num_eval_envs": config.num_envs // jax.device_count(),
         "run_evals": False,
         "log_training_metrics": True,
@@ -77,22 +77,22 @@ def train(
     quiet: bool = False,
     start_from: pathlib.Path | None = None,
 ) -> TrainingResult:
-    """Trains a policy and returns where it is.
+    """Trains a policy and returns its folder.
 
     Args:
-      environment: the name the env is registered under.
-      env: not wrapped.
+      environment: name under which the env is registered.
+      env: environment without wrappers.
       ppo_config: see `config.default_ppo_config`.
       folder: run folder; checkpoints/<steps>/, log.jsonl and TensorBoard events go there.
-      resume: continue from the newest checkpoint there. Brax restores the networks, but neither Adam's moments nor the
-        running episodes: those start anew, with another seed, and the step counter continues. `environment`, the env's
-        config and scenes and `ppo_config` must be the run's own but for `record.MAY_CHANGE`.
-      start_from: a policy with the initial networks, e.g. one of another robot; with a new critic if it has none. Not
-        with `resume`.
+      resume: whether to continue from the newest checkpoint. Brax restores the networks, but not the optimizer state or
+        the running episodes, which start again with another seed; the step counter continues. `environment`, the env's
+        config and scenes and `ppo_config` must be those of the run, except for `record.MAY_CHANGE`.
+      start_from: policy with the initial networks, e.g. of another robot; a new critic is initialised if it has none.
+        Cannot be combined with `resume`.
 
     Raises:
-      ValidationError: sizes that do not divide, a folder in use, no run to resume, a resumed run with another
-        configuration, networks of other shapes to start from.
+      ValidationError: sizes are not divisible as required, the folder is in use, there is no run to resume, a resumed
+        run has another configuration, or the initial networks have other shapes.
     """
     ppo = load_ppo()
     folder = folder.absolute()
@@ -128,7 +128,7 @@ def train(
             wrap_env_fn=wrap_for_training,
             episode_length=env.config.episode_length,
             num_timesteps=total - start,
-            # Another seed after a resume: the same one would replay the first segment's episodes.
+            # A resumed run has another seed, because the same one would repeat the first segment's episodes.
             seed=ppo_config.seed + start,
             network_factory=network_factory(ppo_config),
             progress_fn=log or _say_nothing,
@@ -154,17 +154,18 @@ def _say_nothing(_: int, __: Any) -> None:
 
 
 def join_processes(coordinator: str, num_processes: int | None, process_id: int | None) -> None:
-    """Makes this process one of several that train together, each on the devices of its own host.
+    """Joins this process to a training over several hosts, each of which uses its own devices.
 
-    To be called before anything asks JAX for a device. All processes then call `train` with the same arguments;
-    `num_envs` counts the envs of all of them. Only the first writes.
+    Must be called before JAX initialises its devices. All processes then call `train` with the same arguments;
+    `num_envs` is the total over all of them. Only the first process writes files.
 
     Args:
-      coordinator: "host:port" of the first process; "auto" where JAX detects the cluster (Slurm, Open MPI, Kubernetes).
-      num_processes, process_id: their number, and that of this one; needed unless "auto".
+      coordinator: "host:port" of the first process, or "auto" if JAX can detect the cluster (Slurm, Open MPI,
+        Kubernetes).
+      num_processes, process_id: number of processes, and index of this one; required unless "auto".
 
     Raises:
-      ValidationError: a coordinator without numbers, or a number outside its range.
+      ValidationError: a number is missing or outside its range.
     """
     if coordinator == "auto":
         jax.distributed.initialize()
@@ -178,6 +179,6 @@ def join_processes(coordinator: str, num_processes: int | None, process_id: int 
     v.integer(process_id, "--process-id", 0, num_processes - 1)
     if ":" not in coordinator:
         raise ValidationError(f"--coordinator: found {coordinator!r}, needed HOST:PORT of process 0.")
-    # Processes on CPUs (tests, clusters without accelerators) need a library for their sums.
+    # Processes on CPUs need a library for collective operations.
     jax.config.update("jax_cpu_collectives_implementation", "gloo")
     jax.distributed.initialize(coordinator, num_processes, process_id)

@@ -1,4 +1,4 @@
-"""A training's folder: one process at a time is at work in it, and no two trainings make the same one."""
+"""Run folders: only one process uses a folder at a time, and every training creates its own."""
 
 import contextlib
 import fcntl
@@ -9,17 +9,17 @@ from collections.abc import Iterator
 
 from ..datatypes import ValidationError
 
-#: Locked by the running process; contains its id.
+#: File that the running process locks; contains its id.
 LOCK = ".lock"
-#: Orbax's name of an incomplete checkpoint.
+#: Pattern of Orbax's names of incomplete checkpoints.
 _HALF_A_CHECKPOINT = "**/checkpoints/[0-9]*.orbax-checkpoint-tmp*"
 
 
 def check_new(folder: pathlib.Path) -> None:
-    """Whether a folder can take a new run.
+    """Checks that a folder can be used for a new run.
 
     Raises:
-      ValidationError: there are checkpoints in it.
+      ValidationError: the folder contains checkpoints.
     """
     checkpoints = folder / "checkpoints"
     if checkpoints.exists() and any(checkpoints.iterdir()):
@@ -28,7 +28,7 @@ def check_new(folder: pathlib.Path) -> None:
 
 @contextlib.contextmanager
 def new_run(parent: pathlib.Path, name: str) -> Iterator[pathlib.Path]:
-    """A folder of its own, NAME or NAME-2 and so on; it goes again where the block fails before anything is in it."""
+    """Context that creates a new folder NAME, NAME-2 and so on, and removes it if the block fails while it is empty."""
     folder = _make(parent, name)
     try:
         with at_work(folder):
@@ -54,10 +54,10 @@ def _make(parent: pathlib.Path, name: str) -> pathlib.Path:
 
 @contextlib.contextmanager
 def at_work(folder: pathlib.Path) -> Iterator[None]:
-    """Keeps other processes out of a run's folder, and removes checkpoints that a killed one left half written.
+    """Context that locks a run's folder and removes incomplete checkpoints of a killed process.
 
     Raises:
-      ValidationError: no such folder, or another process is at work in it.
+      ValidationError: the folder does not exist, or another process uses it.
     """
     if not folder.is_dir():
         raise ValidationError(f"run folder: found no folder {folder}, needed one that `urbanverse train` made.")

@@ -1,7 +1,7 @@
-"""Common parts of learning from sequences of camera images: mirroring, lighting, and epochs over minibatches.
+"""Common parts of learning from sequences of camera images: mirroring, photometric augmentation, and minibatch epochs.
 
-Half of the envs are seen in a mirror: image, goal, speeds and labels are flipped left to right, and the student's
-action is flipped back before it drives. Streets and their mirror images are equally likely, so this doubles them.
+The observations of half of the envs are mirrored: image, goal, speeds and labels are flipped left to right, and the
+student's action is flipped back. Streets and their mirror images are equally likely, so this doubles the data.
 """
 
 import time
@@ -16,14 +16,14 @@ from .map_networks import MAP_SHAPE
 from .networks import PIXELS
 from .student import predicted_target
 
-#: The action (x, y) of a navigating robot changes the sign of its second component in a mirror.
+#: Components of the action (x, y) whose sign changes when mirrored.
 LATERAL_ACTION = (1,)
-#: (params, minibatch (T, rows, ...), memory (rows, memory), key) -> (loss, what to report).
+#: Loss function (params, minibatch (T, rows, ...), memory (rows, memory), key) -> (loss, metrics).
 Loss = Callable[[Any, Any, jax.Array, jax.Array], tuple[jax.Array, Any]]
 
 
 def mirror_lateral(values: jax.Array, mirrored: jax.Array, lateral: tuple[int, ...]) -> jax.Array:
-    """Values (n, k) with the components `lateral` of the envs `mirrored` (n,) negated."""
+    """Negates the components `lateral` of values (n, k) for the envs `mirrored` (n,)."""
     sign = jnp.ones(values.shape[-1]).at[jnp.array(lateral)].set(-1.0)
     return jnp.where(mirrored[:, None], values * sign, values)
 
@@ -39,8 +39,8 @@ def mirrored_view(obs: Mapping[str, jax.Array], mirrored: jax.Array) -> dict[str
 
 
 def blurred(x: jax.Array, strength: jax.Array) -> jax.Array:
-    """Images (T, n, H, W, 3) of a float type, mixed with their binomial blur over 3 x 3 pixels; strength: (n,) in
-    [0, 1], 1 = the blurred image alone."""
+    """Blends images (T, n, H, W, 3) of a float type with their binomial blur over 3 x 3 pixels; strength: (n,) in [0,
+    1], 1 = only the blurred image."""
     soft = x
     for axis in (2, 3):
         first, last = jnp.take(soft, jnp.array([0]), axis), jnp.take(soft, jnp.array([-1]), axis)
@@ -53,12 +53,13 @@ def blurred(x: jax.Array, strength: jax.Array) -> jax.Array:
 
 
 def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float, blur: float = 0.0) -> jax.Array:
-    """Images (T, n, H, W, 3) u8 with another exposure, contrast, colour and sharpness for each of the n sequences.
+    """Augments images (T, n, H, W, 3) u8 by random exposure, contrast, colour and sharpness for each of the n
+    sequences.
 
     Args:
-      light: share by which brightness and colour differ at most.
-      noise: standard deviation of each pixel, of the full range.
-      blur: the strongest `blurred`.
+      light: largest relative change of brightness and colour.
+      noise: standard deviation of each pixel as a share of the full range.
+      blur: largest strength of `blurred`.
     """
     if light == 0.0 and noise == 0.0 and blur == 0.0:
         return pixels
@@ -74,9 +75,9 @@ def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float, blur: f
 
 
 def mirrored_target(distances: jax.Array, mirrored: jax.Array) -> jax.Array:
-    """`privileged_map` (n, 640) u8 of n envs -> the map to predict (n, *PREDICTED), flipped for the envs `mirrored`."""
+    """Map to predict (n, *PREDICTED) from `privileged_map` (n, 640) u8, flipped for the envs `mirrored`."""
     cells = distances.reshape(-1, *MAP_SHAPE)
-    # The second axis of the map runs from right to left.
+    # The second axis of the map is lateral.
     return predicted_target(jnp.where(mirrored[:, None, None, None], cells[:, :, ::-1], cells))
 
 
@@ -91,15 +92,16 @@ def epochs(
     count: int,
     parts: int,
 ) -> tuple[tuple[Any, Any], Any]:
-    """Passes over the sequences of a rollout, each cut at random into minibatches of whole sequences.
+    """Trains for several epochs over the sequences of a rollout, each split at random into minibatches of whole
+    sequences.
 
     Args:
       start: (parameters, optimizer state).
       batch: a pytree of (T, n, ...).
       memory: (n, memory) at its first step.
       rate: factor of the optimizer's update: a number, or a prefix pytree of the parameters.
-      count: passes.
-      parts: minibatches of a pass; divides n.
+      count: number of epochs.
+      parts: number of minibatches per epoch; must divide n.
 
     Returns:
       (parameters, optimizer state), and the mean of the loss's metrics.
@@ -126,10 +128,10 @@ def epochs(
 
 
 class Learner(Protocol):
-    """An algorithm that iterates: `dagger.Dagger`, `finetune.Finetune`."""
+    """Interface of iterative algorithms: `dagger.Dagger`, `finetune.Finetune`."""
 
     def iterate(self, state: Any, progress: jax.Array) -> tuple[Any, dict[str, jax.Array]]:
-        """The state after another iteration, whose buffers the old one gives up, and what happened in it."""
+        """Runs an iteration; donates the buffers of the state. Returns the new state and metrics."""
         ...
 
 
@@ -140,12 +142,12 @@ def run(
     on_iteration: Callable[[int, Any, dict[str, float]], None],
     state: Any,
 ) -> Any:
-    """Iterates until `iterations` are done or `seconds` of wall time are over; calls back after each.
+    """Runs iterations until `iterations` are done or `seconds` of wall time have passed, with a callback after each.
 
     Args:
-      state: the learner's initial one. Its `steps` count towards `iterations`.
+      state: initial state of the learner, whose `steps` count towards `iterations`.
 
-    With a limit of seconds that is reached, the learning rate follows the clock, and no two runs are the same.
+    If the time limit is reached, the learning rate depends on the clock, and runs are not reproducible.
     """
     begin = time.monotonic()
     for number in range(int(state.steps) + 1, iterations + 1):

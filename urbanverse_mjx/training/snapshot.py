@@ -1,7 +1,7 @@
-"""The whole state of a training as one file, from which it continues bit-equal.
+"""Saves and loads the complete state of a training in one file, for bit-equal resumption.
 
-A pytree's leaves, random keys included, in the order in which JAX flattens it; the structure itself comes from the
-algorithm, which makes the same one anew.
+The file has a pytree's leaves, including random keys, in the order of JAX's flattening; the algorithm provides the
+structure.
 """
 
 import pathlib
@@ -19,7 +19,7 @@ def _is_key(leaf: Any) -> bool:
 
 
 def save_state(path: pathlib.Path, state: Any) -> pathlib.Path:
-    """Writes all arrays of a pytree; a file of this name is replaced once the new one is whole."""
+    """Writes all arrays of a pytree atomically."""
     leaves = [np.asarray(jax.random.key_data(x) if _is_key(x) else x) for x in jax.tree.leaves(state)]
 
     def write(temporary: pathlib.Path) -> None:
@@ -30,13 +30,13 @@ def save_state(path: pathlib.Path, state: Any) -> pathlib.Path:
 
 
 def load_state(path: pathlib.Path, like: Any) -> Any:
-    """The state that `save_state` wrote.
+    """Reads a state that `save_state` wrote.
 
     Args:
-      like: a state of the same training, such as the one that it began with; its values are not used.
+      like: a state of the same training, such as the initial one; its values are not used.
 
     Raises:
-      ValidationError: no such file, a damaged one, or one of a training with other shapes.
+      ValidationError: the file does not exist, is damaged, or belongs to a training with other shapes.
     """
     if not path.is_file():
         raise ValidationError(f"training state: found no file {path}, needed one that a training wrote.")

@@ -1,7 +1,7 @@
-"""The network of a student: camera, goal and proprioception to an action, with or without a memory.
+"""The student network: maps camera image, goal and proprioception to an action, with or without memory.
 
-It also predicts the distances around the robot (`privileged_map`) from the features of the action, as an optional
-auxiliary loss that makes the features encode the surroundings.
+It also predicts the distances around the robot (`privileged_map`) for an optional auxiliary loss, which makes the
+features encode the surroundings.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ PREDICTED = (10, 8, 2)
 
 
 class _Memory(nn.Module):
-    """A GRU cell whose memory is emptied where an episode begins."""
+    """A GRU cell whose memory is reset when an episode begins."""
 
     size: int
 
@@ -33,14 +33,15 @@ class _Memory(nn.Module):
 
 
 class Student(nn.Module):
-    """A deterministic policy.
+    """A deterministic policy network.
 
     Attributes:
       layers: (depth, kernel, stride) of the conv layers.
       hidden: units of the dense layers.
       memory: units of the GRU; 0 = none.
       dtype: of the convolutions' arithmetic.
-      single_step: sequences have one step, without a scan: ONNX has no scan over a batch of unknown size.
+      single_step: whether sequences have one step and need no scan, because ONNX has no scan over a batch of unknown
+        size.
     """
 
     layers: Sequence[tuple[int, int, int]]
@@ -55,12 +56,12 @@ class Student(nn.Module):
     def __call__(
         self, obs: Mapping[str, jax.Array], memory: jax.Array, begins: jax.Array
     ) -> tuple[jax.Array, jax.Array, jax.Array]:
-        """A batch of sequences.
+        """Applies the network to a batch of sequences.
 
         Args:
           obs: `SEEN`, each (T, n, ...).
           memory: (n, memory) before the first step.
-          begins: (T, n) bool, the observation is the first of an episode.
+          begins: (T, n) bool, whether the observation is the first of an episode.
 
         Returns:
           actions (T, n, action_size) in [-1, 1], memory (n, memory) after the last step, and the predicted map
@@ -97,16 +98,16 @@ def predicted_target(distances: jax.Array) -> jax.Array:
 
 
 def initial_student(network: Student, observations: Mapping[str, Any], seed: int) -> Any:
-    """Parameters before any training, for observations of the given shapes."""
+    """Randomly initialised parameters for observations of the given shapes."""
     types = {PIXELS: jnp.uint8}
     obs = {name: jnp.zeros((1, 1, *observations[name]), types.get(name, jnp.float32)) for name in SEEN}
     return network.init(jax.random.key(seed), obs, network.first_memory(1), jnp.ones((1, 1), bool))
 
 
 class StudentPolicy:
-    """A student with its parameters as an agent that remembers, for one env inside jit.
+    """A student with its parameters as a recurrent agent for one env inside jit.
 
-    `act(obs, memory, key)` gives (action, memory); an episode begins with `first_memory()`.
+    `act(obs, memory, key)` returns (action, memory); an episode begins with `first_memory()`.
     """
 
     def __init__(self, network: Student, params: Any) -> None:
@@ -117,7 +118,7 @@ class StudentPolicy:
         return self._network.first_memory()
 
     def act(self, obs: Mapping[str, jax.Array], memory: jax.Array, key: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """The action (action_size,) of one env, and what to remember."""
+        """The action (action_size,) of one env, and the new memory."""
         del key
         one = {name: obs[name][None, None] for name in SEEN}
         action, memory, _ = self._network.apply(self._params, one, memory[None], jnp.zeros((1, 1), bool))  # type: ignore[misc]

@@ -1,7 +1,7 @@
-"""A policy with a camera in three stages: a privileged teacher by PPO, its imitation, PPO from there.
+"""Trains a policy with a camera in three stages: a privileged teacher by PPO, its imitation, and PPO fine-tuning.
 
-The teacher drives by the route and the exact distances around it and needs no images, so it learns within minutes. The
-student imitates it by DAgger (`dagger`) and continues by PPO with a privileged critic (`finetune`), without labels.
+The teacher uses the route and exact distances instead of images, so its training takes minutes. The student imitates it
+by DAgger (`dagger`) and is then fine-tuned by PPO with a privileged critic (`finetune`).
 
 Folder of a run: teacher/ (a run folder of Brax PPO), imitation/ and the run's own checkpoints/ (run folders of
 `iterative`); each stage's complete.json names its policy. The number of a checkpoint counts the env-steps of all
@@ -41,14 +41,15 @@ class TeacherStudent:
     """A training in three stages.
 
     Attributes:
-      environment: the name the envs are registered under.
-      env: not wrapped; its observations hold `student.SEEN`, `privileged` and `privileged_map`.
-      make_teacher_env: the same environment without a camera, which is made for the first stage and dropped after it.
+      environment: name under which the envs are registered.
+      env: environment without wrappers, whose observations include `student.SEEN`, `privileged` and `privileged_map`.
+      make_teacher_env: function that makes the same environment without a camera, for the first stage.
       config: of the student (`dagger.default_dagger_config`), with `num_timesteps` of all stages together, `shares` of
         the stages in them, `num_checkpoints` of each, `teacher` (PPO as in `config.default_ppo_config`) and
         `finetune` (`finetune.default_finetune_config`), both without `num_envs` and `seed`, which are the student's.
-      validator: the student's network -> how to judge its parameters; None where there are no validation scenes.
-      start_from: a student's policy with which the imitation begins, such as one of another robot.
+      validator: function from the student's network to a validation function of its parameters; None without validation
+        scenes.
+      start_from: student policy with the initial parameters of the imitation, e.g. of another robot.
     """
 
     environment: str
@@ -61,15 +62,16 @@ class TeacherStudent:
     quiet: bool = False
 
     def train(self, resume: bool, say: Callable[[str], None] = lambda _: None) -> TrainingResult:
-        """Trains what is not complete yet; the policy is the best student on the validation scenes, or the last one.
+        """Trains the stages that are not complete; the result is the best student on the validation scenes, or the last
+        one.
 
         Args:
-          resume: go on with the run in `folder`. The student's stages continue bit-equal from their newest checkpoint;
-            a teacher that is not complete begins again.
+          resume: whether to continue the run in `folder`. The student's stages continue bit-equal from their newest
+            checkpoint; an incomplete teacher is trained again.
 
         Raises:
-          ValidationError: a folder in use, a run that is complete, other scenes than the run's, a policy to start from
-            with other layers.
+          ValidationError: the folder is in use, the run is complete, the scenes differ from the run's, or the initial
+            policy has other layers.
         """
         if resume and _complete(self.folder) is not None:
             raise ValidationError(f"--resume: found a complete run in {self.folder}, needed one that was cut off.")
@@ -94,23 +96,23 @@ class TeacherStudent:
         return self._finetune(teacher, self.folder / IMITATION / str(_complete(self.folder / IMITATION)))
 
     def steps(self, stage: str) -> int:
-        """Env-steps of a stage as planned."""
+        """Planned env-steps of a stage."""
         shares = self.config.shares
         return int(self.config.num_timesteps * shares[stage] / sum(shares[name] for name in STAGES))
 
     def _iterations(self, stage: str, each: int) -> int:
-        """Of a stage; each: env-steps of one."""
+        """Number of iterations of a stage; each: env-steps per iteration."""
         return max(self.steps(stage) // each, 1)
 
     def _start_from(self, resume: bool) -> pathlib.Path | None:
-        """A resumed run's is that of its record."""
+        """The initial policy; that of the record for a resumed run."""
         if not resume:
             return self.start_from
         said = RunRecord.load(self.folder).segments[-1].get("start_from")
         return None if said is None else pathlib.Path(said)
 
     def _start(self, start_from: pathlib.Path | None) -> Any:
-        """The parameters that the imitation begins with, or None for random ones."""
+        """The initial parameters of the imitation, or None for random ones."""
         if start_from is None:
             return None
         path = latest_policy(start_from)
@@ -126,7 +128,7 @@ class TeacherStudent:
         return found
 
     def _train_teacher(self, say: Callable[[str], None]) -> None:
-        """PPO from random weights; what an earlier attempt left in the folder goes."""
+        """Trains the teacher by PPO from random weights; removes files of an earlier attempt."""
         say("stage 1 of 3: the teacher, which sees no images")
         folder = self.folder / TEACHER
         if folder.exists():
@@ -138,7 +140,7 @@ class TeacherStudent:
         _write_complete(folder, result.policy)
 
     def teacher_config(self) -> ConfigDict:
-        """The whole PPO config of the teacher."""
+        """The complete PPO config of the teacher."""
         config = ConfigDict(self.config.teacher.to_dict())
         config.num_envs, config.seed = int(self.config.num_envs), int(self.config.seed)
         config.num_timesteps, config.num_checkpoints = self.steps("teacher"), int(self.config.num_checkpoints)
@@ -147,7 +149,7 @@ class TeacherStudent:
         return config.lock()
 
     def _teach(self) -> Callable[[Any, Any, jax.Array], jax.Array]:
-        """(parameters of the teacher's actor, state of the envs, key) -> its actions."""
+        """Function (parameters of the teacher's actor, state of the envs, key) -> actions."""
         from brax.training.agents.ppo import networks as ppo_networks
 
         sizes = {name: tuple(shape) for name, shape in self.env.observation_size.items()}
@@ -172,7 +174,7 @@ class TeacherStudent:
         config.num_envs, config.seed = int(self.config.num_envs), int(self.config.seed) + 1
         wrapped = wrap_for_training(self.env, self.env.config.episode_length)
         learner = Finetune(wrapped, self._teach(), self.config, config, _actor_of_policy(teacher))
-        # From the end of the imitation, not from its best checkpoint, so that no number belongs to two policies.
+        # Counts from the end of the imitation, not from its best checkpoint, so that step numbers are unique.
         each = int(self.config.num_envs) * int(self.config.unroll_length)
         before = PolicySpec.load(teacher).steps + each * self._iterations("imitation", each)
         actor = _actor_of_policy(student)
@@ -221,7 +223,7 @@ def _steps_done(folder: pathlib.Path) -> int:
 
 
 def _continue(stage: Iterations) -> TrainingResult:
-    """A stage to its end, from its newest state if it has one."""
+    """Runs a stage to its end, from its newest state if there is one."""
     begun = any((stage.folder / name).is_file() for name in (iterative.STATE, iterative.STATE_BEFORE))
     state = stage.first_state(begun)
     if begun:
@@ -230,7 +232,7 @@ def _continue(stage: Iterations) -> TrainingResult:
 
 
 def _actor_of_policy(folder: pathlib.Path) -> Any:
-    """The actor's parameters of a policy folder in single precision."""
+    """Parameters of the actor of a policy folder in single precision."""
     return jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(folder)[1])
 
 
@@ -239,7 +241,7 @@ def _write_complete(folder: pathlib.Path, policy: pathlib.Path) -> None:
 
 
 def _complete(folder: pathlib.Path) -> str | None:
-    """The policy of a stage that is complete, relative to its folder."""
+    """The policy of a complete stage, relative to its folder."""
     if not (folder / COMPLETE).is_file():
         return None
     body = v.mapping(v.read_json(folder / COMPLETE, COMPLETE), COMPLETE, ["policy"])

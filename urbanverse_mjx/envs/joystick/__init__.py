@@ -1,4 +1,4 @@
-"""The walking task: a legged robot follows velocity commands over uneven ground."""
+"""The locomotion task: a legged robot follows velocity commands over uneven ground."""
 
 from .env import JoystickEnv
 

@@ -1,6 +1,6 @@
-"""Configurations of the walking task: a fresh, locked `ConfigDict` from `joystick_config(preset)` each time.
+"""Configurations of the locomotion task: `joystick_config(preset)` returns a new, locked `ConfigDict`.
 
-Which public task each number follows, and where it differs, stands in docs/decisions/go2.md.
+docs/decisions/go2.md lists the public task from which each number is taken, and the differences.
 """
 
 from typing import Any
@@ -61,22 +61,22 @@ def _fast() -> ConfigDict:
         {
             "preset": "fast",
             "robot": "go2",
-            "menagerie": "",  # folder unitree_go2 of mujoco_menagerie, whose numbers and meshes to take; "" = our own
+            "menagerie": "",  # folder unitree_go2 of mujoco_menagerie; "" = the built-in model
             "ctrl_dt": 0.02,  # 50 Hz
             "sim_dt": 0.005,
-            "episode_length": 500,  # 10 s: harder ground is met sooner than after the usual 20 s
+            "episode_length": 500,  # 10 s instead of the usual 20 s, so that levels rise sooner
             "action_repeat": 1,
             "impl": "auto",
             "engine": {"num_prism_slots": 8, "num_contacts": 12, "iterations": 6, "line_steps": 8},
-            # rad that an action of 1 turns hip, thigh and calf away from the standing pose.
+            # rad, deviation of hip, thigh and calf from the standing pose for an action of 1.
             "action_scale": (0.4, 1.0, 1.0),
             "history": 5,  # control steps in the policy's observation
             "terrain": {
-                # Shares of episodes; a kind that the bank does not have is left out.
+                # Shares of episodes; kinds that the bank does not have are left out.
                 "shares": {"flat": 0.2, "kerbs": 0.4, "stairs": 0.1, "slopes": 0.15, "rough": 0.15},
-                "first_levels": 5,  # an env's first level of each kind is below
-                "start_range": 3.0,  # m from the middle of a scene
-                "promote": 0.75,  # share of the path commanded that was gone
+                "first_levels": 5,  # an env's first level of each kind is below this
+                "start_range": 3.0,  # m, largest distance of starts from the centre of a scene
+                "promote": 0.75,  # share of the commanded path that was covered
                 "demote": 0.4,
             },
             "command": {
@@ -103,7 +103,7 @@ def _fast() -> ConfigDict:
 
 
 def _cpu() -> ConfigDict:
-    """The same robot on flat ground without disturbances, for two cores."""
+    """The robot on flat ground without disturbances, for a CPU with two cores."""
     config = _fast()
     config.preset = "cpu"
     config.terrain.shares = {"flat": 1.0, "kerbs": 0.0, "stairs": 0.0, "slopes": 0.0, "rough": 0.0}
@@ -122,10 +122,10 @@ def _cpu() -> ConfigDict:
 
 
 def joystick_config(preset: str = "fast") -> ConfigDict:
-    """A fresh configuration.
+    """Returns a new configuration.
 
     Raises:
-      ValidationError: unknown preset.
+      ValidationError: the preset is unknown.
     """
     makers = {"fast": _fast, "cpu": _cpu}
     if preset not in makers:

@@ -1,4 +1,4 @@
-"""Random values of the walking task: commands, parameters of robots, pushes, sensor noise."""
+"""Draws random values of the locomotion task: commands, robot parameters, pushes, sensor noise."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ class Body(NamedTuple):
       friction_scale, mass_scale: (), see `SimState`.
       strength: () factor on the servos' stiffness.
       joint_bias: (12,) rad, error of each encoder.
-      delay: () f32, 1 where commands reach the servos one control step late.
+      delay: () f32, 1 if commands reach the servos one control step late, else 0.
     """
 
     friction_scale: Float[Array, ""]
@@ -26,7 +26,7 @@ class Body(NamedTuple):
 
 
 def draw_body(key: Key[Array, ""], config: ConfigDict, num_joints: int) -> Body:
-    """By `config.randomization`."""
+    """Draws the parameters of a robot by `config.randomization`."""
     keys = jax.random.split(key, 5)
 
     def within(i: int, name: str) -> jax.Array:
@@ -43,9 +43,10 @@ def draw_body(key: Key[Array, ""], config: ConfigDict, num_joints: int) -> Body:
 
 
 def draw_command(key: Key[Array, ""], config: ConfigDict) -> tuple[Float[Array, "3"], Float[Array, ""]]:
-    """(3,) forward and left speed (m/s) and yaw rate (rad/s), and () s for which it holds; by `config.command`.
+    """Draws a command by `config.command`: (3,) forward and left speed (m/s) and yaw rate (rad/s), and its duration ()
+    s.
 
-    A share of the commands is to stand, another to walk ahead in a slight bend; the rest is uniform.
+    A share of the commands is to stand, another to walk forward in a slight curve; the others are uniform.
     """
     kind, any_, ahead, hold = jax.random.split(key, 4)
     spans = jnp.array([config.linear_x, config.linear_y, config.angular])
@@ -59,7 +60,7 @@ def draw_command(key: Key[Array, ""], config: ConfigDict) -> tuple[Float[Array, 
 
 
 def draw_push(key: Key[Array, ""], config: ConfigDict, dt: float) -> Float[Array, "6"]:
-    """(6,) change of the trunk's velocity (m/s, rad/s): mostly 0, now and then a kick; by `config.randomization`."""
+    """Draws a push by `config.randomization`: (6,) change of the trunk's velocity (m/s, rad/s), 0 in most steps."""
     when, how, turn = jax.random.split(key, 3)
     heading, speed = jax.random.uniform(how, (2,)) * jnp.array([2.0 * jnp.pi, config.push_speed])
     spin = jax.random.uniform(turn, (), jnp.float32, -1.0, 1.0) * config.push_turn
@@ -69,7 +70,8 @@ def draw_push(key: Key[Array, ""], config: ConfigDict, dt: float) -> Float[Array
 
 
 def draw_noise(key: Key[Array, ""], config: ConfigDict, num_joints: int) -> Float[Array, " n"]:
-    """(6 + 2 joints,) for yaw rates, gravity, joint angles and speeds, uniform; by `config.noise`."""
+    """Draws uniform sensor noise by `config.noise`: (6 + 2 joints,) for angular velocity, gravity, joint angles and
+    speeds."""
     width = jnp.concatenate(
         [
             jnp.full(3, config.angular_velocity),

@@ -1,4 +1,4 @@
-"""`JoystickEnv`: a legged robot follows velocity commands over uneven ground without seeing it."""
+"""`JoystickEnv`: a blind legged robot follows velocity commands over uneven ground."""
 
 from typing import NamedTuple
 
@@ -23,40 +23,40 @@ from .legs import Legs
 from .schedule import TerrainLevels
 from .terms import CONTACT_FORCE, Motion, terms
 
-#: The world's up axis in the body's frame, below which a robot counts as fallen (72 degrees).
+#: z component of the world's up axis in the body frame below which a robot counts as fallen (72 degrees).
 _MIN_UP = 0.3
-#: m, trunk above the ground, below which it lies.
+#: m, height of the trunk above the ground below which a robot counts as fallen.
 _MIN_TRUNK_HEIGHT = 0.12
-#: m/s or rad/s, beyond which physics has come apart (the fastest motor turns at 30 rad/s).
+#: m/s or rad/s; higher speeds mean that the simulation diverged (the fastest motor turns at 30 rad/s).
 _MAX_SPEED = 1e3
-#: The least reward of a step: no single impact shall outweigh a fall many times.
+#: Least reward of a step, so that a single impact does not outweigh a fall.
 _MIN_REWARD = -5.0
-#: m from the rim of a scene, where an episode ends.
+#: m, distance from the border of a scene at which an episode ends.
 _RIM_DISTANCE = 1.0
-#: m ahead of and beside the trunk, places of the ground heights that critics observe: (63, 2).
+#: (63, 2) m in the heading frame, positions of the ground heights that critics observe.
 SCAN = np.array([(x, y) for x in np.linspace(-0.6, 0.75, 9) for y in np.linspace(-0.45, 0.45, 7)], np.float32)
-#: Unit that brings forces (N) near 1.
+#: Scale of forces (N) in observations.
 _FORCE_SCALE = 0.01
 
 
 class _GaitFields(NamedTuple):
-    """Everything one env carries from step to step; J joints, F feet, T terrain kinds, H steps of history.
+    """State of one env; J joints, F feet, T terrain kinds, H steps of history.
 
     Attributes:
       key: typed PRNG key.
       sim: the engine's `SimState`.
       body: see `Body`.
-      kind: () i32, row of the terrain kinds.
-      levels: (T,) i32, the env's level of each, which outlives an episode.
+      kind: () i32, index of the terrain kind.
+      levels: (T,) i32, the env's level of each kind, which is kept over episodes.
       command: (3,) m/s, m/s, rad/s.
-      hold: () s until the next one.
+      hold: () s until the next command.
       target: (J,) rad, targets of the servos from the last action.
       action: (J,) the action itself.
       joint_speed: (J,) rad/s at the end of the last step.
       history: (H, 9 + 3 J) sensor readings, newest first.
       feet: (F, 3) m.
       air_time: (F,) s.
-      distance, distance_asked: () m along the commands, covered and commanded.
+      distance, distance_asked: () m, covered and commanded distance along the commands.
       steps: () i32.
       result: () i32, see `Result`.
     """
@@ -86,7 +86,7 @@ class GaitState(Carried, _GaitFields):
 
 
 class JoystickEnv(StagedBase[GaitState]):
-    """Walks with the commanded velocity; every env on ground of its own kind and level.
+    """Velocity-tracking locomotion; every env has its own kind and level of terrain.
 
     Observation (dict): history: (H * (9 + 3 J),) f32, the last H steps of `robots.gait.sensor_frame`, newest first,
     with noise: readings of a real robot's sensors, without velocity and ground. privileged: (P,) f32 for critics and
@@ -112,18 +112,19 @@ class JoystickEnv(StagedBase[GaitState]):
 
     @property
     def mj_model(self) -> mujoco.MjModel:
-        """The robot's own model, without ground."""
+        """The robot's model without ground."""
         return self._legs.model
 
     # The stages.
 
     def begin(self, key: PRNGKeyArray) -> GaitState:
-        """The first episode of an env, at low levels."""
+        """Begins the first episode of an env, at low levels."""
         key, draw = jax.random.split(typed_key(key))
         return self.begin_at(key, self._levels.first(draw))
 
     def reset_episode(self, gait: GaitState) -> GaitState:
-        """The episode after that of `gait`: harder ground of its kind where it went well, easier where it fell."""
+        """Begins the episode after that of `gait`: on harder ground of its kind after a success, on easier ground after
+        a fall."""
         key, draw = jax.random.split(gait.key)
         lasted = gait.result == Result.TIMEOUT
         levels = self._levels.after(draw, gait.levels, gait.kind, lasted, gait.distance, gait.distance_asked)
@@ -131,7 +132,7 @@ class JoystickEnv(StagedBase[GaitState]):
 
     @full_precision
     def begin_at(self, key: PRNGKeyArray, levels: Int[Array, " T"]) -> GaitState:
-        """A new episode at the given level (T,) of each kind."""
+        """Begins a new episode at the given level (T,) of each kind."""
         config, legs = self._config, self._legs
         key, where, pose, body, command, noise = jax.random.split(typed_key(key), 6)
         choose, place, turn = jax.random.split(where, 3)
@@ -171,9 +172,9 @@ class JoystickEnv(StagedBase[GaitState]):
     def advance(
         self, gait: GaitState, action: Float[Array, " J"]
     ) -> tuple[GaitState, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
-        """One control step: (next state, reward () f32, done () f32, metrics), finite whatever was given or simulated.
+        """One control step: (next state, reward () f32, done () f32, metrics). The outputs are always finite.
 
-        Where it was not, the robot stays where it was and the episode ends (`Result.NON_FINITE`).
+        If inputs or simulation are not finite, the robot keeps its pose and the episode ends (`Result.NON_FINITE`).
         """
         gait, given = finite.repaired(gait)
         config, legs = self._config, self._legs
@@ -182,7 +183,7 @@ class JoystickEnv(StagedBase[GaitState]):
         target = jnp.clip(legs.stand + legs.scale * action, legs.limits[:, 0], legs.limits[:, 1])
         asked = jnp.where(gait.body.delay > 0, gait.target, target)
         angles = gait.sim.qpos[7:]
-        # The servo uses its encoder, which reads joint_bias too much.
+        # The servo uses its encoder, whose reading has the error joint_bias.
         ctrl = angles + gait.body.strength * (asked - gait.body.joint_bias - angles)
         kick = draw_push(push, config.randomization, self.dt)
         sim = self.engine.step(gait.sim._replace(qvel=gait.sim.qvel.at[:6].add(kick)), ctrl)
@@ -231,11 +232,11 @@ class JoystickEnv(StagedBase[GaitState]):
     # The environment as a whole.
 
     def info_of(self, gait: GaitState) -> dict[str, Array]:
-        """Where the env is and how its episode ended."""
+        """Scene, episode and result of the env."""
         return self.episode_info(gait.sim.scene, jnp.int32(0), gait.result, gait.steps)
 
     def zero_metrics(self) -> dict[str, Float[Array, ""]]:
-        """The metrics of a first state."""
+        """The metrics of an initial state."""
         names = [f"reward/{name}" for name in self._config.reward_config.scales]
         names += ["error_linear", "error_angular", "fall", "timeout", "non_finite", "touch", "slot_overflow"]
         names += [f"level_{kind}" for kind in self._levels.kinds]
@@ -244,7 +245,7 @@ class JoystickEnv(StagedBase[GaitState]):
     # Inside.
 
     def _stand(self, scene: jax.Array, p_xy: jax.Array, yaw: jax.Array, key: jax.Array) -> SimState:
-        """The engine's state of a robot that stands about in its pose, no foot in the ground."""
+        """The engine's state of a robot near its standing pose, with no foot below the ground."""
         legs = self._legs
         bend, move = jax.random.split(key)
         joints = legs.stand + jax.random.uniform(bend, legs.stand.shape, jnp.float32, -0.1, 0.1)
@@ -302,7 +303,7 @@ class JoystickEnv(StagedBase[GaitState]):
         return jnp.where(finite, result, Result.NON_FINITE).astype(jnp.int32)
 
     def _privileged(self, gait: GaitState) -> jax.Array:
-        """Observation of critics: the sensors without noise, velocity, feet, the ground around, this robot's
+        """Observation of critics: sensors without noise, velocity, feet, ground heights around the robot, and its
         parameters."""
         sim, legs, n = gait.sim, self._legs, self._legs.number
         sensed = self._sensed(sim)

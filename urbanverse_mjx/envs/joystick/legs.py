@@ -1,4 +1,4 @@
-"""Data of a legged robot for a walking task, read from its MJCF: joints, servos, feet."""
+"""Data of a legged robot read from its MJCF: joints, servos, feet."""
 
 import jax.numpy as jnp
 import mujoco
@@ -13,7 +13,7 @@ class Legs:
     """Data of a robot's model for the env: joints, servos and feet, all constant arrays.
 
     Raises:
-      ValidationError: servos that are no position servos, one for each joint in order.
+      ValidationError: the actuators are not position servos, one per joint in order.
     """
 
     def __init__(self, robot: RobotSpec, scale: tuple[float, ...]) -> None:
@@ -48,6 +48,6 @@ class Legs:
     def torque(
         self, ctrl: Float[Array, " J"], qpos: Float[Array, " nq"], qvel: Float[Array, " nv"]
     ) -> Float[Array, " J"]:
-        """(J,) N m of the servos, damping included."""
+        """(J,) N m, torques of the servos including damping."""
         push = jnp.clip(self.kp * (ctrl - qpos[7:]), -self.max_torque, self.max_torque)
         return push - self.kd * qvel[6:]

@@ -1,4 +1,4 @@
-"""Makes the walking task from a config: robot, engine, environment."""
+"""Makes the locomotion environment from a config: robot, engine, environment."""
 
 from ml_collections import ConfigDict
 
@@ -8,7 +8,7 @@ from .env import JoystickEnv
 
 
 def make_joystick_env(config: ConfigDict, bank: SceneBank) -> JoystickEnv:
-    """A `JoystickEnv` with the engine of its config, without a renderer."""
+    """Makes a `JoystickEnv` with the engine of its config, without a renderer."""
     from ...simulation.engines import make_engine
 
     robot = make_robot(config)

@@ -1,5 +1,5 @@
-"""PPO hyper-parameters of the walking task: what public quadruped tasks share (docs/decisions/go2.md); a fresh, locked
-`ConfigDict` from `joystick_ppo_config(preset)` each time."""
+"""PPO hyper-parameters of the locomotion task, as in public quadruped tasks (docs/decisions/go2.md):
+`joystick_ppo_config(preset)` returns a new, locked `ConfigDict`."""
 
 from ml_collections import ConfigDict
 
@@ -8,7 +8,7 @@ from ..navigation.ppo import ppo_config
 
 
 def _fast() -> ConfigDict:
-    """8,192 envs, 24 steps, 5 epochs of 4 minibatches, as rsl_rl's users train quadrupeds with."""
+    """8,192 envs, 24 steps, 5 epochs of 4 minibatches, usual values of rsl_rl for quadrupeds."""
     config = ppo_config("paper").unlock()
     config.num_timesteps = 393_216_000  # 2,000 rollouts
     config.num_envs = 8192
@@ -35,10 +35,10 @@ def _cpu() -> ConfigDict:
 
 
 def joystick_ppo_config(preset: str = "fast") -> ConfigDict:
-    """A fresh configuration.
+    """Returns a new configuration.
 
     Raises:
-      ValidationError: unknown preset.
+      ValidationError: the preset is unknown.
     """
     makers = {"fast": _fast, "cpu": _cpu}
     if preset not in makers:

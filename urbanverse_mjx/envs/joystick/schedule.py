@@ -1,4 +1,4 @@
-"""Choice of an env's ground: a kind by its share, at the env's own level, which follows its performance."""
+"""Terrain curriculum: each env draws a kind by its share, at a level that follows the env's performance."""
 
 import jax
 import jax.numpy as jnp
@@ -13,14 +13,14 @@ _MIN_REQUEST = 2.0
 
 
 class TerrainLevels:
-    """Scenes "<kind>-<level>" of a bank, by `config.terrain` of a walking task.
+    """Scenes "<kind>-<level>" of a bank, by `config.terrain` of a locomotion task.
 
     Attributes:
       kinds: T names.
-      scenes: (T, L) i32 rows of the bank.
+      scenes: (T, L) i32, rows of the bank.
 
     Raises:
-      ValidationError: scenes of other names, or kinds with different levels.
+      ValidationError: scenes have other names, or kinds have different numbers of levels.
     """
 
     def __init__(self, bank: SceneBank, config: ConfigDict) -> None:
@@ -29,7 +29,7 @@ class TerrainLevels:
         self._rows, self._ends = jnp.asarray(self.scenes), jnp.cumsum(shares)
 
     def first(self, key: Key[Array, ""]) -> Int[Array, " T"]:
-        """(T,) i32, low levels to begin with."""
+        """(T,) i32, random low initial levels."""
         highest = min(int(self._config.first_levels), self.scenes.shape[1])
         return jax.random.randint(key, (len(self.kinds),), 0, highest, jnp.int32)
 
@@ -48,10 +48,10 @@ class TerrainLevels:
         distance: Float[Array, ""],
         asked: Float[Array, ""],
     ) -> Int[Array, " T"]:
-        """(T,) levels after an episode on `kind`: harder where it went well, easier where it did not.
+        """(T,) levels after an episode on `kind`: higher after a success, lower after a failure.
 
         Args:
-          lasted: () bool, it ended by its time alone.
+          lasted: () bool, whether it ended only by its time limit.
           distance, asked: () m along the commands, covered and commanded.
         """
         count = self.scenes.shape[1]
@@ -68,7 +68,7 @@ def _terrain_table(bank: SceneBank, shares: ConfigDict) -> tuple[tuple[str, ...]
     """Kinds of terrain in a bank, (T, L) i32 its scenes by kind and level, (T,) shares of episodes.
 
     Raises:
-      ValidationError: scenes that are not named "<kind>-<level>", or none of a kind that is asked for.
+      ValidationError: scenes are not named "<kind>-<level>", or a required kind has none.
     """
     rows: dict[str, dict[int, int]] = {}
     for scene, name in enumerate(bank.scene_ids):

@@ -1,4 +1,4 @@
-"""Terms of the walking task's reward: pure functions of what happened in one control step.
+"""Reward terms of the locomotion task: pure functions of the motion in one control step.
 
 Their forms are those of public tasks, see docs/decisions/go2.md.
 """
@@ -9,22 +9,22 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 from ml_collections import ConfigDict
 
-#: N, a foot with less on it is in the air.
+#: N, contact force below which a foot is in the air.
 CONTACT_FORCE = 1.0
-#: m/s and rad/s: below it a command means to stand.
+#: m/s and rad/s; smaller commands mean to stand.
 STANDING = 0.1
-#: s, a step shorter than the first is punished, one longer than the second earns no more.
+#: s; shorter steps than the first are penalised, longer ones than the second have no additional reward.
 SHORT_STEP, LONG_STEP = 0.2, 0.5
-#: Weights on a leg's deviations from the standing pose (Playground: 1, 1, 0.1; its thighs are freer here, for kerbs).
+#: Weights of a leg's deviations from the standing pose (Playground: 1, 1, 0.1; the thigh's is lower here, for kerbs).
 POSE_WEIGHTS = (1.0, 0.2, 0.1)
-#: A joint within this share of half its range from the middle is free.
+#: Share of a joint's range without a penalty.
 SOFT_LIMIT = 0.95
-#: So much of a motor's speed limit is free.
+#: Share of a motor's speed limit without a penalty.
 SOFT_SPEED = 0.9
 
 
 class Motion(NamedTuple):
-    """The robot after a control step; J joints, F feet.
+    """Motion of the robot in a control step; J joints, F feet.
 
     Attributes:
       linear: (3,) m/s of the trunk, heading frame.
@@ -67,14 +67,14 @@ class Motion(NamedTuple):
 
 
 def is_moving(command: Float[Array, "3"]) -> Float[Array, ""]:
-    """() f32: 1 where a command (3,) asks for more than standing."""
+    """() f32, 1 if a command (3,) is to move, 0 if it is to stand."""
     return (jnp.linalg.norm(command) > STANDING).astype(jnp.float32)
 
 
 def terms(
     m: Motion, config: ConfigDict, stand: Float[Array, " J"], limits: Float[Array, "J 2"]
 ) -> dict[str, Float[Array, ""]]:
-    """Each term by its name, unweighted; stand (J,) rad, limits (J, 2) rad, `config` is the env's reward_config."""
+    """The unweighted terms by name; stand (J,) rad, limits (J, 2) rad, `config` is the env's reward_config."""
     moving = is_moving(m.command)
     deviation = m.joints - stand
     weights = jnp.tile(jnp.array(POSE_WEIGHTS), len(stand) // len(POSE_WEIGHTS))

@@ -1,4 +1,4 @@
-"""The navigation task: drive to a goal over the pavement of a street, by camera, among people and objects."""
+"""The navigation task: drive to a goal on the pavement of a street, with a camera, among people and objects."""
 
 from .env import NavEnv
 

@@ -1,11 +1,11 @@
-"""Clearance maps, to the centimetre: distances from any place of a scene to obstacles, and to the edge of the ground a
-robot may be on.
+"""Clearance maps: distances from any point of a scene to obstacles and to the edge of the traversable ground, accurate
+to about a centimetre.
 
 In:   a `SceneBank`. Out:  `ClearanceMaps`, two signed distance fields of each scene. When: once per bank, on the host;
 for privileged code such as `evaluation.planner`.
 
-`surroundings` has the same for critics and rewards in cells of 0.2 m; a robot that passes with a clearance of 10 cm
-needs a finer grid, with signs, and up to the corners of the hulls instead of those of their boxes.
+`surroundings` has such distances for critics and rewards in cells of 0.2 m. A planner that passes obstacles with a
+clearance of 10 cm needs this finer grid with signed distances to the hulls instead of to their boxes.
 """
 
 import dataclasses
@@ -20,14 +20,14 @@ from ...datatypes import SceneBank, traversable
 from ...geometry.grids import Grid
 from ...geometry.raster import Shape, nearest, outline, to_outline
 
-#: m, side of a cell: that of a compiled scene's map.
+#: m, side of a cell, the same as in a compiled scene's map.
 CELL = 0.05
-#: m, distances are cut off here.
+#: m, largest stored distance.
 FAR = 1.0
-#: m, what rises less above the ground is no obstacle: hulls that lie in the pavement, such as lids.
+#: m; hulls that rise less above the ground, such as manhole covers, are no obstacles.
 LOW = 0.005
-#: m, least step of the ground that counts from one cell of `free_space.CELL` to the next: the lowest kerb (4 cm); a
-#: ramp of 1:3 does not.
+#: m, least step between cells of `free_space.CELL` that counts as an edge: less than the lowest kerb (4 cm), more than
+#: a ramp of 1:3.
 STEP = 0.035
 
 
@@ -47,10 +47,10 @@ class ClearanceMaps:
 
 
 def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) -> ClearanceMaps:
-    """The clearance maps of some scenes of a bank; the rows of all others stay 0.
+    """Computes the clearance maps of some scenes of a bank; rows of other scenes are 0.
 
     Args:
-      height: m, of the robot: higher hulls are no obstacles.
+      height: m, height of the robot; higher hulls are no obstacles.
     """
     cells = round(float(bank.map_resolution) / CELL)
     shape = (bank.map_kind.shape[1] * cells, bank.map_kind.shape[2] * cells)
@@ -65,14 +65,14 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
 
 
 def _finer(coarse: np.ndarray, times: int, shape: tuple[int, int]) -> np.ndarray:
-    """Every cell as `times` x `times` ones, the last ones repeated to the map's border."""
+    """Repeats every cell `times` x `times`, and the last ones up to the map's border."""
     fine = np.kron(coarse, np.ones((times, times)))[: shape[0], : shape[1]]
     missing = [(0, n - m) for n, m in zip(shape, fine.shape, strict=True)]
     return np.pad(fine, missing, mode="edge")
 
 
 def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, height: float) -> Iterator[Shape]:
-    """The outlines of the hulls that a robot of that height does not pass under or over."""
+    """The outlines of the hulls that a robot of that height cannot pass under or over."""
     for corners in bank.standing_hulls(scene):
         floor = ground[tuple(grid.cell(corners[:, :2].mean(0)))]
         if corners[:, 2].min() - floor > height or corners[:, 2].max() - floor < LOW:

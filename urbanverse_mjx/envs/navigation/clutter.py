@@ -1,11 +1,10 @@
-"""Clutter: movable objects of a street that stand beside the route of an episode, at other places in each.
+"""Clutter: places movable objects of a street at random beside the route of each episode.
 
-In:   an engine with body slots, the scene, the route.
-Out:  objects for `engine.init`, and where they stand.
-When: tables at construction; the rest at reset, inside jit, per env.
+In:   an engine with body slots, the scene, the route. Out: objects for `engine.init`, and their poses. When: tables at
+construction; the rest at reset, inside jit, per env.
 
-No street is the same twice, and none is closed: a strip along the reference route, as wide as the robot with a margin,
-stays as free as it was. The objects are bodies, so they can be seen, touched and pushed.
+A strip along the reference route, as wide as the robot with a margin, stays free. The objects are bodies, so they can
+be seen, touched and pushed.
 """
 
 import jax
@@ -19,31 +18,31 @@ from ..heights import GroundHeights
 from . import terms
 from .surroundings import Surroundings
 
-#: m between the robot's outline on the route and an object, at least.
+#: m, least distance between the robot's outline on the route and an object.
 MARGIN = 0.25
-#: m from the strip along the route, at most: what stands farther is hardly met.
+#: m, largest distance from the strip along the route; robots rarely meet objects farther away.
 SPREAD = 2.5
-#: m around start and goal that stay free besides the robot's radius.
+#: m, additional free radius around start and goal.
 FREE_ENDS = 1.5
-#: m between an object and hulls, the walkable edge and other objects of the clutter, at least.
+#: m, least distance between an object and hulls, the walkable edge and other clutter.
 GAP = 0.05
-#: m, objects are taken from places at least this far from the route, where they are not missed.
+#: m; objects are taken from positions at least this far from the route.
 TAKEN_FROM = 6.0
 #: m, largest difference of the ground's height under an object.
 FLAT = 0.03
-#: m, side of the cells that the ground's height is looked up in: finer ones take seconds per scene and gigabytes.
+#: m, side of the cells of the ground heights; finer ones take seconds per scene and gigabytes.
 GROUND_CELL = 0.2
-#: Directions in which the ground is compared with that in the middle, half a cell outside the object: a kerb that cuts
-#: less than 2 % of that radius off is missed.
+#: Directions in which the ground half a cell outside the object is compared with that at its centre; a kerb that cuts
+#: off less than 2 % of that radius is not detected.
 RIM = np.stack([np.cos(np.arange(16) * np.pi / 8), np.sin(np.arange(16) * np.pi / 8)], -1)
-#: Places drawn for each object; one that finds none stays where the street has it.
+#: Number of positions drawn for each object; an object without a free one keeps its original position.
 TRIES = 16
-#: Folded into an env's key, so that no other draw changes.
+#: Folded into an env's key, so that other draws do not change.
 _CHOOSE, _PLACE = 104, 105
 
 
 def footprint_radii(bank: SceneBank, row: Int[np.ndarray, "Z N"]) -> Float[np.ndarray, "Z N"]:
-    """(Z, N) m, of the circle on the ground around an object's origin that holds its hulls; 0 for fixed objects."""
+    """(Z, N) m, radius of the circle around an object's origin that encloses its hulls; 0 for fixed objects."""
     radii = np.zeros(row.shape, np.float32)
     for z in range(bank.num_scenes):
         for q in np.flatnonzero(bank.inst_hull[z] >= 0):
@@ -63,9 +62,9 @@ class Clutter:
     Args:
       bank: the scenes.
       row: (Z, N) i32, -1 for fixed objects.
-      number: M, objects of an env.
-      robot: that drives there.
-      surroundings: distances in the street as the bank has it.
+      number: M, number of objects of an env.
+      robot: robot of the environment.
+      surroundings: distances in the original streets.
     """
 
     def __init__(
@@ -80,8 +79,8 @@ class Clutter:
     def choose(
         self, key: Key[Array, ""], scene: Int[Array, ""], start: Float[Array, "3"], waypoints: Float[Array, "W 3"]
     ) -> Int[Array, " M"]:
-        """(M,) i32 objects of the scene, drawn from those away from the route; -1 where it has fewer. The key is typed
-        and not used up."""
+        """(M,) i32, objects of the scene, drawn from those away from the route; -1 if there are fewer. The key is typed
+        and can be reused."""
         corners = jnp.concatenate([start[None, :2], waypoints[:, :2]])
         free = self._movable[scene] & (terms.distance_to_route(self._home[scene, :, :2], corners) > TAKEN_FROM)
         luck = jax.random.uniform(jax.random.fold_in(key, _CHOOSE), free.shape)
@@ -98,7 +97,7 @@ class Clutter:
         waypoints: Float[Array, "W 3"],
         bodies: Bodies,
     ) -> Bodies:
-        """The bodies (`engine.init`'s, in their places of the bank) beside the route, turned at random about z."""
+        """Moves the bodies of `engine.init` to positions beside the route with random rotations about z."""
         corners = jnp.concatenate([start[None, :2], waypoints[:, :2]])
         ends = jnp.stack([start[:2], goal[:2]])
         keys = jax.random.split(jax.random.fold_in(key, _PLACE), self._number)
@@ -128,7 +127,7 @@ class Clutter:
         )
 
     def _candidates(self, key: Key[Array, ""], corners: Float[Array, "W 2"], radius: Array) -> Float[Array, "T 2"]:
-        """Points beside the route, uniform along it and across the strip that clutter may stand in, on both sides."""
+        """Points beside the route, uniform along it and across the strips for clutter on both sides."""
         key_along, key_across, key_side = jax.random.split(key, 3)
         whole = jnp.linalg.norm(jnp.diff(corners, axis=0), axis=-1).sum()
         along = jax.random.uniform(key_along, (TRIES,)) * whole
@@ -139,7 +138,7 @@ class Clutter:
     def _free(
         self, scene: Array, points: Float[Array, "T 2"], radius: Array, corners: Array, ends: Array
     ) -> Bool[Array, " T"]:
-        """Whether an object may stand at points: away from route, ends, hulls and edge, on flat ground."""
+        """Whether an object may stand at points: away from route, start, goal, hulls and edge, on flat ground."""
         found = self._surroundings.distances(scene, points)
         away = jnp.linalg.norm(points[:, None] - ends, axis=-1).min(-1)
         rim = jnp.asarray(RIM, jnp.float32) * (radius + 0.5 * GROUND_CELL)
@@ -155,7 +154,7 @@ class Clutter:
     def nearer(
         self, distances: Float[Array, "*n 2"], scene: Int[Array, ""], bodies: Bodies, p_xy: Float[Array, "*n 2"]
     ) -> Float[Array, "*n 2"]:
-        """Distances (..., 2) m to hull and edge from points (..., 2), with the bodies' circles among the hulls."""
+        """Distances (..., 2) m to hull and edge from points (..., 2); circles of bodies count as hulls."""
         there = bodies.object_index >= 0
         radius = self._radius[scene, jnp.maximum(bodies.object_index, 0)]
         away = jnp.linalg.norm(p_xy[..., None, :] - bodies.position[:, :2], axis=-1) - radius

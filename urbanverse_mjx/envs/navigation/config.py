@@ -1,7 +1,7 @@
-"""Configurations of the navigation task: a fresh, locked `ConfigDict` from `default_config(preset)` each time.
+"""Configurations of the navigation task: `default_config(preset)` returns a new, locked `ConfigDict`.
 
-Sources: the paper's appendix "Details of Training and Evaluation Setup" and "Details of Policy Learning";
-for `urbansim_v0_1` the released code as tabulated in docs/decisions/presets.md.
+Sources: the paper's appendix "Details of Training and Evaluation Setup" and "Details of Policy Learning"; for
+`urbansim_v0_1` the released code, see the table in docs/decisions/presets.md.
 """
 
 from typing import Any
@@ -25,16 +25,17 @@ def _paper() -> ConfigDict:
             "impl": "auto",
             "num_slots": 16,
             "scenes": "train",
-            # 16 scenes for 100 episodes in the paper; all at once has no cost here (docs/decisions/presets.md).
+            # The paper uses 16 scenes for 100 episodes; here all scenes can be used at once at no cost
+            # (docs/decisions/presets.md).
             "schedule": {
                 "resident_scenes": 0,  # 0 = all
                 "episodes_per_swap": 100,
                 "start_distance": 0.0,  # m, 0 = no curriculum
                 "ramp_steps": 0,  # control steps of an env
-                "learnable": 0.0,  # share of the episodes of a training drawn by p (1 - p)
+                "learnable": 0.0,  # share of training episodes drawn by p (1 - p)
                 "seed": 0,
             },
-            # The paper names textures, friction and mass and gives no ranges; these are ours.
+            # The paper names textures, friction and mass without ranges; these ranges are chosen here.
             "randomization": {
                 "friction_scale": (0.7, 1.3),
                 "mass_scale": (0.8, 1.25),
@@ -45,15 +46,16 @@ def _paper() -> ConfigDict:
                 "clutter": 0,
                 "starts": 0.0,
             },
-            # clean, static or dynamic, UrbanSim's scenario types (see scenarios.py); `crowd` is for dynamic alone.
+            # clean, static or dynamic, the scenario types of UrbanSim (see scenarios.py); `crowd` applies to dynamic
+            # only.
             "scenario": "static",
             "crowd": _crowd(),
-            # Objects that can be pushed, for dynamic alone: how many an env has, how many move at once (with three of
-            # them COCO stays within the 32 velocities that MuJoCo Warp solves fastest), and the most hulls of each.
+            # Objects that can be pushed, for dynamic only: number of an env, number that move at once (with three, COCO
+            # stays within the 32 velocities that MuJoCo Warp solves fastest), and largest number of hulls of each.
             "movable": {"bodies": 8, "awake": 3, "hulls": 4},
             "action_mode": "waypoint",
             "goal_mode": "final",
-            "goal_observation_limit": 0.0,  # m, 0 = as far as the goal is
+            "goal_observation_limit": 0.0,  # m, 0 = no limit
             "success_radius": 1.0,  # m, from the authors' code; the paper says "within a distance tolerance"
             "success_after_step": 0,
             "terminate_on_hit": True,
@@ -67,8 +69,7 @@ def _paper() -> ConfigDict:
                 "shadows": False,
                 "shading": "pbr",
             },
-            # Further observations for a policy, a teacher or an auxiliary loss, besides pixels, goal and privileged
-            # (`NavEnv`).
+            # Additional observations for a policy, a teacher or an auxiliary loss (`NavEnv`).
             "observations": {"proprio": False, "privileged_map": False},
             "reward_config": {
                 "multiply_by_dt": False,
@@ -89,11 +90,12 @@ def _paper() -> ConfigDict:
 
 
 def _crowd() -> dict[str, Any]:
-    """Moving agents in the streets of `dynamic`; the sizes are those for which throughput is reported."""
+    """Moving agents of the scenario `dynamic`, with the sizes for which throughput is reported."""
     return {
-        # Agent slots of an env, by kind: 16 around the robot.
+        # Agent slots of an env by kind; 16 in all around the robot.
         "slots": {"pedestrian": 11, "wheelchair": 1, "scooter": 1, "cyclist": 1, "car": 2},
-        # Share of the slots in use by scene family (what its id begins with): shopping streets are fuller than homes.
+        # Share of the slots in use by scene family (prefix of the id): shopping streets have more people than
+        # residential ones.
         "filled": {
             "default": 0.75,
             "commercial": 1.0,
@@ -102,12 +104,12 @@ def _crowd() -> dict[str, Any]:
             "construction": 0.6,
             "residential": 0.5,
         },
-        # m around the robot where agents are placed, about the range at which a person is visible at 135 rows
+        # m around the robot within which agents are placed, about the range at which a person is visible at 135 rows
         # (crowds/spawning.py).
         "reach": 30.0,
-        # Share of avoidance that people leave to the robot: 0 = people avoid alone, 1 = as between people.
+        # Share of the avoidance that people expect of the robot: 0 = only people avoid, 1 = as between people.
         "yielding": 0.5,
-        # Probability in an episode, each near its route (encounters.py).
+        # Probability of each encounter near the route in an episode (encounters.py).
         "encounters": {
             "head_on": 0.5,
             "cross": 0.4,
@@ -138,7 +140,7 @@ def _urbansim_v0_1() -> ConfigDict:
 
 
 def _dense_rewards() -> ConfigDict:
-    """Reward weights that learn in fewer steps than the paper's: progress, and what ends an episode badly."""
+    """Reward weights that need fewer training steps than the paper's: progress, and penalties for failures."""
     return ConfigDict(
         {
             "arrived": 10.0,
@@ -155,7 +157,7 @@ def _dense_rewards() -> ConfigDict:
 
 
 def _fast() -> ConfigDict:
-    """The paper's task and image on a GPU, for thousands of envs: other reward weights and a simpler light."""
+    """The paper's task and image for thousands of envs on a GPU, with other reward weights and simpler lighting."""
     config = _paper()
     config.preset = "fast"
     config.vision_config.shading = "matte"
@@ -164,7 +166,7 @@ def _fast() -> ConfigDict:
 
 
 def _best() -> ConfigDict:
-    """As `fast` with a smaller image and proprioception; the map of distances is for the teacher, the critic and an
+    """Like `fast` with a smaller image and proprioception; the map of distances is for the teacher, the critic and an
     auxiliary loss (`training.teacher_student`)."""
     config = _fast()
     config.preset = "best"
@@ -174,19 +176,19 @@ def _best() -> ConfigDict:
 
 
 def _cpu() -> ConfigDict:
-    """The paper's task on a laptop: only a smaller image and other reward weights."""
+    """The paper's task for a CPU, with a smaller image and other reward weights."""
     config = _paper()
     config.preset = "cpu"
     config.vision_config.height, config.vision_config.width = 27, 48
     config.randomization = OFF
-    config.vision_config.shading = "matte"  # no highlights; drawn half as fast again on a CPU
+    config.vision_config.shading = "matte"  # no highlights; renders 1.5 times as fast on a CPU
     config.reward_config.scales = _dense_rewards()
     return config
 
 
 def _quick() -> ConfigDict:
-    """As `cpu` with a larger image, for a training by imitation: it drives by proprioception too, and predicts a map
-    of distances."""
+    """Like `cpu` with a larger image, for imitation learning: the policy also uses proprioception and predicts a map of
+    distances."""
     config = _cpu()
     config.preset = "quick"
     config.vision_config.height, config.vision_config.width = 36, 64
@@ -206,17 +208,17 @@ PRESETS = tuple(_MAKERS)
 
 
 def go2_nav_config(preset: str = "paper") -> ConfigDict:
-    """COCO's task of a preset for the Go2, with the same camera.
+    """COCO's task of a preset for the Go2 with the same camera.
 
     Raises:
-      ValidationError: unknown preset.
+      ValidationError: the preset is unknown.
     """
     config = ConfigDict(default_config(preset).to_dict())
     del config.drive
     config.robot = "go2"
-    config.gait = ""  # a file of `urbanverse export-gait`; "" = the one that comes with the package
-    config.menagerie = ""  # folder unitree_go2 of mujoco_menagerie, whose numbers and meshes to take; "" = our own
-    config.sim_dt = 0.005  # as the gait was trained with
+    config.gait = ""  # a file of `urbanverse export-gait`; "" = the one that ships with the package
+    config.menagerie = ""  # folder unitree_go2 of mujoco_menagerie; "" = the built-in model
+    config.sim_dt = 0.005  # as in the training of the gait
     return config.lock()
 
 
@@ -224,7 +226,7 @@ def default_config(preset: str = "paper") -> ConfigDict:
     """A fresh configuration.
 
     Raises:
-      ValidationError: unknown preset.
+      ValidationError: the preset is unknown.
     """
     if preset not in _MAKERS:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")

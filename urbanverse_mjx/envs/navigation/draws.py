@@ -1,4 +1,4 @@
-"""Randomisation of each episode, besides the street: friction, mass, appearance and the camera's mount."""
+"""Domain randomisation of each episode: friction, mass, appearance and the camera's mount."""
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +8,7 @@ from ml_collections import ConfigDict
 from ...datatypes import CameraMount, SimState, ValidationError
 from ...geometry import rotations
 
-#: Values of `config.randomization` without any effect.
+#: Values of `config.randomization` that disable it.
 OFF = {
     "friction_scale": (1.0, 1.0),
     "mass_scale": (1.0, 1.0),
@@ -19,26 +19,27 @@ OFF = {
     "clutter": 0,
     "starts": 0.0,
 }
-#: Numbers that a key is folded with, so that these draws do not change any others.
+#: Numbers folded into a key, so that these draws do not change any others.
 _FRICTION, _MASS, _APPEARANCE = 101, 102, 103
 
 
 class Randomization:
-    """Draws at the begin of each episode, by `config.randomization` of an environment.
+    """Random draws at the beginning of each episode, by `config.randomization` of an environment.
 
     * friction_scale, mass_scale: (least, greatest) factor on the friction of the robot's contacts, and on the mass and
-      inertia of its bodies; uniform.
-    * appearance: 0, or by what share colours and light differ, see `Renderer`; every object of every episode by
+      inertia of its bodies; uniformly distributed.
+    * appearance: relative variation of colours and light, 0 = off, see `Renderer`; each object of each episode has
       another factor.
-    * camera_position: m by which the camera is off its place along each axis, at most; camera_angle: degrees by which
-      it is turned about each of its axes; camera_fovy: share by which its field of view is wider or narrower. All
-      uniform, the same for a whole episode, as if every episode had a robot of its own.
+    * camera_position: m, largest offset of the camera along each axis; camera_angle: degrees, largest rotation about
+      each axis; camera_fovy: largest relative change of its field of view. All are uniform and constant within an
+      episode.
     * clutter: number of movable objects beside the route, see `clutter.Clutter`.
-    * starts: share of the episodes that begin somewhere along the route or beside it, see `starts.RandomStarts`.
+    * starts: share of the episodes that begin at a random position along or beside the route, see
+      `starts.RandomStarts`.
 
     Raises:
-      ValidationError: a range that is not (least, greatest) above 0, a share outside [0, 1), or a negative distance or
-        angle.
+      ValidationError: a range is not (least, greatest) above 0, a share is outside [0, 1), or a distance or angle is
+        negative.
     """
 
     def __init__(self, config: ConfigDict) -> None:
@@ -52,7 +53,7 @@ class Randomization:
             raise ValidationError(
                 f"config.randomization.appearance: found {config.appearance}, needed 0 (off) to below 1."
             )
-        # Configurations of policies from before the camera could vary do not have these.
+        # Configurations of older policies do not have these fields.
         self._camera = tuple(float(config.get(f"camera_{name}", 0.0)) for name in ("position", "angle", "fovy"))
         for name, value, limit in zip(("position", "angle", "fovy"), self._camera, (1.0, 45.0, 1.0), strict=True):
             if not 0.0 <= value < limit:
@@ -60,7 +61,7 @@ class Randomization:
                     f"config.randomization.camera_{name}: found {value}, needed 0 (off) to below {limit:g}."
                 )
         self.varies_camera = any(self._camera)
-        #: Share of episodes with a start drawn anew.
+        #: Share of episodes with a random start.
         self.starts = float(config.get("starts", 0.0))
         if not 0.0 <= self.starts <= 1.0:
             raise ValidationError(
@@ -70,7 +71,7 @@ class Randomization:
         self.varies_appearance = config.appearance > 0.0
 
     def scaled(self, key: Key[Array, ""], sim: SimState) -> SimState:
-        """The first state of an episode with the grip and the mass drawn for it; `key` is typed and not used up."""
+        """Applies random friction and mass to the first state of an episode; `key` is typed and can be reused."""
         draws = {"friction_scale": (_FRICTION, self._friction), "mass_scale": (_MASS, self._mass)}
         new = {
             name: jax.random.uniform(jax.random.fold_in(key, number), (), jnp.float32, low, high)
@@ -80,13 +81,13 @@ class Randomization:
         return sim._replace(**new)
 
     def appearance_seed(self, key: Key[Array, ""]) -> Int[Array, ""]:
-        """() i32 above 0 that stands for an episode's appearance and camera mount; 0 where neither varies."""
+        """() i32 above 0, seed of an episode's appearance and camera mount; 0 if neither varies."""
         if not (self.varies_appearance or self.varies_camera):
             return jnp.int32(0)
         return jax.random.randint(jax.random.fold_in(key, _APPEARANCE), (), 1, 2**30, jnp.int32)
 
     def camera_mount(self, appearance_seed: Int[Array, ""]) -> CameraMount | None:
-        """The mount of an episode's camera; None where it does not vary."""
+        """The mount of an episode's camera; None if it does not vary."""
         if not self.varies_camera:
             return None
         position, angle, fovy = self._camera

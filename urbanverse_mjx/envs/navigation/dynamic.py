@@ -27,21 +27,21 @@ from ..types import NavState, Result
 from . import encounters
 from .dynamic_tables import POOL, kept_tables
 
-#: s, at most, between two steps of a crowd: those for which `crowds` was measured.
+#: s, largest time step of a crowd, for which `crowds` is validated.
 _CROWD_DT = 0.1
-#: m/s, upper limit of all agents: one that moves farther in a control step was placed elsewhere.
+#: m/s, upper limit of the speed of agents; an agent that moves farther in a control step was placed elsewhere.
 _MAX_AGENT_SPEED = 12.0
-#: m between body and body that Hall (The Hidden Dimension, 1966) calls intimate and personal distance.
+#: m between bodies, intimate and personal distance (Hall, The Hidden Dimension, 1966).
 INTIMATE, PERSONAL = 0.45, 1.2
-#: m; distances to people are cut off here.
+#: m, upper limit of reported distances to people.
 FAR = 30.0
-#: Numbers that a key is folded with, so that these draws do not change any others.
+#: Numbers folded into a key, so that these draws do not change any others.
 _BEGIN, _STEP = 201, 1000
 
 
-#: Metrics of a control step: the episode ended by touching an agent; m from the disc around the robot to the nearest
-#: person's body, at most `FAR` and 0 where they overlap (people are all but those in cars); whether that was within
-#: intimate or personal distance; the speed (m/s) where it was within personal distance.
+#: Metrics of a control step: whether the episode ended by touching an agent; m from the disc around the robot to the
+#: nearest person (all agents but cars), at most `FAR` and 0 on overlap; whether that is within intimate or personal
+#: distance; the robot's speed (m/s) if within personal distance.
 PEOPLE_METRICS = (
     "hit_agent",
     "people_distance",
@@ -52,10 +52,10 @@ PEOPLE_METRICS = (
 
 
 def slot_kinds(config: ConfigDict) -> tuple[str, ...]:
-    """The kind of every agent slot of `config.crowd.slots`, walkers first.
+    """The kind of every agent slot of `config.crowd.slots`, pedestrians first.
 
     Raises:
-      ValidationError: an unknown kind, a negative number, or no agent.
+      ValidationError: a kind is unknown, a number is negative, or there is no agent.
     """
     for name, number in config.slots.items():
         if name not in KINDS or number < 0:
@@ -77,10 +77,10 @@ def slot_shapes(kinds: tuple[str, ...]) -> AgentShapes:
 
 
 def slot_appearances(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]:
-    """Row of the bank's agents for each slot's appearance, those of a kind in turn.
+    """Row of the bank's agents for each slot's appearance, cycling through those of a kind.
 
     Raises:
-      ValidationError: the bank carries no appearance of a kind.
+      ValidationError: the bank has no appearance of a kind.
     """
     rows = []
     for i, kind in enumerate(kinds):
@@ -95,17 +95,17 @@ def slot_appearances(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]
 
 
 class DynamicStreet:
-    """A crowd in every env.
+    """The crowd of every env.
 
     Args:
       bank: the scenes.
       scenes: (n,) rows of it in use.
       config: `config.crowd` of an environment.
       ctrl_dt: s, the control step.
-      robot: avoided by the agents.
+      robot: robot that the agents avoid.
 
     Raises:
-      ValidationError: see `slot_kinds`; a share outside [0, 1].
+      ValidationError: see `slot_kinds`; or a share is outside [0, 1].
     """
 
     def __init__(self, bank: SceneBank, scenes: np.ndarray, config: ConfigDict, ctrl_dt: float, robot: RobotSpec):
@@ -130,13 +130,13 @@ class DynamicStreet:
         waypoints: Float[Array, "W 3"],
         clearance: Callable[[Int[Array, ""], Float[Array, "n 2"]], Float[Array, "n 2"]],
     ) -> Crowd:
-        """The crowd of a new episode.
+        """Makes the crowd of a new episode.
 
         Args:
-          key: typed, not used up.
+          key: typed key, which can be reused.
           start: (4,) x, y, z, yaw.
           waypoints: (W, 3) m.
-          clearance: (scene, (n, 2) m) -> (n, 2) m to the next hull and the walkable edge.
+          clearance: function (scene, (n, 2) m) -> (n, 2) m to the nearest hull and the walkable edge.
         """
         keys = jax.random.split(jax.random.fold_in(key, _BEGIN), 3)
         observer = Observer(start[0], start[1], start[3], jnp.array(True))
@@ -146,7 +146,8 @@ class DynamicStreet:
         return self.model.init(keys[2], scene, observer, jnp.round(share * number).astype(jnp.int32), script)
 
     def advance(self, nav: NavState, root: int) -> tuple[Crowd, AgentMotion]:
-        """The crowd one control step after `nav`, and how its agents move in it; root: the robot's body."""
+        """Advances the crowd of `nav` by one control step; returns it and the motion of its agents. root: the robot's
+        body."""
         sim, before = nav.sim, nav.crowd
         assert before is not None
         x, y = sim.xpos[root, :2]
@@ -172,7 +173,8 @@ class DynamicStreet:
         )
 
     def motion(self, before: Crowd, after: Crowd, scene: Int[Array, ""]) -> AgentMotion:
-        """Motion of all agents from one state to the next; an agent that is placed elsewhere is absent meanwhile."""
+        """Motion of all agents from one state to the next; an agent that was placed elsewhere is absent during the
+        step."""
         start, end = self.places(before, scene), self.places(after, scene)
         velocity = (end.position - start.position) / self._dt
         there = jnp.sum(velocity * velocity, -1) < _MAX_AGENT_SPEED**2
@@ -183,7 +185,8 @@ class DynamicStreet:
         )
 
     def gaps(self, crowd: Crowd, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n A"]:
-        """(..., A) m from points (..., 2) to the bodies of those present, negative inside; infinite for the absent."""
+        """(..., A) m from points (..., 2) to the bodies of present agents, negative inside; infinite for absent
+        ones."""
         body, half = crowd.bodies, jnp.asarray(self.shapes.half_length)
         dx, dy = p_xy[..., :1] - body.x, p_xy[..., 1:] - body.y
         cos, sin = jnp.cos(body.heading), jnp.sin(body.heading)
@@ -192,13 +195,13 @@ class DynamicStreet:
         return jnp.where(crowd.present, distance, jnp.inf)
 
     def nearer(self, found: Float[Array, "*n 2"], crowd: Crowd, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
-        """Distances (..., 2) m to hulls and edges from places (..., 2) with those to agents taken for hulls."""
+        """Distances (..., 2) m to hulls and edges from points (..., 2), in which agents count as hulls."""
         return found.at[..., 0].min(jnp.maximum(self.gaps(crowd, p_xy).min(-1), 0.0))
 
     def metrics(
         self, crowd: Crowd, result: Int[Array, ""], p_xy: Float[Array, "2"], velocity: Float[Array, "2"]
     ) -> dict[str, Float[Array, ""]]:
-        """`PEOPLE_METRICS` of a robot at (2,) m that drives (2,) m/s; result: () i32."""
+        """`PEOPLE_METRICS` of a robot at (2,) m with velocity (2,) m/s; result: () i32."""
         gap = jnp.min(jnp.where(self._people, self.gaps(crowd, p_xy), jnp.inf)) - self._robot_radius
         gap = jnp.clip(gap, 0.0, FAR)
         near = gap < PERSONAL
@@ -207,7 +210,7 @@ class DynamicStreet:
 
 
 def _filled(table: ConfigDict, scene: str) -> float:
-    """The share of a scene: that of the longest family name its id begins with."""
+    """The share of a scene: that of the longest family name that is a prefix of its id."""
     known = [name for name in table if scene.startswith(name)]
     share = float(table[max(known, key=len)] if known else table["default"])
     if not 0.0 <= share <= 1.0:

@@ -1,4 +1,4 @@
-"""A crowd's tables of a bank's scenes, and the height of their ground: made once per bank and kept in the cache."""
+"""Tables of a bank's scenes for crowds, and their ground heights: made once per bank and cached."""
 
 import hashlib
 import pathlib
@@ -14,7 +14,7 @@ from ...crowds import crossings, flats, free_space, goal_fields, kinds, open_gro
 from ...crowds.crowd import CrowdTables, make_tables
 from ...datatypes import SceneBank, array_file
 
-#: Cells of the free space along a cell of the height map: 0.2 m, in which a ramp of 1:12 rises by 2 cm.
+#: Cells of the free space along a side of a height cell of 0.2 m, in which a ramp of 1:12 rises by 2 cm.
 POOL = 2
 _ARRAYS = ("inst_hull", "inst_position", "inst_rotation", "hull_vertices", "prism_hull", "prism_position", "map_kind")
 
@@ -39,7 +39,7 @@ def _parts() -> dict[str, tuple[type, Sequence[str]]]:
 
 
 def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray]:
-    """Arrays by name; rows of scenes that are not among `scenes` stay empty: they are not simulated."""
+    """Builds the arrays by name; rows of scenes other than `scenes` are empty, because they are not simulated."""
     tables = make_tables(bank, scenes)
     groups: dict[str, Any] = {f"flats/{n}": t for n, t in tables.flats.items()}
     groups |= {f"ground/{n}": t for n, t in tables.ground.items()}
@@ -68,7 +68,7 @@ def path_of(bank: SceneBank, scenes: Sequence[int]) -> pathlib.Path:
 
 
 def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> DynamicTables:
-    """`build_tables`, from the cache where they were built before."""
+    """`build_tables` with a cache."""
     path = path_of(bank, scenes)
     names = ["height", *(f"{name}/{field}" for name, (_, fields) in _parts().items() for field in fields)]
     arrays = array_file.load_cached(path, "tables of crowds", names)

@@ -18,9 +18,9 @@ from ...datatypes import ValidationError
 
 #: m from an agent's start to objects, and between the centres of agents.
 _OBJECT_CLEARANCE, _AGENT_DISTANCE = KINDS["pedestrian"].radius + 0.1, 0.75
-#: m around the robot's start without agents.
+#: m, radius around the robot's start without agents.
 _START_RADIUS = 2.2
-#: m/s, typical speed of a robot: crossing agents start so that both may meet.
+#: m/s, typical speed of a robot, from which the start of crossing agents is computed so that both may meet.
 _ROBOT_SPEED = 1.2
 
 Pose = tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]
@@ -28,12 +28,13 @@ Ranges = tuple[float, float]
 
 
 def route_pose(start: Float[Array, " s"], waypoints: Float[Array, "W 3"], arc: Float[Array, ""] | float) -> Pose:
-    """() x, y m and heading rad at an arc length () m of the route start (3+,), waypoints (W, 3); its end beyond."""
+    """() x, y m and heading rad at an arc length () m of the route start (3+,), waypoints (W, 3); those of its end
+    beyond it."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
     span = jnp.diff(points, axis=0)
     length = jnp.linalg.norm(span, axis=-1)
     before = jnp.cumsum(length) - length
-    # The last segment that begins before the place; repeated waypoints are no segments.
+    # The last segment that begins before the position; segments between repeated waypoints are ignored.
     row = jnp.max(jnp.where((before <= arc) & (length > 1e-6), jnp.arange(len(length)), 0))
     direction = span[row] / jnp.maximum(length[row], 1e-6)
     x, y = points[row] + jnp.clip(arc - before[row], 0.0, length[row]) * direction
@@ -51,7 +52,7 @@ def _head_on(pose: Pose, left: Float[Array, ""]) -> Script:
 
 
 def _cross(pose: Pose, left: Float[Array, ""]) -> Script:
-    # From the drawn side: rotated by half a turn, left is right.
+    # From the drawn side: rotated by half a turn, left becomes right.
     x, y, heading = pose
     return behaviours.cross(x, y, heading + jnp.where(left > 0.0, 0.0, jnp.pi), distance=0.0, aside=2.5)
 
@@ -75,11 +76,11 @@ def _queue(pose: Pose, left: Float[Array, ""]) -> Script:
     return behaviours.queue(x, y, heading, 3)
 
 
-#: Name -> rows, the position of its middle along the route (m), and the function from a pose of the route and a lateral
-#: offset (m, left positive, drawn from [-1.2, 1.2]) to the script.
+#: Name -> number of rows, range of its position along the route (m), and function from a pose of the route and a
+#: lateral offset (m, left positive, drawn from [-1.2, 1.2]) to the script.
 ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Float[Array, ""]], Script]]] = {
     "head_on": (1, (8.0, 16.0), _head_on),
-    # A crossing agent has 2.5 m at 1.34 m/s to the route, in which a robot covers 2.2 m.
+    # A crossing agent walks 2.5 m at 1.34 m/s to the route; the robot covers 2.2 m in this time.
     "cross": (1, (2.5 * _ROBOT_SPEED / 1.34 + 1.0, 2.5 * _ROBOT_SPEED / 1.34 + 3.0), _cross),
     "obstruct": (1, (4.0, 14.0), _obstruct),
     "overtaken": (1, (3.0, 6.0), _overtaken),
@@ -89,14 +90,14 @@ ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Float[Array, ""]], Scri
 
 
 class Encounters:
-    """Draws the behaviour of each agent.
+    """Draws the encounters of an episode.
 
     Args:
-      config: probability of each of `ENCOUNTERS` in an episode.
-      walkers: slots of pedestrians; encounters that do not fit behind those before them are left out.
+      config: probability of each of `ENCOUNTERS` per episode.
+      walkers: number of pedestrian slots; encounters that need more are left out.
 
     Raises:
-      ValidationError: an unknown encounter or no probability.
+      ValidationError: an encounter is unknown or its value is not a probability.
     """
 
     def __init__(self, config: ConfigDict, walkers: int) -> None:
@@ -119,14 +120,14 @@ class Encounters:
         waypoints: Float[Array, "W 3"],
         clearance: Callable[[Float[Array, "n 2"]], Float[Array, "n 2"]],
     ) -> Script | None:
-        """The script of an episode, `ROAM` in the rows of encounters that do not take place; None if all have
-        probability 0.
+        """The script of an episode, with `ROAM` in rows of encounters that are not drawn; None if all have probability
+        0.
 
         Args:
-          key: typed, used up.
+          key: typed key, used once.
           start: (3+,) m.
           waypoints: (W, 3) m.
-          clearance: (n, 2) m -> (n, 2) m to the next hull and the walkable edge.
+          clearance: function (n, 2) m -> (n, 2) m to the nearest hull and the walkable edge.
         """
         length = jnp.linalg.norm(jnp.diff(jnp.concatenate([start[None, :2], waypoints[:, :2]]), axis=0), axis=-1).sum()
         scripts: list[Script] = []

@@ -1,4 +1,4 @@
-"""`NavEnv`: drive to a goal 10-30 m away over the pavement of a street, by camera, without touching anything."""
+"""`NavEnv`: drive to a goal 10-30 m away on the pavement of a street, with a camera and without collisions."""
 
 import jax
 import jax.numpy as jnp
@@ -27,9 +27,9 @@ from .surroundings import Surroundings
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _MIN_UP = 0.5
-#: (15, 2) m in the heading frame, places of the distances to hulls and edges that critics observe.
+#: (15, 2) m in the heading frame, points at which critics observe the distances to hulls and edges.
 PROBES = np.array([(x, y) for x in (0.0, 0.6, 1.2, 1.8, 2.4) for y in (-0.6, 0.0, 0.6)], np.float32)
-#: (20, 16, 2) m in the heading frame, 7.6 m along by 6 m across: places of the same distances in `privileged_map`.
+#: (20, 16, 2) m in the heading frame, 7.6 m along by 6 m across: points of the distances in `privileged_map`.
 MAP_PROBES = np.stack(np.meshgrid(np.linspace(-1.4, 6.2, 20), np.linspace(-3.0, 3.0, 16), indexing="ij"), -1).astype(
     np.float32
 )
@@ -37,10 +37,10 @@ ACTION_MODES = ("waypoint", "velocity", "joint")
 
 
 def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
-    """(nu, 2) commands that the actions -1 and 1 stand for in the mode "joint"."""
+    """(nu, 2) commands for the actions -1 and 1 in the mode "joint"."""
     straight = np.abs(np.asarray(robot.command(jnp.array([robot.max_speed, 0.0]))))
     limited = np.asarray(model.actuator_ctrllimited, bool)[:, None]
-    # Not the command of a turn: both wheels at the outer wheel's speed would drive faster than `max_speed`.
+    # Not the command of a turn, because both wheels at the outer wheel's speed would exceed `max_speed`.
     ends = np.where(limited, model.actuator_ctrlrange, np.stack([-straight, straight], axis=1))
     for i in np.flatnonzero(ends[:, 0] >= ends[:, 1]):
         raise ValidationError(
@@ -89,16 +89,16 @@ class NavEnv(StagedBase[NavState]):
         model = mujoco.MjModel.from_xml_string(robot.mjcf)
         self._mj_model = model
         self._root = model.body(robot.root_body).id
-        # A robot on legs stands in its first keyframe.
+        # A legged robot starts in its first keyframe.
         self.qpos0 = jnp.asarray(model.key_qpos[0] if model.nkey else model.qpos0, jnp.float32)
         self._nv = model.nv
         self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
         self.scenes = select_scenes(bank, config.scenes)
-        # Policies saved before these could be chosen do not have them.
+        # Configurations of older policies do not have this field.
         chosen = config.get("observations", {})
         self._sees_proprio, self._sees_map = (bool(chosen.get(k, False)) for k in ("proprio", "privileged_map"))
         self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
-        #: How training weighs episodes; None where all are equally likely.
+        #: Weights of training episodes; None if all are equally likely.
         self.learnability = Learnability(bank, self.scenes) if self._schedule.learnable else None
         self._randomization = Randomization(config.randomization)
         self._episodes = {
@@ -110,13 +110,13 @@ class NavEnv(StagedBase[NavState]):
         self._surroundings = Surroundings(bank, robot.planner_height)
         share = self._randomization.starts
         self._starts = RandomStarts(share, self._surroundings, robot) if share else None
-        #: The crowd of the scenario dynamic; None in the others.
+        #: The crowd of the scenario dynamic; None in other scenarios.
         self.dynamic: DynamicStreet | None = None
         if scenario_of(config) == "dynamic":
             self.dynamic = DynamicStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
-        #: Movable objects; None where the engine has no body slots.
+        #: Movable objects; None if the engine has no body slots.
         self.movables: Movables | None = None
-        #: Objects beside the route, at other places in every episode; None where the config asks for none.
+        #: Objects placed beside the route in every episode; None if disabled.
         self.clutter: Clutter | None = None
         if engine.body_rows is not None:
             self.num_bodies = engine.num_bodies
@@ -133,18 +133,19 @@ class NavEnv(StagedBase[NavState]):
 
     @property
     def mj_model(self) -> mujoco.MjModel:
-        """The robot's own model, without scene."""
+        """The robot's model without scene."""
         return self._mj_model
 
     # The three stages.
 
     def begin(self, key: PRNGKeyArray) -> NavState:
-        """The first episode of an env: a scene of `config.scenes` and a row of its table, see `EpisodeSchedule`."""
+        """Begins the first episode of an env: a scene of `config.scenes` and a row of its table, see
+        `EpisodeSchedule`."""
         key, draw = jax.random.split(typed_key(key))
         return self.begin_at(key, *self._schedule.draw(draw, jnp.int32(0), jnp.int32(0)))
 
     def reset_episode(self, nav: NavState, bounds: Float[Array, " ZE"] | None = None) -> NavState:
-        """The episode after that of `nav`: all is new but the counts of steps and episodes behind the env.
+        """Begins the episode after that of `nav`; only the env's counts of steps and episodes are kept.
 
         Args:
           bounds: cumulative weights of the episodes (`Learnability.bounds`), for `schedule.learnable`.
@@ -156,7 +157,7 @@ class NavEnv(StagedBase[NavState]):
 
     @full_precision
     def begin_at(self, key: PRNGKeyArray, scene: Int[Array, ""], row: Int[Array, ""]) -> NavState:
-        """A new episode from a given row of a given scene's episode table."""
+        """Begins an episode from a given row of a given scene's episode table."""
         start = self._episodes["episode_start"][scene, row]
         goal = self._episodes["episode_goal"][scene, row]
         waypoints = self._episodes["episode_waypoints"][scene, row]
@@ -202,9 +203,9 @@ class NavEnv(StagedBase[NavState]):
     def advance(
         self, nav: NavState, action: Float[Array, " nu"]
     ) -> tuple[NavState, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
-        """One control step: (next state, reward () f32, done () f32, metrics), finite whatever was given or simulated.
+        """One control step: (next state, reward () f32, done () f32, metrics). The outputs are always finite.
 
-        Where it was not, the robot stays where it was and the episode ends (`Result.NON_FINITE`).
+        If inputs or simulation are not finite, the robot keeps its pose and the episode ends (`Result.NON_FINITE`).
         """
         nav, given = finite.repaired(nav)
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
@@ -256,7 +257,7 @@ class NavEnv(StagedBase[NavState]):
 
     @full_precision
     def observe(self, nav: NavState) -> dict[str, Array]:
-        """Observations of a state; the only place that renders."""
+        """Observations of a state; the only stage that renders."""
         position, quaternion = nav.sim.xpos[self._root], nav.sim.xquat[self._root]
         yaw = rotations.yaw_of(quaternion)
         last = nav.num_waypoints - 1
@@ -299,7 +300,7 @@ class NavEnv(StagedBase[NavState]):
         return () if self.dynamic is None else slot_appearances(self.dynamic.kinds, self.bank)
 
     def agents_of(self, nav: NavState) -> AgentMotion | None:
-        """Where people and vehicles are, to be drawn; None without a crowd."""
+        """Poses of people and vehicles for rendering; None without a crowd."""
         if self.dynamic is None or nav.crowd is None:
             return None
         return self.dynamic.places(nav.crowd, nav.sim.scene)
@@ -307,11 +308,11 @@ class NavEnv(StagedBase[NavState]):
     # The environment as a whole.
 
     def info_of(self, nav: NavState) -> dict[str, Array]:
-        """Where the env is and how its episode ended."""
+        """Scene, episode and result of the env."""
         return self.episode_info(nav.sim.scene, nav.episode, nav.result, nav.steps)
 
     def zero_metrics(self) -> dict[str, Float[Array, ""]]:
-        """The metrics of a first state."""
+        """The metrics of an initial state."""
         names = [f"reward/{name}" for name in self._config.reward_config.scales]
         names += [
             "success",
@@ -330,7 +331,7 @@ class NavEnv(StagedBase[NavState]):
         return {name: jnp.float32(0.0) for name in names}
 
     def is_traversable(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "2"]) -> Bool[Array, ""]:
-        """() bool: whether the ground under (2,) m is a kind a pavement robot may be on."""
+        """() bool, whether the ground under (2,) m is of a kind on which the robot may be."""
         return open_ground.is_open(self._walkable, scene, p_xy[0], p_xy[1], self._map_resolution)
 
     def _proprio(self, nav: NavState) -> Float[Array, " n"]:
@@ -387,7 +388,7 @@ class NavEnv(StagedBase[NavState]):
         }
 
     def distances(self, nav: NavState, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
-        """(..., 2) m from places (..., 2) to the next hull or agent and to the edge of the walkable ground."""
+        """(..., 2) m from points (..., 2) to the nearest hull or agent and to the edge of the walkable ground."""
         found = self._surroundings.distances(nav.sim.scene, p_xy)
         if self.clutter is not None and nav.sim.bodies is not None:
             return self.clutter.nearer(found, nav.sim.scene, nav.sim.bodies, p_xy)
@@ -402,7 +403,7 @@ class NavEnv(StagedBase[NavState]):
         frame = self.renderer(sim.scene, sim.xpos, sim.xquat, seed, self.agents_of(nav), sim.bodies, mount)
         if not self._config.vision_config.depth:
             return frame["rgb"]
-        # The renderer writes 0 where no ray hit: the largest depth.
+        # The renderer writes 0 where no ray hits, which becomes the largest depth.
         metres = jnp.where(frame["depth"] > 0.0, frame["depth"], jnp.inf)
         depth = jnp.clip(metres * 10.0, 0.0, 255.0).astype(jnp.uint8)
         return jnp.concatenate([frame["rgb"], depth[..., None]], axis=-1)

@@ -1,12 +1,12 @@
-"""Which episodes a policy can learn most from: those that it sometimes reaches the goal in and sometimes not.
+"""Weights of training episodes by learnability: episodes that succeed sometimes are drawn most often.
 
 In:   ended episodes of a batch of envs: scene, row, whether the goal was reached.
 Out:  weights of all episodes of all scenes, for `EpisodeSchedule.draw`.
 When: at each step of a batch, inside jit, see `wrap_for_training`.
 
-An episode that ends well with probability p has the variance p (1 - p), its learnability (Rutherford et al., "No
-Regrets: Investigating and Improving Regret Approximations for Curriculum Discovery", 2024). p is an exponential mean
-over the episode's own ends, of all envs of a batch.
+An episode that succeeds with probability p has the variance p (1 - p), its learnability (Rutherford et al., "No
+Regrets: Investigating and Improving Regret Approximations for Curriculum Discovery", 2024). p is the exponential moving
+average of the results of the episode over all envs of a batch.
 """
 
 import jax.numpy as jnp
@@ -16,14 +16,14 @@ from jaxtyping import Array, Float, Int
 from ...datatypes import SceneBank
 from ..types import Result
 
-#: Weight of a new end in the mean; about the last five count.
+#: Weight of a new result in the moving average, which covers about the last five results.
 NEW = 0.2
-#: Of every episode, so that one which never or always succeeded is seen again.
+#: Least weight of an episode, so that those which never or always succeeded are drawn again.
 LEAST = 0.01
 
 
 class Learnability:
-    """The tables' shape, and how a mean becomes weights.
+    """Maintains success rates of episodes and computes their weights.
 
     Args:
       bank: the scenes.
@@ -37,7 +37,7 @@ class Learnability:
         self._exists = jnp.asarray(used[:, None] & (rows < bank.num_episodes[:, None]))
 
     def first(self) -> Float[Array, "Z E"]:
-        """The means before any episode has ended: 0.5, the most learnable, so that each gets its turn."""
+        """Initial success rates of 0.5, the most learnable value."""
         return jnp.full(self._exists.shape, 0.5, jnp.float32)
 
     def updated(
@@ -47,9 +47,9 @@ class Learnability:
         row: Int[Array, " n"],
         result: Int[Array, " n"],
     ) -> Float[Array, "Z E"]:
-        """The means after a step of n envs; result: `Result`, RUNNING where the episode goes on.
+        """The success rates after a step of n envs; result: `Result`, RUNNING for episodes that continue.
 
-        Ends of one episode in the same step count once, by their mean.
+        Several results of one episode in the same step count once, by their mean.
         """
         over = (result != Result.RUNNING).astype(jnp.float32)
         reached = (result == Result.GOAL).astype(jnp.float32)
@@ -59,16 +59,16 @@ class Learnability:
         return jnp.where(count > 0.0, success + NEW * (mean - success), success)
 
     def bounds(self, success: Float[Array, "Z E"]) -> Float[Array, " ZE"]:
-        """Cumulative weights of all episodes, scene by scene."""
+        """Cumulative weights of all episodes, ordered by scene."""
         weights = jnp.where(self._exists, success * (1.0 - success) + LEAST, 0.0)
         return jnp.cumsum(weights.reshape(-1))
 
 
 def drawn(bounds: Float[Array, " ZE"], number: int, uniform: Float[Array, ""]) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Scene and row () i32 of the episode whose part of `bounds` holds a share `uniform` in [0, 1) of the sum; number:
+    """Scene and row () i32 of the episode at the share `uniform` in [0, 1) of the cumulative weights `bounds`; number:
     E, rows of a table."""
     place = jnp.searchsorted(bounds, uniform * bounds[-1], side="right")
-    # Rounding may reach the end of the sum, behind which nothing is.
+    # Rounding may reach the end of the sum, beyond the last episode.
     last = jnp.searchsorted(bounds, bounds[-1], side="left")
     place = jnp.minimum(place, last).astype(jnp.int32)
     return place // number, place % number

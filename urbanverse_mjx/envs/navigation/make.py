@@ -1,4 +1,5 @@
-"""Makes the navigation task from a config: robot, engine, renderer, environment; on wheels or on legs."""
+"""Makes the navigation environment from a config (robot, engine, renderer, environment) for wheeled or legged
+robots."""
 
 from collections.abc import Callable
 from typing import Any
@@ -14,24 +15,24 @@ from .env import NavEnv
 from .movables import body_sizes
 from .scenarios import bank_for, scenario_of
 
-#: (config, bank, robot, shapes of the moving agents, sizes of the body slots) -> an engine.
+#: Function (config, bank, robot, shapes of moving agents, sizes of body slots) -> engine.
 EngineMaker = Callable[[ConfigDict, SceneBank, RobotSpec, AgentShapes | None, dict[str, int] | None], Simulator]
 
 
 def make_wheeled_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
-    """A `NavEnv` of a robot on wheels with the engine and the renderer its config asks for.
+    """Makes a `NavEnv` of a wheeled robot with the engine and renderer of its config.
 
     Raises:
-      ValidationError: steps that do not divide or are too long for the robot, or a robot on legs.
+      ValidationError: time steps do not divide or are too long for the robot, or the robot has legs.
     """
     return _make(config, bank, wheeled_engine)
 
 
 def make_walking_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
-    """A `NavEnv` of a robot on legs, whose gait takes body velocities; else as `make_wheeled_env`.
+    """Makes a `NavEnv` of a legged robot, whose gait follows body velocities; see `make_wheeled_env`.
 
     Raises:
-      ValidationError: as there; moving agents, or actions that are joint angles.
+      ValidationError: see `make_wheeled_env`; or the config has moving agents or joint actions.
     """
     if config.action_mode == "joint":
         raise ValidationError(
@@ -47,10 +48,10 @@ def wheeled_engine(
     agents: AgentShapes | None,
     movable: dict[str, int] | None,
 ) -> Simulator:
-    """The engine that a config asks for.
+    """Makes the engine of a config.
 
     Raises:
-      ValidationError: a robot that takes no wheel commands.
+      ValidationError: the robot does not take wheel commands.
     """
     from ...simulation.collision_slots.body_slots import Sizes
     from ...simulation.engines import make_engine
@@ -72,10 +73,10 @@ def walking_engine(
     agents: AgentShapes | None,
     movable: dict[str, int] | None,
 ) -> Simulator:
-    """The engine that a config asks for, at the rate of the gait in it.
+    """Makes the engine of a config, which runs the gait at its own rate.
 
     Raises:
-      ValidationError: moving agents around a robot with a gait, which no engine supports yet.
+      ValidationError: there are moving agents, which no engine supports for a robot with a gait.
     """
     from ...robots.go2 import load_gait
     from ...simulation.engines import make_engine
@@ -117,7 +118,7 @@ def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavE
 def _renderer(
     config: ConfigDict, bank: SceneBank, robot: RobotSpec, kinds: tuple[str, ...], bodies: int
 ) -> Renderer | None:
-    """The renderer that a config asks for; kinds: of the agents in sight; bodies: objects that may be moved."""
+    """Makes the renderer of a config; kinds: kinds of the agents; bodies: number of objects that may be moved."""
     if not config.vision:
         return None
     from ...simulation.rendering import renderer

@@ -1,4 +1,4 @@
-"""Which objects of a street can be pushed in an episode: those nearest to its route.
+"""Selects the objects that can be pushed in an episode: those nearest to its route.
 
 In:   an engine with body slots, the scene, the route.
 Out:  objects for `engine.init`, metrics.
@@ -14,18 +14,19 @@ from ml_collections import ConfigDict
 from ...datatypes import SceneBank, SimState, ValidationError
 from . import terms
 
-#: Objects of `config.randomization.clutter`: each costs time in every control step.
+#: Largest number of objects of `config.randomization.clutter`; each costs time in every control step.
 MOST_CLUTTER = 32
-#: The episode ended by touching something that can be pushed; such a hit counts as one of an object, too.
+#: Whether the episode ended by touching a movable object; such a hit also counts as one of an object.
 MOVABLE_METRICS = ("hit_movable",)
 
 
 def body_sizes(config: ConfigDict) -> dict[str, int] | None:
-    """Sizes of the body slots that an environment's config asks for: its `movable` in the scenario dynamic, as many as
-    its `randomization.clutter` in the others, else None (also for policies trained before there were any).
+    """Sizes of the body slots of an environment's config: its `movable` in the scenario dynamic, otherwise those for
+    `randomization.clutter`, or None (also for older policies without these fields).
 
     Raises:
-      ValidationError: fewer objects than none, more awake than there are, or clutter in the scenario dynamic.
+      ValidationError: a number is negative, more objects are awake than exist, or clutter is combined with the scenario
+        dynamic.
     """
     sizes, dynamic = config.get("movable", None), config.get("scenario", "static") == "dynamic"
     clutter = config.get("randomization", {}).get("clutter", 0)
@@ -49,7 +50,7 @@ def body_sizes(config: ConfigDict) -> dict[str, int] | None:
 
 
 class Movables:
-    """The objects of every scene that can be pushed.
+    """The movable objects of every scene.
 
     Args:
       bank: the scenes.
@@ -67,14 +68,14 @@ class Movables:
         self._objects, self._place, self._number = jnp.asarray(objects), jnp.asarray(place, jnp.float32), number
 
     def near(self, scene: Int[Array, ""], start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Int[Array, " M"]:
-        """(M,) i32, objects nearest to the route start (3,), waypoints (W, 3) m; -1 where a scene has fewer."""
+        """(M,) i32, objects nearest to the route start (3,), waypoints (W, 3) m; -1 if a scene has fewer."""
         corners = jnp.concatenate([start[None, :2], waypoints[:, :2]])
         distance = terms.distance_to_route(self._place[scene], corners)
         _, pick = jax.lax.top_k(-jnp.where(self._objects[scene] >= 0, distance, jnp.inf), self._number)
         return self._objects[scene][pick]
 
     def metrics(self, sim: SimState, ended: Bool[Array, ""]) -> dict[str, Float[Array, ""]]:
-        """`MOVABLE_METRICS`; ended: () bool, with a touch of an object."""
+        """`MOVABLE_METRICS`; ended: () bool, whether the episode ended by touching an object."""
         hit = sim.contacts.hit_object
         assert sim.bodies is not None
         mine = (hit >= 0) & (hit == sim.bodies.object_index).any()

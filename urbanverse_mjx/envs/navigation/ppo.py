@@ -1,4 +1,4 @@
-"""PPO hyper-parameters of the navigation task: a fresh, locked `ConfigDict` from `ppo_config(preset)` each time.
+"""PPO hyper-parameters of the navigation task: `ppo_config(preset)` returns a new, locked `ConfigDict`.
 
 `paper` follows the paper's table "Optimization and training hyperparameters".
 """
@@ -19,8 +19,9 @@ def _paper() -> ConfigDict:
             "learning_rate": 1e-4,
             "learning_rate_schedule": "ADAPTIVE_KL",
             "desired_kl": 0.01,
-            # Brax lets it rise to 1e-2 while the policy changes little; at 135x240 that killed every ReLU of the last
-            # convolution within 1 M steps, and the policy drove blind (docs/decisions/presets.md).
+            # Brax's adaptive rate may rise to 1e-2 while the policy changes little. At 135x240 this makes all ReLUs of
+            # the last convolution inactive within 1 M steps, and the policy ignores the image
+            # (docs/decisions/presets.md).
             "max_learning_rate": 1e-3,
             "discounting": 0.99,
             "gae_lambda": 0.95,
@@ -28,7 +29,7 @@ def _paper() -> ConfigDict:
             "entropy_cost": 0.002,
             "vf_loss_coefficient": 1.0,
             "max_grad_norm": 1.0,
-            # Brax's critic regresses raw returns; 0.01 keeps the paper's +2000 near one hundredth of that.
+            # Brax's critic regresses raw returns; this factor scales the paper's reward of 2000 to 20.
             "reward_scaling": 0.01,
             "normalize_advantage": True,
             "num_checkpoints": 50,
@@ -82,7 +83,7 @@ def _cpu() -> ConfigDict:
 
 
 def imitation_config() -> ConfigDict:
-    """DAgger on a GPU; fields as in `training.dagger.default_dagger_config`, of which these are the values."""
+    """Values of the DAgger fields for a GPU; see `training.dagger.default_dagger_config`."""
     return ConfigDict(
         {
             "algorithm": "dagger",
@@ -114,7 +115,7 @@ def imitation_config() -> ConfigDict:
 
 
 def finetune_config() -> ConfigDict:
-    """PPO after it; fields as in `training.finetune.default_finetune_config`, of which these are the values."""
+    """Values of the PPO fine-tuning fields; see `training.finetune.default_finetune_config`."""
     return ConfigDict(
         {
             "num_envs": 4096,
@@ -159,7 +160,7 @@ def _quick() -> ConfigDict:
 
 
 def _best() -> ConfigDict:
-    """A privileged teacher, its imitation by a student with a camera, and PPO from there, on a GPU; fields as in
+    """A privileged teacher, its imitation by a student with a camera, and PPO fine-tuning, on a GPU; for the fields see
     `training.teacher_student.TeacherStudent`."""
     config, teacher, finetune = imitation_config(), _fast(), finetune_config()
     config.num_timesteps, config.num_checkpoints = 68_000_000, 10
@@ -167,7 +168,7 @@ def _best() -> ConfigDict:
     config.validation_episodes = 256
     for name in ("num_timesteps", "num_envs", "num_checkpoints", "minibatch", "seed"):
         del teacher[name]
-    # Minibatches of a rollout; without a map of its surroundings the teacher generalised better (docs/results.md).
+    # Minibatches per rollout; the teacher generalises better without the map (docs/results.md).
     teacher.minibatches = 8
     teacher.network = {"map_layers": (), "hidden": (256, 256, 128)}
     finetune.imitation = finetune.final_imitation = 0.0
@@ -177,10 +178,10 @@ def _best() -> ConfigDict:
 
 
 def ppo_config(preset: str = "paper") -> ConfigDict:
-    """A new configuration; its `algorithm` may be another one, as for `quick` and `best`.
+    """Returns a new configuration; its `algorithm` may be other than PPO, as for `quick` and `best`.
 
     Raises:
-      ValidationError: unknown preset.
+      ValidationError: the preset is unknown.
     """
     makers = {
         "paper": _paper,

@@ -1,4 +1,5 @@
-"""Scenarios of a street by UrbanSim's names: `clean` without objects, `static` as it stands, `dynamic` with people.
+"""Scenarios by UrbanSim's names: `clean` without objects, `static` with objects, `dynamic` with people and movable
+objects.
 
 `dynamic` adds the agents and objects of `config.crowd` and `config.movable`; see `dynamic` and `movables`.
 """
@@ -16,10 +17,10 @@ SCENARIOS = ("clean", "static", "dynamic")
 
 
 def scenario_of(config: ConfigDict) -> str:
-    """The scenario of an environment's config; "static" where it names none (policies trained before there were any).
+    """The scenario of an environment's config; "static" if it has none (older policies).
 
     Raises:
-      ValidationError: an unknown one.
+      ValidationError: the scenario is unknown.
     """
     name = config.get("scenario", "static")
     if name not in SCENARIOS:
@@ -28,8 +29,7 @@ def scenario_of(config: ConfigDict) -> str:
 
 
 def bank_for(scenario: str, bank: SceneBank) -> SceneBank:
-    """The bank as a scenario has it: `clean` keeps ground, sky and episodes alone; no object hides or blocks the
-    path."""
+    """The bank for a scenario; `clean` keeps only ground, sky and episodes."""
     if scenario != "clean":
         return bank
     ground = np.array([name.startswith("ground:") for name in bank.meta["categories"]] + [False])[bank.slot_category]
@@ -44,7 +44,8 @@ def bank_for(scenario: str, bank: SceneBank) -> SceneBank:
 
 
 def select_scenes(bank: SceneBank, which: str | Sequence[str]) -> Int32[np.ndarray, " n"]:
-    """(n,) i32 rows of the bank named by a split ("train", "test", ...), "all", or ids (a list, or with commas)."""
+    """(n,) i32, rows of the bank selected by a split ("train", "test", ...), "all", or ids (a list, or
+    comma-separated)."""
     if isinstance(which, str) and which == "all":
         return np.arange(bank.num_scenes, dtype=np.int32)
     if isinstance(which, str) and which in bank.meta["splits"]:

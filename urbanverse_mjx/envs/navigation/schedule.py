@@ -1,4 +1,4 @@
-"""Which scene and which row of its episode table an env gets next: all at random, or by a training schedule."""
+"""Draws the next scene and episode of an env: uniformly, or by a training schedule."""
 
 import jax
 import jax.numpy as jnp
@@ -9,22 +9,22 @@ from ml_collections import ConfigDict
 from ...datatypes import SceneBank, ValidationError
 from . import learnability
 
-#: Folded into the key of a draw, so that no other draw changes.
+#: Folded into the key of a draw, so that other draws do not change.
 _SHARE, _PLACE = 106, 107
 
 
 class EpisodeSchedule:
-    """Draws scenes and episodes, depending on an env's progress.
+    """Draws scenes and episodes by an env's progress.
 
-    Every env counts its own control steps and episodes, so the schedule needs no word from the trainer and is the same
-    under any vmap, pmap or resumption of a state.
+    Every env counts its control steps and episodes, so the schedule does not depend on the trainer and is the same
+    under vmap, pmap or when a state is resumed.
 
     * Scenes: all of them, or `resident_scenes` at a time, the next ones after every `episodes_per_swap` episodes
-      (paper: 16 and 100, because of Isaac Sim's memory; a bank here needs no swapping). The order is a shuffle.
-    * Routes: all of them, or at first only routes up to `start_distance` m (at least the shortest eight of a scene);
-      the limit grows linearly with an env's control steps and is gone after `ramp_steps`.
-    * Learnability: the share `learnable` of all draws goes by `learnability`, in training alone (`wrap_for_training`),
-      which counts the ends of all envs of a batch; the rest are drawn as above.
+      (paper: 16 and 100, because of Isaac Sim's memory; a bank here needs no swapping). The order is random.
+    * Routes: all of them, or initially only routes up to `start_distance` m (at least the shortest eight of a scene);
+      the limit grows linearly with an env's control steps and ends after `ramp_steps`.
+    * Learnability: in training (`wrap_for_training`), the share `learnable` of all draws is weighted by `learnability`,
+      from the results of all envs of a batch; the others are drawn as above.
 
     Args:
       config: `config.schedule` of an environment.
@@ -32,11 +32,11 @@ class EpisodeSchedule:
       scenes: (n,) i32, the rows of the bank in use.
 
     Raises:
-      ValidationError: a negative value, no episodes between swaps, a limit without a ramp, or a share outside [0, 1] or
-        together with the others.
+      ValidationError: a value is negative, there are no episodes between swaps, a limit has no ramp, or a share is
+        outside [0, 1] or combined with the other schedules.
     """
 
-    #: Routes of a scene that are never left out, however short the limit: a single one could be memorised.
+    #: Number of shortest routes of a scene that are always used, because a single one could be memorised.
     SHORTEST = 8
 
     def __init__(self, config: ConfigDict, bank: SceneBank, scenes: np.ndarray) -> None:
@@ -52,7 +52,7 @@ class EpisodeSchedule:
                 f"config.schedule: found start_distance {config.start_distance} and ramp_steps {config.ramp_steps}, "
                 "needed both or neither."
             )
-        # Policies saved before there was such a share do not have it.
+        # Configurations of older policies do not have this field.
         self.learnable = float(config.get("learnable", 0.0))
         if not 0.0 <= self.learnable <= 1.0:
             raise ValidationError(f"config.schedule.learnable: found {self.learnable}, needed a share between 0 and 1.")
@@ -66,7 +66,7 @@ class EpisodeSchedule:
         self._per_swap = int(config.episodes_per_swap)
         self._start, self._ramp = float(config.start_distance), int(config.ramp_steps)
         self._count = jnp.asarray(bank.num_episodes, jnp.int32)
-        # Rows of each scene from the shortest route to the longest; rows that do not exist come last.
+        # Rows of each scene sorted by length of the route; padding rows are last.
         exists = np.arange(bank.episode_length.shape[1]) < bank.num_episodes[:, None]
         lengths = np.where(exists, bank.episode_length, np.inf)
         self._rows = jnp.asarray(np.argsort(lengths, axis=1, kind="stable"), jnp.int32)
@@ -83,9 +83,9 @@ class EpisodeSchedule:
         """Scene () i32 and row () i32 of the next episode.
 
         Args:
-          key: typed, used up here.
-          age: () i32 control steps, episodes: () i32 episodes, both behind this env.
-          bounds: see `learnability.Learnability.bounds`; None = draw without.
+          key: typed key, used once.
+          age: () i32, control steps of this env. episodes: () i32, ended episodes of this env.
+          bounds: see `learnability.Learnability.bounds`; None to draw without weights.
         """
         scene, row = self._draw(key, age, episodes)
         if bounds is None or not self.learnable:
@@ -99,7 +99,7 @@ class EpisodeSchedule:
         self, key: Key[Array, ""], age: Int[Array, ""], episodes: Int[Array, ""]
     ) -> tuple[Int[Array, ""], Int[Array, ""]]:
         key_scene, key_row = jax.random.split(key)
-        # scene ~ U over the resident ones, row ~ U over the routes within the limit
+        # scene uniform over the resident ones, row uniform over the routes within the limit
         first = (episodes // self._per_swap) * self._resident
         place = first + jax.random.randint(key_scene, (), 0, self._resident)
         scene = self._scenes[place % len(self._scenes)]

@@ -1,11 +1,11 @@
-"""Starts along the route of an episode and beside it, with any heading, so that a table of episodes has no end.
+"""Random starts along and beside the route of an episode with any heading, to vary the episodes of a table.
 
 In:   a row of an episode table.
 Out:  another start, and the rest of the route from there.
 When: at reset, inside jit, per env.
 
-The distances looked up hold no kerbs between two kinds of walkable ground: in the tests' streets one start in 200
-stands beside or on one.
+The distances do not include kerbs between two kinds of walkable ground; in the test streets, one start in 200 is beside
+or on such a kerb.
 """
 
 import jax
@@ -17,24 +17,24 @@ from ...datatypes import RobotSpec
 from . import terms
 from .surroundings import CELL, Surroundings
 
-#: m of the route that are left at least, and m beside the route at most.
+#: m, least remaining length of the route, and largest distance from the route.
 LEFT, ASIDE = 8.0, 2.0
-#: m that stay free around the robot besides its radius, as at the starts of the tables.
+#: m, additional clearance around the robot, as at the starts of the tables.
 END_MARGIN = 0.15
-#: Starts drawn for an episode; where none is free the table's stays. Points of the way to the next waypoint that are
-#: checked.
+#: Number of starts drawn for an episode (the table's start is kept if none is free), and of points checked on the line
+#: to the next waypoint.
 TRIES, POINTS = 16, 12
-#: Folded into an env's key, so that no other draw changes.
+#: Folded into an env's key, so that other draws do not change.
 _START = 108
 
 
 class RandomStarts:
-    """Draws starts.
+    """Draws random starts.
 
     Args:
-      share: of the episodes that begin so, in (0, 1].
+      share: share of the episodes with a random start, in (0, 1].
       surroundings: distances in the streets.
-      robot: that drives there.
+      robot: robot of the environment.
     """
 
     def __init__(self, share: float, surroundings: Surroundings, robot: RobotSpec) -> None:
@@ -49,8 +49,8 @@ class RandomStarts:
         waypoints: Float[Array, "W 3"],
         count: Int[Array, ""],
     ) -> tuple[Float[Array, "4"], Float[Array, "W 3"], Int[Array, ""]]:
-        """Start (x, y, z, yaw), waypoints and their number of an episode from that row; the row's own where it is not
-        to change or no place is free. The key is typed and not used up."""
+        """Start (x, y, z, yaw), waypoints and their number for an episode of that row; those of the row if it is not
+        changed or no position is free. The key is typed and can be reused."""
         keys = jax.random.split(jax.random.fold_in(key, _START), 4)
         corners = jnp.concatenate([start[None, :3], waypoints])
         length = terms.route_length(start[:3], waypoints)
@@ -67,10 +67,10 @@ class RandomStarts:
         return jnp.where(moved, there, start), jnp.where(moved, rest, waypoints), count - passed
 
     def _free(self, scene: Array, points: Float[Array, "T 2"], ahead: Float[Array, "T 2"]) -> Bool[Array, " T"]:
-        """Whether the robot may stand at points, and drive from there straight to the next waypoint."""
+        """Whether the robot can stand at points and drive from there straight to the next waypoint."""
         at = self._surroundings.distances(scene, points)
         shares = jnp.linspace(0.0, 1.0, POINTS)[:, None, None]
         between = self._surroundings.distances(scene, points + shares * (ahead - points))
-        # A looked-up distance is off by half a cell at most.
+        # The error of a look-up is at most half a cell.
         stands = (at >= self._radius + END_MARGIN + CELL / 2).all(-1)
         return stands & (between >= self._radius).all((0, -1))

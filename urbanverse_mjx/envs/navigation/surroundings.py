@@ -1,6 +1,6 @@
-"""How far it is to the next object and to the edge of the walkable ground, anywhere in a scene.
+"""Distances from any point of a scene to the nearest object and to the edge of the walkable ground.
 
-For critics and rewards, not for policies. Distances are looked up in a grid made once per bank.
+They are used by critics and rewards, not by policies, and looked up in a grid made once per bank.
 """
 
 import functools
@@ -18,16 +18,16 @@ from ...datatypes import SceneBank, array_file, traversable
 from ...geometry.grids import Grid, cell_of, pooled
 from ...geometry.raster import Shape, nearest
 
-#: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
+#: m, side of a cell; the error of a look-up is half of it, a tenth of COCO's length.
 CELL = 0.2
-#: From so many hulls on (seconds of work) the fields of a bank are kept in the cache.
+#: Number of hulls from which the fields of a bank, which take seconds, are cached.
 KEEP_FROM = 20_000
-#: m, distances are cut off here: one unsigned byte holds them in centimetres.
+#: m, largest stored distance: the maximum of an unsigned byte in centimetres.
 FAR = 2.55
 
 
 def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
-    """(X, Y) m from each cell to the nearest one that is not wholly walkable; 0 there."""
+    """(X, Y) m from each cell to the nearest one that is not completely walkable; 0 there."""
     walkable = traversable(bank.map_kind[scene])
     factor = round(CELL / float(bank.map_resolution))
     missing = [(0, n * factor - m) for n, m in zip(shape, walkable.shape, strict=True)]
@@ -36,7 +36,7 @@ def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
 
 
 def _boxes(bank: SceneBank, scene: int, height: float) -> Iterator[Shape]:
-    """The boxes of the hulls that reach between `LOW` and `height` m above ground."""
+    """The boxes of the hulls that extend between `LOW` and `height` m above ground."""
     ground = _ground_height(bank, scene)
     bottom, top = ground + LOW, ground + height
     for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
@@ -45,7 +45,7 @@ def _boxes(bank: SceneBank, scene: int, height: float) -> Iterator[Shape]:
         middle, reach = position + rotation @ box[0], np.abs(rotation) @ box[1]
         if middle[2] - reach[2] > top or middle[2] + reach[2] < bottom:
             continue
-        # At the height where the robot comes nearest to the box's middle.
+        # At the height at which the robot is nearest to the box's centre.
         z = np.clip(middle[2], bottom, top) - position[2]
         low, high = middle[:2] - reach[:2], middle[:2] + reach[:2]
         yield low, high, functools.partial(_to_box, rotation, position, box, z)
@@ -56,7 +56,7 @@ def _to_box(
 ) -> np.ndarray:
     """(X, Y) m from the points of a grid, `z` above the hull's origin, to the hull's box (2, 3)."""
     centre, half = box
-    # In the hull's frame, axis by axis: a column of x, a row of y.
+    # In the hull's frame, one axis at a time: a column of x, a row of y.
     along = np.outer(rotation[0], x - position[0]) - centre[:, None]
     across = np.outer(rotation[1], y - position[1]) + (rotation[2] * z)[:, None]
     square = 0.0
@@ -67,16 +67,17 @@ def _to_box(
 
 
 def _ground_height(bank: SceneBank, scene: int) -> float:
-    """m, the ground where the scene's episodes start, which is the pavement nearly everywhere."""
+    """m, ground height at the starts of the scene's episodes, which is that of the pavement nearly everywhere."""
     return float(np.median(bank.episode_start[scene, : int(bank.num_episodes[scene]), 2]))
 
 
-#: m, hulls below this height above the pavement do not count: a wheel passes over them.
+#: m; hulls below this height above the pavement are ignored, because wheels pass over them.
 LOW = 0.05
 
 
 def build_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
-    """(Z, X, Y, 2) u8 cm: to the next hull between `LOW` and `height` m above ground, and to the walkable edge."""
+    """(Z, X, Y, 2) u8 cm, distances to the nearest hull between `LOW` and `height` m above ground, and to the walkable
+    edge."""
     size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
     x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
     fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
@@ -99,7 +100,7 @@ def path_of(bank: SceneBank, height: float) -> pathlib.Path:
 
 
 def kept_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
-    """`build_fields`, from the cache where a large bank's were built before."""
+    """`build_fields` with a cache for large banks."""
     if int((bank.inst_hull >= 0).sum()) < KEEP_FROM:
         return build_fields(bank, height)
     path = path_of(bank, height)
@@ -115,7 +116,7 @@ class Surroundings:
 
     Args:
       bank: the scenes.
-      height: m, of the robot: higher hulls are no obstacles.
+      height: m, height of the robot; higher hulls are no obstacles.
     """
 
     def __init__(self, bank: SceneBank, height: float) -> None:
@@ -124,11 +125,11 @@ class Surroundings:
 
     @property
     def fields(self) -> UInt8[np.ndarray, "Z X Y 2"]:
-        """See `build_fields`; read back from the device, the only place that holds them."""
+        """See `build_fields`; copied from the device."""
         return np.asarray(self._fields)
 
     def distances(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
-        """(..., 2) m to the next hull and to the edge of the walkable ground, at most `FAR`.
+        """(..., 2) m to the nearest hull and to the edge of the walkable ground, at most `FAR`.
 
         Args:
           scene: () i32.

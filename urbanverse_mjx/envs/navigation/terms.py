@@ -1,7 +1,7 @@
-"""Pure terms of the navigation task: geometry, observations, rewards, terminations. All are per env, f32, no state.
+"""Pure functions of the navigation task: geometry, observations, rewards, terminations; per env, in f32.
 
-Distances are on the ground plane. Rewards follow the paper's appendix; where the paper is silent the
-authors' released terms are used, each named in its docstring.
+Distances are on the ground plane. Rewards follow the paper's appendix; terms that the paper does not define are those
+of the authors' released code, as stated in their docstrings.
 """
 
 import jax.numpy as jnp
@@ -11,21 +11,21 @@ from ..types import Result
 
 
 def to_body(vector_world: Float[Array, "2"], yaw: Float[Array, ""]) -> Float[Array, "2"]:
-    """(2,) world vector seen in the heading frame (x forward, y left)."""
+    """Transforms a (2,) world vector to the heading frame (x forward, y left)."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     x, y = vector_world[0], vector_world[1]
     return jnp.stack([c * x + s * y, -s * x + c * y])
 
 
 def to_world(vectors_body: Float[Array, "*n 2"], yaw: Float[Array, ""]) -> Float[Array, "*n 2"]:
-    """(..., 2) vectors of the heading frame seen in the world."""
+    """Transforms (..., 2) vectors from the heading frame to the world."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     x, y = vectors_body[..., 0], vectors_body[..., 1]
     return jnp.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def limit_norm(vector: Float[Array, " n"], limit: float) -> Float[Array, " n"]:
-    """Shortens a vector to at most `limit`."""
+    """Limits the length of a vector to `limit`."""
     norm = jnp.linalg.norm(vector)
     return vector * jnp.minimum(1.0, limit / jnp.maximum(norm, 1e-6))
 
@@ -41,7 +41,8 @@ def distance_to_route(points: Float[Array, "*n 2"], corners: Float[Array, "W 2"]
 def beside_route(
     corners: Float[Array, "W D"], along: Float[Array, " T"], aside: Float[Array, " T"]
 ) -> tuple[Float[Array, "T D"], Int[Array, " T"]]:
-    """Points (T, D) m beside the line through corners (W, D), D 2 or 3, and (T,) i32 the piece each stands beside.
+    """Points (T, D) m beside the line through corners (W, D), D 2 or 3, and (T,) i32, the segment beside which each
+    lies.
 
     Args:
       along: m of arc length on the ground plane.
@@ -73,7 +74,7 @@ def route_position(
     length = jnp.linalg.norm(span, axis=-1)
     t = jnp.clip(((p_xy - a) * span).sum(-1) / jnp.maximum(length**2, 1e-9), 0.0, 1.0)
     distance = jnp.linalg.norm(a + t[:, None] * span - p_xy, axis=-1)
-    # Segments of no length (padding) must not win a tie against the real last one.
+    # Segments of length 0 (padding) must not be preferred to the last real one.
     best = jnp.argmin(jnp.where(length > 1e-6, distance, jnp.inf))
     before = jnp.cumsum(length) - length
     return before[best] + t[best] * length[best]
@@ -89,13 +90,13 @@ def route_completed(
 ) -> Float[Array, ""]:
     """Metres of a route of `length` m completed at `p_xy` (2,), for the paper's RC.
 
-    On the route it is the nearest point's place. A robot on another route may come near a later part of this one, or
-    near its end with a wall between. So the remaining distance is at least the straight line to the goal, and the
+    On the route it is the arc length of the nearest point. A robot off the route may come near a later part of it, or
+    near its end behind a wall. The remaining distance is therefore at least the straight line to the goal, and the
     completed one at most the distance driven.
 
     Args:
-      left: () m, straight to the goal.
-      driven: () m.
+      left: () m, straight distance to the goal.
+      driven: () m, distance driven.
     """
     return jnp.clip(jnp.minimum(route_position(p_xy, start, waypoints), length - left), 0.0, driven)
 
@@ -103,7 +104,7 @@ def route_completed(
 def next_waypoint(
     p_xy: Float[Array, "2"], waypoint: Int[Array, ""], waypoints: Float[Array, "W 3"], count: Int[Array, ""]
 ) -> Int[Array, ""]:
-    """Index of the waypoint to head for: moves on when within 2 m of the present one."""
+    """Index of the waypoint to drive to; advances within 2 m of the current one."""
     near = jnp.linalg.norm(waypoints[waypoint, :2] - p_xy) < 2.0
     return jnp.minimum(waypoint + near.astype(jnp.int32), count - 1)
 
@@ -131,7 +132,7 @@ def reward_position(distance: Float[Array, ""], std: float) -> Float[Array, ""]:
 def reward_velocity_cosine(velocity_xy: Float[Array, "2"], to_goal_xy: Float[Array, "2"]) -> Float[Array, ""]:
     """Cosine between the velocity and the direction to the goal (paper R_V), 0 at rest.
 
-    The speed enters below 5 cm/s so that the jitter of a standing robot earns no reward.
+    Below 5 cm/s it is scaled by the speed, so that the jitter of a standing robot has no reward.
     """
     norm = jnp.maximum(jnp.linalg.norm(velocity_xy), 0.05) * jnp.maximum(jnp.linalg.norm(to_goal_xy), 1e-6)
     return velocity_xy @ to_goal_xy / norm
@@ -143,12 +144,12 @@ def reward_velocity_dot(velocity_xy: Float[Array, "2"], to_goal_xy: Float[Array,
 
 
 def reward_progress(previous_distance: Float[Array, ""], distance: Float[Array, ""]) -> Float[Array, ""]:
-    """Metres by which the goal came nearer in this step (released code's moving-towards-goal idea)."""
+    """Decrease of the distance to the goal (m) in this step (after the released code's moving-towards-goal term)."""
     return previous_distance - distance
 
 
 def reward_near_object(distance: Float[Array, ""]) -> Float[Array, ""]:
-    """1 with a hull 0.4 m from the robot's origin on the ground (COCO about touches it), falling to 0 at 1 m; ours."""
+    """1 if a hull is 0.4 m from the robot's origin (COCO nearly touches it), falling to 0 at 1 m; not in the paper."""
     return jnp.clip((1.0 - distance) / 0.6, 0.0, 1.0)
 
 
@@ -162,12 +163,12 @@ def result_of(
     out_of_time: Bool[Array, ""],
     hit_agent: Bool[Array, ""] | bool = False,
 ) -> Int[Array, ""]:
-    """() i32 result code; when several hold, the first of non-finite, hit, fall, off, goal, timeout counts.
+    """() i32 result code; if several apply, the first of non-finite, hit, fall, off, goal, timeout.
 
     Args:
-      hit_agent: at least one of the hit bodies is an agent.
+      hit_agent: whether at least one of the hit bodies is an agent.
 
-    A robot that touches something while it arrives has not arrived without collision (paper, SR).
+    Contact on arrival counts as a hit (paper: success is without collision).
     """
     code = jnp.int32(Result.RUNNING)
     for flag, value in (
