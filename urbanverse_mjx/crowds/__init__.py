@@ -1,4 +1,4 @@
-"""Moving agents: reciprocal collision avoidance of people and vehicles, where they go and how they behave."""
+"""Moving agents: reciprocal collision avoidance, routes and behaviours of people and vehicles."""
 
 from . import deadlock, half_planes, linear_program, neighbours, orca, resolve_collisions
 from .bodies import Bodies, PreferredVelocity, Traits, num_long, num_wheeled, traits_of

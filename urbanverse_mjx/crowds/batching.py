@@ -1,8 +1,7 @@
-"""Functions of one env that run as one call over all of them.
+"""Per-env functions that run as one call over all envs.
 
-In:   a function over arrays whose last axis is the env.
-Out:  the same over arrays of one env, which `jax.vmap` turns into a single call of the first.
-When: at construction.
+In:   a function over arrays whose last axis is the env. Out: the same function over arrays of one env, which `jax.vmap`
+converts to a single call of the first. When: at construction.
 """
 
 from collections.abc import Callable
@@ -15,8 +14,7 @@ import jax.numpy as jnp
 def over_envs(function: Callable[..., Any]) -> Callable[..., Any]:
     """`function` for arrays without its last axis E.
 
-    Under `jax.vmap` the envs become the last axis of one call, however deep the maps are nested: there they lie side by
-    side in memory.
+    Under (nested) `jax.vmap`, the envs become the last axis of one call, so that they are contiguous in memory.
     """
 
     @jax.custom_batching.custom_vmap

@@ -1,4 +1,4 @@
-"""Behaviours of people other than walking to a goal: stand, queue, talk, block a route, come head-on, be overtaken.
+"""Scripted behaviours of people: stand, queue, talk, block a route, approach head-on, be overtaken.
 
 In:   places and headings. Out:  `Script` rows: an agent's start, the point it keeps and its heading. When: at reset,
 inside jit; all are plain functions of their arguments.
@@ -16,8 +16,8 @@ from .bodies import Bodies, PreferredVelocity
 from .motion import wrapped
 
 ROAM, GO, STAY = 0, 1, 2
-#: m between the centres of two people who talk: the middle of Hall's "personal" distance (The Hidden Dimension, 1966:
-#: 0.45-1.2 m), and between two in a queue: as near as its lower half leaves room for two bodies.
+#: m between the centres of two people who talk, the middle of Hall's "personal" distance (The Hidden Dimension, 1966:
+#: 0.45-1.2 m), and of two in a queue, in the lower half of that range.
 TALK_DISTANCE, QUEUE_DISTANCE = 0.85, 0.75
 #: 1/s, rate at which a staying agent returns to its point, and its largest speed in m/s.
 _RETURN_RATE, _RETURN_SPEED = 1.0, 0.6
@@ -52,7 +52,7 @@ def _stay(x: Any, y: Any, face: Any) -> Script:
 
 
 def go(x: Any, y: Any, to_x: Any, to_y: Any, speed: Any) -> Script:
-    """People at places (n,) m who walk straight to other places at () or (n,) m/s."""
+    """People at points (n,) m who walk straight to other points at () or (n,) m/s."""
     heading = jnp.arctan2(to_y - y, to_x - x)
     speed = jnp.broadcast_to(jnp.asarray(speed, x.dtype), x.shape)
     return Script(jnp.full(x.shape, GO, jnp.int32), x, y, heading, speed, to_x, to_y, heading)
@@ -72,15 +72,15 @@ def queue(x: Any, y: Any, back: Any, number: int) -> Script:
 
 
 def obstruct(x: Any, y: Any, face: Any) -> Script:
-    """One person that stands at a point () m, such as on the robot's route, with heading `face` rad."""
+    """One person that stands at a point () m, for example on the robot's route, with heading `face` rad."""
     return _stay(*(jnp.reshape(jnp.asarray(a, jnp.float32), (1,)) for a in (x, y, face)))
 
 
 def head_on(x: Any, y: Any, heading: Any, distance: float, speed: float = 1.34, beside: float = 0.0) -> Script:
-    """One person `distance` m ahead of a pose (m, m, rad) that walks towards it and on behind it.
+    """One person `distance` m ahead of a pose (m, m, rad) that walks towards it and past it.
 
     Args:
-      beside: m, how far to the left of the pose's line it walks.
+      beside: m, lateral offset to the left of the pose's line.
     """
     cos, sin = jnp.cos(heading), jnp.sin(heading)
     x, y = x - beside * sin, y + beside * cos
@@ -107,7 +107,7 @@ def cross(x: Any, y: Any, heading: Any, distance: float, aside: float = 4.0, spe
 
 
 def together(*scripts: Script) -> Script:
-    """All rows of several scripts."""
+    """Concatenates the rows of several scripts."""
     return jax.tree.map(lambda *rows: jnp.concatenate(rows), *scripts)
 
 

@@ -11,7 +11,7 @@ from .kinds import AgentKind
 
 
 class Bodies(NamedTuple):
-    """Where bodies are; every array (B, E) f32.
+    """States of bodies; every array (B, E) f32.
 
     Attributes:
       x, y: m.
@@ -31,8 +31,8 @@ class PreferredVelocity(NamedTuple):
 
     Attributes:
       x, y: m/s, preferred velocity.
-      face: rad, desired heading of a walker: towards its goal, or towards the person it talks to. It turns there when
-        it stands, and retreats little against that direction.
+      face: rad, desired heading of a pedestrian: towards its goal, or towards the person it talks to. It turns to this
+        heading when it stands, and limits retreat against it.
     """
 
     x: Any
@@ -44,7 +44,7 @@ class Traits(NamedTuple):
     """Parameters of bodies; every array (B, E) f32, or bool where stated. See `AgentKind` for the meaning.
 
     Attributes:
-      present: bool; an absent body does not move and others ignore it.
+      present: bool; an absent body does not move, and others ignore it.
       radius, half_length, margin: m.
       limit: m/s, this body's largest speed.
       acceleration, braking, lateral: m/s².
@@ -74,7 +74,7 @@ def traits_of(kinds: Sequence[AgentKind], num_envs: int = 1) -> Traits:
     """Traits (A, num_envs) f32 of agents of these kinds, all present, at their kinds' largest speed.
 
     Raises:
-      ValidationError: a kind that walks after one that rolls (see `num_wheeled`).
+      ValidationError: a pedestrian kind comes after a wheeled kind (see `num_wheeled`).
     """
     num_wheeled(kinds)
 
@@ -88,10 +88,10 @@ def traits_of(kinds: Sequence[AgentKind], num_envs: int = 1) -> Traits:
 
 
 def num_wheeled(kinds: Sequence[AgentKind]) -> int:
-    """How many of the agents roll. They come last, so that walkers and vehicles are two plain slices.
+    """Number of wheeled agents. They come last, so that pedestrians and vehicles are two slices.
 
     Raises:
-      ValidationError: a kind that walks after one that rolls, or no agent.
+      ValidationError: a pedestrian kind comes after a wheeled kind, or there is no agent.
     """
     rolls = [kind.wheeled for kind in kinds]
     if not rolls:
@@ -105,7 +105,6 @@ def num_wheeled(kinds: Sequence[AgentKind]) -> int:
 
 
 def num_long(kinds: Sequence[AgentKind]) -> int:
-    """How many of the agents, the last ones, are not known to be discs: the first that is longer than wide, and all
-    behind it."""
+    """Number of the last agents that may not be discs: the first that is longer than wide, and all after it."""
     long = [kind.half_length > 0.0 for kind in kinds]
     return len(long) - long.index(True) if any(long) else 0

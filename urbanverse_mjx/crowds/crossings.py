@@ -1,4 +1,4 @@
-"""Crossings: walkers wait for a gap, vehicles stop for walkers.
+"""Right of way at crosswalks: pedestrians wait for a gap, vehicles stop for pedestrians.
 
 In:   the scene's crosswalks, bodies, their headings. Out: which agents wait, and the largest speed of each vehicle.
 When: the table once per scene; the rest every crowd step, before `orca`, inside jit.
@@ -19,23 +19,23 @@ from .free_space import CELL, FreeSpace
 
 #: Cells of the free space along a cell of the table.
 POOL = 4
-#: m ahead within which a vehicle reacts to a crosswalk.
+#: m ahead, distances at which a vehicle looks for a crosswalk.
 _LOOKAHEAD_STEPS = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
 
 
 @dataclasses.dataclass(frozen=True)
 class CrossingOptions:
-    """How walkers and drivers meet at crosswalks.
+    """Options of the behaviour at crosswalks.
 
-    The clearance time is the Highway Capacity Manual's (2000), braking is half of AASHTO's 3.4 m/s² for
-    emergencies; the others are chosen manually.
+    The clearance time is from the Highway Capacity Manual (2000), the braking is half of AASHTO's 3.4 m/s² for
+    emergencies; the other values are chosen manually.
 
     Attributes:
-      decision_distance: m ahead at which a walker decides at the kerb.
+      decision_distance: m ahead of the crosswalk at which a pedestrian decides.
       clearance_time: s, added to the walker's crossing time: start-up and end clearance.
-      stopped_speed: m/s; slower vehicles have stopped for a walker.
-      stop_distance: m, kept between a stopped vehicle's front and the crosswalk.
-      braking: m/s², how a vehicle brakes for a walker.
+      stopped_speed: m/s; slower vehicles count as stopped.
+      stop_distance: m between a stopped vehicle's front and the crosswalk.
+      braking: m/s², deceleration of a vehicle for a pedestrian.
     """
 
     decision_distance: float = 0.8
@@ -54,7 +54,7 @@ class Crossings(NamedTuple):
     Attributes:
       number: (Z, X, Y) u8, 0 = none.
       origin: (Z, 2) f32 m.
-      width: (Z, 256) f32 m, way across each.
+      width: (Z, 256) f32 m, length of the path across each.
     """
 
     number: Any
@@ -70,7 +70,7 @@ def make_crossings(spaces: Sequence[FreeSpace]) -> Crossings:
         label, count = ndimage.label(mask == KIND_INDEX["crosswalk"], np.ones((3, 3)))
         width = np.zeros(256, np.float32)
         for number, box in enumerate(ndimage.find_objects(label)[:255], start=1):
-            # People go along a crosswalk's longer side; at most the crossing is as long as its box's diagonal.
+            # People walk along a crosswalk's longer side; the crossing is at most as long as the diagonal of its box.
             sides = [(s.stop - s.start) * POOL * CELL for s in box]
             width[number] = max(sides)
         numbers.append(np.where(label < 256, label, 0).astype(np.uint8))
@@ -83,7 +83,7 @@ def make_crossings(spaces: Sequence[FreeSpace]) -> Crossings:
 
 
 def crossing_at(table: Crossings, scene: Any, x: Any, y: Any) -> Any:
-    """i32, number of the crosswalk at places (...) m; 0 where there is none."""
+    """i32, number of the crosswalk at points (...) m; 0 if there is none."""
     origin, side = table.origin[scene], POOL * CELL
     i = cell_of(x, origin[0], side)
     j = cell_of(y, origin[1], side)
@@ -94,8 +94,8 @@ def crossing_at(table: Crossings, scene: Any, x: Any, y: Any) -> Any:
 
 
 class Order(NamedTuple):
-    """Attributes:
-    wait: (A,) bool, a walker stays at the kerb. limit: (A,) m/s, for vehicles; infinite for others.
+    """Attributes: wait: (A,) bool, whether a pedestrian waits at the kerb. limit: (A,) m/s, for vehicles; infinite for
+    others.
     """
 
     wait: Any
@@ -107,14 +107,14 @@ def give_way(
 ) -> Order:
     """Right of way at crosswalks, for the bodies (A,) of one env.
 
-    A walker at the kerb crosses when every approaching vehicle needs longer than it does, or has stopped. A vehicle
-    stops before a crosswalk on or at which a walker is, if its braking distance allows.
+    A pedestrian at the kerb crosses when every approaching vehicle needs longer to arrive than the crossing takes, or
+    has stopped. A vehicle stops before a crosswalk with a pedestrian on or at it, if its braking distance allows.
 
     Args:
-      course: (A,) rad, where each is heading.
+      course: (A,) rad, direction of each agent's route.
       speed: (A,) m/s, preferred.
-      walks: (A,) bool, on foot or on the pavement.
-      front: (A,) m from centre to front.
+      walks: (A,) bool, whether an agent is on foot or on the pavement.
+      front: (A,) m, distance from centre to front.
       present: (A,) bool.
     """
     here = crossing_at(table, scene, bodies.x, bodies.y)

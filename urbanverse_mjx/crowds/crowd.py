@@ -35,13 +35,13 @@ from .orca import Options, disturbed, make_step
 from .spawning import Observer
 from .traversability import Traversability
 
-#: m from a goal (and half a vehicle's length) at which one has arrived.
+#: m from a goal (plus half a vehicle's length) at which an agent has arrived.
 _GOAL_DISTANCE = 1.0
-#: s, after which a blocked agent drops its script.
+#: s after which a blocked agent drops its script.
 _BLOCKED_TIME = 8.0
-#: s until an agent brakes for another one that appears: two steps of choosing and one of turning.
+#: s until an agent brakes for another one that appears (three steps).
 _REACTION_TIME = 0.5
-#: s, how far ahead of its front a vehicle reads its route.
+#: s, preview time at which a vehicle looks up its route ahead of its front.
 _PREVIEW_TIME = 0.4
 
 
@@ -51,13 +51,13 @@ class Crowd(NamedTuple):
     Attributes:
       bodies: `Bodies` (A,).
       present: (A,) bool.
-      speed: (A,) m/s, preferred.
-      goal: (A,) i32, of its route.
+      speed: (A,) m/s, preferred speed.
+      goal: (A,) i32, goal of its route.
       mode, anchor_x, anchor_y, face: (A,), see `behaviours.Script`.
       blocked, side: (A,), see `deadlock`.
-      still: (A,) s, how long an agent with a preferred velocity has hardly moved.
-      backing: (A,) s, for which a vehicle still drives backwards.
-      arrived: (A,) i32, goals reached so far.
+      still: (A,) s for which an agent with a preferred velocity has hardly moved.
+      backing: (A,) s, remaining time for which a vehicle drives backwards.
+      arrived: (A,) i32, number of goals reached.
     """
 
     bodies: Bodies
@@ -85,7 +85,7 @@ class CrowdTables(NamedTuple):
 
 
 def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTables:
-    """Tables of the given scenes (default: all), in their order; a few seconds a scene."""
+    """Makes the tables of the given scenes (default: all) in their order; takes a few seconds per scene."""
     numbers = range(bank.num_scenes) if scenes is None else scenes
     spaces = [free_space.free_spaces(bank, z) for z in numbers]
     by_surface = {name: [s[name] for s in spaces] for name in SURFACES}
@@ -99,11 +99,11 @@ def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTa
 
 @dataclasses.dataclass(frozen=True)
 class Robot:
-    """How agents see the robot: a disc that does, or does not, do its share.
+    """The robot as agents model it: a disc that takes a share of the avoidance.
 
     Attributes:
       radius: m.
-      yielding: see `AgentKind`; 0 = people expect it to keep its course.
+      yielding: see `AgentKind`; 0 if people expect it to keep its course.
     """
 
     radius: float = 0.45
@@ -122,16 +122,16 @@ class CrowdModel:
         robot: Robot | None = None,
         reach: float | None = None,
     ) -> None:
-        """A crowd's rules.
+        """Makes the model of a crowd.
 
         Args:
-          kinds: names in `KINDS`, one a slot; walkers first.
-          reach: m; agents are placed nearer to the robot than this where possible, and an agent farther than one and a
-            half times this and out of its sight is placed elsewhere, so that few agents fill the street around the
-            robot. None: the whole scene.
+          kinds: names in `KINDS`, one per slot; pedestrians first.
+          reach: m; agents are placed within this distance of the robot if possible, and an agent farther than 1.5 times
+            this distance and out of the robot's sight is placed elsewhere, so that few agents suffice to fill the
+            street around the robot. None for the whole scene.
 
         Raises:
-          ValidationError: an unknown kind, or walkers after vehicles.
+          ValidationError: a kind is unknown, or pedestrians come after vehicles.
         """
         for i, name in enumerate(kinds):
             v.choice(name, f"crowd kinds[{i}]", KINDS)
@@ -160,12 +160,12 @@ class CrowdModel:
         return len(self.kinds)
 
     def init(self, key: Any, scene: Any, observer: Observer, count: Any = None, script: Script | None = None) -> Crowd:
-        """A crowd at rest.
+        """Makes a crowd at rest.
 
         Args:
           scene: () i32, row of the tables.
-          observer: where the robot is.
-          count: () i32 or None: how many slots, chosen at random, are filled; the others are absent.
+          observer: pose of the robot.
+          count: () i32 or None, number of randomly chosen slots that are filled; agents of other slots are absent.
           script: rows for the first slots; rows whose mode is `ROAM` have no effect.
         """
         keys = jax.random.split(key, 5)
@@ -212,12 +212,12 @@ class CrowdModel:
     def _appear(
         self, crowd: Crowd, who: Any, wanted: Any, key: Any, group: str, scene: Any, observer: Observer, hidden: bool
     ) -> Crowd:
-        """Agent `who` () i32 of a group placed on one of its routes, if `wanted` () bool and a place is free."""
+        """Places agent `who` () i32 of a group on one of its routes if `wanted` () bool and a position is free."""
         keys, routes = jax.random.split(key, 2), self.tables.routes[group]
         size = self._traits.radius + self._traits.half_length
         others = crowd.present & (jnp.arange(self.num_agents) != who)
         bodies = crowd.bodies
-        # Agents cannot brake for one that appears too near: a car would run over another that appears in front of it.
+        # Braking distances of the other agents, because they cannot brake for an agent that appears too close.
         square = bodies.vx * bodies.vx + bodies.vy * bodies.vy
         braking = size + _REACTION_TIME * jnp.sqrt(square) + 0.5 * square / self._traits.braking
         place, found = spawning.choose(
@@ -243,7 +243,7 @@ class CrowdModel:
         )
 
     def step(self, crowd: Crowd, scene: Any, observer: Observer, robot_velocity: tuple[Any, Any], key: Any) -> Crowd:
-        """The crowd `dt` s later.
+        """Advances the crowd by `dt` s.
 
         Args:
           scene: () i32.
@@ -282,8 +282,8 @@ class CrowdModel:
         )
 
     def _next_errands(self, crowd: Crowd, scene: Any, observer: Observer, key: Any) -> Crowd:
-        """An agent at its goal gets another one. A vehicle is placed elsewhere once it is out of sight, and so is an
-        agent far from the robot where there is a `reach`. An agent at the end of its script roams from there."""
+        """Assigns a new goal to agents that arrived. Vehicles that arrived, and with `reach` agents far from the robot,
+        are placed elsewhere once they are out of sight. An agent at the end of its script roams from there."""
         at_anchor = (crowd.bodies.x - crowd.anchor_x) ** 2 + (crowd.bodies.y - crowd.anchor_y) ** 2 < 0.5**2
         given_up = (crowd.mode == GO) & (at_anchor | (crowd.still > _BLOCKED_TIME))
         crowd = crowd._replace(mode=jnp.where(given_up, ROAM, crowd.mode))
@@ -328,7 +328,7 @@ class CrowdModel:
             if len(rows):
                 some = jnp.asarray(rows)
                 place = crowd.bodies.x[some], crowd.bodies.y[some]
-                # A vehicle reads its route ahead of its front, so that it turns in time.
+                # A vehicle looks up its route ahead of its front, so that it turns in time.
                 if RULES[group].from_middle is not None:
                     reach, heading = self._traits.half_length[some], crowd.bodies.heading[some]
                     place = (
@@ -381,7 +381,7 @@ class CrowdModel:
 
 
 def _follow(crowd: Crowd, script: Script) -> Crowd:
-    """The first slots follow the script."""
+    """Assigns a script to the first slots."""
     rows = script.mode.shape[0]
     zero = jnp.zeros(rows)
 

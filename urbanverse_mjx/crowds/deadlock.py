@@ -1,13 +1,13 @@
-"""Ends deadlocks between people that block each other.
+"""Resolves deadlocks between people that block each other.
 
 In:   preferred velocities and the motion so far. Out:  preferred velocities, turned to one side for agents without
 progress for a while. When: every crowd step, before `orca`, inside jit.
 
-Where several agents meet in symmetry, ORCA never resolves the deadlock: in a ring of people whose goals are on the
-opposite side, all touch and none can move forward (the published algorithm does the same, whatever its horizon;
-`tests/crowds/test_scenes.py` holds the case). The usual disturbance of every preferred velocity by a thousandth
-separates two agents that meet head on, but not such a ring. People step to a habitual side, in most countries the right
-(Moussaïd et al., Proc. R. Soc. B 276, 2009: the right in four of five meetings), and the ring starts to rotate.
+ORCA does not resolve symmetric deadlocks of several agents: in a ring of people whose goals are on the opposite side,
+all touch and none can move forward (this also holds for the published algorithm with any horizon, see
+`tests/crowds/test_scenes.py`). The usual disturbance of every preferred velocity by a thousandth separates two agents
+that meet head-on, but not such a ring. People step to a habitual side, in most countries the right (Moussaïd et al.,
+Proc. R. Soc. B 276, 2009: in four of five encounters), which makes the ring rotate.
 """
 
 import dataclasses
@@ -19,13 +19,13 @@ import jax.numpy as jnp
 from .bodies import PreferredVelocity
 from .motion import wrapped
 
-#: s, over which coming forward is averaged.
+#: s, time constant of the average progress.
 MEMORY = 1.5
-#: rad, how far the preferred velocity is turned at most: just past sideways one would walk back.
+#: rad, largest rotation of the preferred velocity; with more than pi / 2 an agent would walk back.
 MOST = 1.3
 #: s, mean time after which a blocked agent tries the other side.
 CHANGE_MIND = 3.0
-#: s, how long a vehicle stands before it backs up (about a second more); how long it does, s, and how fast, m/s.
+#: s, time that a vehicle stands before it backs up (plus about a second); s, duration, and m/s, speed of backing up.
 STUCK, BACK_TIME, BACK_SPEED = 4.0, 3.0, 0.8
 #: Share of people that step to the right (Moussaïd et al. 2009, right-hand side countries).
 RIGHT = 0.8
@@ -33,12 +33,12 @@ RIGHT = 0.8
 
 @dataclasses.dataclass(frozen=True)
 class DeadlockOptions:
-    """When a blocked walker steps aside; chosen manually.
+    """Conditions for a blocked pedestrian to step aside; chosen manually.
 
     Attributes:
-      first_share: share of the preferred velocity that must be missing before an agent steps aside.
-      full_share: share at which it does so fully.
-      min_speed: m/s, preferred velocities below it are those of agents that have arrived or wait.
+      first_share: missing share of the preferred velocity from which an agent steps aside.
+      full_share: missing share at which it does so fully.
+      min_speed: m/s; smaller preferred velocities belong to agents that have arrived or wait.
     """
 
     first_share: float = 0.35
@@ -55,12 +55,12 @@ def habitual_side(key: Any, agents: int, right: float = RIGHT) -> Any:
 
 
 def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple[Any, Any], dt: float) -> Any:
-    """(A,) in [0, 1]: share of the preferred velocity that failed of late.
+    """(A,) in [0, 1], recently missing share of the preferred velocity.
 
     Args:
-      blocked: (A,), the value one step before; 0 at the start.
-      preferred_velocity, velocity: (A,) m/s, the input of `orca` (already turned) and its result: an agent that steps
-        aside freely is not blocked, and soon turns to its goal again.
+      blocked: (A,), the value of the previous step; 0 at the start.
+      preferred_velocity, velocity: (A,) m/s, the (rotated) input of `orca` and its result, so that an agent that steps
+        aside freely does not count as blocked and soon turns to its goal again.
       dt: s.
     """
     (wx, wy, _), (vx, vy) = preferred_velocity, velocity
@@ -71,7 +71,7 @@ def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple
 
 
 def step_aside(preferred_velocity: PreferredVelocity, blocked: Any, side: Any) -> PreferredVelocity:
-    """Preferred velocities (A,), turned to `side` (see `habitual_side`; 0 never turns) for blocked agents."""
+    """Preferred velocities (A,), rotated to `side` for blocked agents (see `habitual_side`; 0 for no rotation)."""
     angle = (
         side
         * MOST
@@ -86,10 +86,10 @@ def step_aside(preferred_velocity: PreferredVelocity, blocked: Any, side: Any) -
 
 
 def back_up(preferred_velocity: PreferredVelocity, backing: Any, heading: Any) -> PreferredVelocity:
-    """Preferred velocities (A,) of vehicles, backwards for those with time left to back up, (A,) s."""
+    """Preferred velocities (A,) of vehicles, backwards if their remaining time to back up, (A,) s, is above 0."""
     backs = backing > 0.0
     x, y = -BACK_SPEED * jnp.cos(heading), -BACK_SPEED * jnp.sin(heading)
-    # The desired heading turns towards the route, but never so far that backwards becomes forwards.
+    # The desired heading turns towards the route by a limited angle, so that the motion stays backwards.
     turn = jnp.clip(wrapped(preferred_velocity.face - heading), -0.7, 0.7)
     return PreferredVelocity(
         jnp.where(backs, x, preferred_velocity.x),
@@ -99,12 +99,14 @@ def back_up(preferred_velocity: PreferredVelocity, backing: Any, heading: Any) -
 
 
 def backing_time(backing: Any, still: Any, key: Any, dt: float) -> Any:
-    """(A,) s left to back up, one step later: vehicles that stood for `STUCK` s (`still`, (A,) s) begin with it."""
+    """(A,) s, remaining time to back up after one step; vehicles that stood for `STUCK` s (`still`, (A,) s) begin to
+    back up."""
     begins = (still > STUCK) & (jax.random.uniform(key, backing.shape) < dt)
     return jnp.where(backing > 0.0, jnp.maximum(backing - dt, 0.0), jnp.where(begins, BACK_TIME, 0.0))
 
 
 def reconsider(side: Any, blocked: Any, key: Any, dt: float) -> Any:
-    """Sides (A,) one step later: an agent that stepped aside in vain tries the other side after about `CHANGE_MIND`."""
+    """Sides (A,) after one step; an agent that stepped aside without success tries the other side after about
+    `CHANGE_MIND` s."""
     chance = jnp.where(blocked >= _OPTIONS.full_share, min(1.0, dt / CHANGE_MIND), 0.0)
     return jnp.where(jax.random.uniform(key, side.shape) < chance, -side, side)

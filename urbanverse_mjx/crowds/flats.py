@@ -1,13 +1,14 @@
-"""The free space around every place as a few half-planes ("flats"): a scene's walls, posts and kerbs for the avoidance.
+"""Static obstacles for avoidance: the free space around every position as a few half-planes ("flats").
 
 In:   `FreeSpace` of each scene.
 Out:  `Flats`, a table on the device; `walls_at` looks it up.
 When: the table once per scene; the look-up every crowd step, inside jit.
 
-Around the centre of every coarse cell the nearest blocked place gives the first flat: the plane through it, square to
-the line from the centre. Places behind that flat are removed; the nearest of the rest gives the second, and so on. The
-published library takes obstacles in this order and leaves out those that earlier lines cover; here this is precomputed,
-and the result is a convex piece of free space around the cell. One row of `NUM_FLATS` pairs of bytes is one gather.
+For the centre of every coarse cell, the nearest blocked point defines the first flat: the plane through it,
+perpendicular to the line from the centre. Points behind that flat are removed; the nearest remaining point defines the
+second flat, and so on. The published library processes obstacles in this order and skips those that earlier lines
+cover; here this is precomputed, and the result is a convex part of the free space around the cell. A look-up is one
+gather of `NUM_FLATS` pairs of bytes.
 """
 
 from collections.abc import Sequence
@@ -21,19 +22,19 @@ from . import half_planes
 from .free_space import CELL, FreeSpace
 from .linear_program import HalfPlanes
 
-#: Flats a cell: a passage between a wall, a post and a kerb has three or four.
+#: Number of flats per cell; a passage between a wall, a post and a kerb needs three or four.
 NUM_FLATS = 6
 #: Cells of the free space along a coarse cell.
 POOL = 2
-#: m, search distance of flats, by surface: a walker's speed times its wall horizon and its body; a car's is shorter,
-#: since its route field keeps it away from static obstacles.
+#: m, search distance of flats by surface: speed times wall horizon plus body for pedestrians; shorter for cars, whose
+#: route fields keep them away from static obstacles.
 REACH = {"foot": 3.0, "road": 6.0}
 #: m, unit of the stored distances; 255 units mean no flat.
 UNIT = 0.025
-#: m, largest protrusion from a flat: the steps of a slanted wall drawn in cells.
+#: m, largest protrusion from a flat, due to the steps of oblique walls in the grid.
 _MAX_PROTRUSION = 0.05
 _DIRECTIONS = 256
-#: Cells worked on at a time.
+#: Number of cells per batch.
 _CHUNK = 8192
 
 
@@ -56,7 +57,7 @@ def _directions() -> np.ndarray:
 
 
 def _offsets(reach: float) -> np.ndarray:
-    """(n, 2) cells from a coarse cell's centre to the fine cells around, nearest first (counted from its corner)."""
+    """(n, 2) offsets in cells from a coarse cell's centre to the fine cells around it, nearest first."""
     half = int(np.ceil(reach / CELL))
     i, j = np.meshgrid(np.arange(-half, half), np.arange(-half, half), indexing="ij")
     cells = np.stack([i.ravel(), j.ravel()], -1)
@@ -91,7 +92,7 @@ def _peel(blocked: Any, corner: Any, offsets: Any) -> tuple[Any, Any]:
     zeros = jnp.zeros((NUM_FLATS, count))
     start = (zeros.astype(jnp.int32), zeros, zeros, zeros + 1e6, jnp.zeros(count, jnp.int32))
     direction, mx, my, behind, _ = jax.lax.fori_loop(0, offsets.shape[0], inspect, start)
-    # The flat touches the nearest side of the blocked cell.
+    # The flat passes through the nearest side of the blocked cell.
     return direction, behind - 0.5 * CELL * (jnp.abs(mx) + jnp.abs(my))
 
 
@@ -99,7 +100,7 @@ def flats_of(space: FreeSpace, reach: float) -> np.ndarray:
     """(X, Y, 2 M) u8, the table of one scene; cells that are not free at their centre have no flat."""
     shape = tuple(n // POOL for n in space.free.shape)
     table = np.full((*shape, 2 * NUM_FLATS), 255, np.uint8)
-    # The centre of a coarse cell is a corner of fine ones: those around it must be free.
+    # The centre of a coarse cell is a corner of fine cells, all of which must be free.
     crowded = ~space.free[: shape[0] * POOL, : shape[1] * POOL]
     free = ~crowded.reshape(shape[0], POOL, shape[1], POOL).any((1, 3))
     cells = np.argwhere(free)
@@ -126,7 +127,7 @@ def make_flats(spaces: Sequence[FreeSpace], reach: float) -> Flats:
 
 
 def walls_at(flats: Flats, scene: Any, x: Any, y: Any, radius: Any, horizon: Any) -> HalfPlanes:
-    """Permitted velocities (M, A) of discs in one env's scene; outside the map there is no wall.
+    """Permitted velocities (M, A) of discs in one env's scene; there are no walls outside the map.
 
     Args:
       scene: () i32.

@@ -1,4 +1,4 @@
-"""Where road users may be: a scene's free ground without hulls, for each surface.
+"""Free space of road users: allowed ground without obstacles, for each surface of a scene.
 
 In:   a `SceneBank`.
 Out:  `FreeSpace`, a boolean map of one scene and surface.
@@ -18,13 +18,13 @@ from .kinds import SURFACES
 
 #: m, side of a cell: two cells of the scene's map.
 CELL = 0.1
-#: m above the ground: people walk under higher hulls (those of tree crowns reach down to 1.64 m) and over lower ones.
+#: m above the ground; people walk under higher hulls (those of tree crowns reach down to 1.64 m) and over lower ones.
 HEADROOM, KICKED = 1.6, 0.05
 
 
 @dataclasses.dataclass(frozen=True)
 class FreeSpace:
-    """One scene as one surface's users see it.
+    """The free space of one scene for one surface.
 
     Attributes:
       origin: (2,) m, lower corner.
@@ -41,7 +41,7 @@ class FreeSpace:
         return Grid(self.origin, CELL, self.free.shape).centres(cells)
 
     def distance(self) -> np.ndarray:
-        """(X, Y) m from a cell's centre to the nearest cell that is not free; 0 in those."""
+        """(X, Y) m from a cell's centre to the nearest cell that is not free; 0 in occupied cells."""
         return np.maximum(ndimage.distance_transform_edt(self.free) * CELL - CELL / 2, 0.0).astype(np.float32)
 
 
@@ -49,7 +49,7 @@ def free_spaces(bank: SceneBank, scene: int) -> dict[str, FreeSpace]:
     """The free space of every surface in `SURFACES`.
 
     Raises:
-      ValidationError: no such scene, or a map whose resolution does not divide `CELL`.
+      ValidationError: the scene does not exist, or the map's resolution does not divide `CELL`.
     """
     if not 0 <= scene < bank.num_scenes:
         raise v.fail("free space", f"scene {scene}", f"one of 0 to {bank.num_scenes - 1}")
@@ -66,7 +66,8 @@ def free_spaces(bank: SceneBank, scene: int) -> dict[str, FreeSpace]:
 
 
 def ground_height(bank: SceneBank, scene: int) -> np.ndarray:
-    """(X, Y) m, height of the ground in cells of `CELL` from the map's origin on; that of the nearest where none is."""
+    """(X, Y) m, height of the ground in cells of `CELL` from the map's origin; that of the nearest ground in cells
+    without."""
     height = _ground(bank, scene, _grid(bank, scene))
     missing = np.isnan(height)
     if missing.all():
@@ -82,7 +83,7 @@ def _grid(bank: SceneBank, scene: int) -> Grid:
 
 
 def _ground(bank: SceneBank, scene: int, grid: Grid) -> np.ndarray:
-    """(X, Y) m, height of the prisms' tops; NaN where there is none."""
+    """(X, Y) m, height of the prisms' tops; NaN without ground."""
     height = np.full(grid.shape, np.nan)
     for hull, position in zip(bank.prism_hull[scene], bank.prism_position[scene], strict=True):
         if hull < 0:
@@ -98,7 +99,7 @@ def _ground(bank: SceneBank, scene: int, grid: Grid) -> np.ndarray:
 
 
 def _blocked(bank: SceneBank, scene: int, grid: Grid) -> np.ndarray:
-    """(X, Y) bool, a hull stands or hangs there below head height."""
+    """(X, Y) bool, whether a hull is in the cell below head height."""
     ground, blocked = _ground(bank, scene, grid), np.zeros(grid.shape, bool)
     for corners in bank.standing_hulls(scene):
         cells = touched(grid, corners[:, :2])

@@ -1,11 +1,10 @@
-"""Routes: from everywhere in a scene to each of a few goals, for people, cyclists and cars.
+"""Route fields from any point of a scene to each of a few goals, for people, cyclists and cars.
 
-In:   `FreeSpace` of each scene.
-Out:  `GoalRoutes`, directions to the goals and places to appear at, as a table on the device.
-When: the table once per scene, on the host; `heading_at` every crowd step, inside jit.
+In:   `FreeSpace` of each scene. Out: `GoalRoutes`, directions to the goals and spawn positions, as a table on the
+device. When: the table once per scene, on the host; `heading_at` every crowd step, inside jit.
 
-Routes are cheapest paths on a grid of 16 directions: near objects they cost more, and on the road they cost more on the
-wrong side of it, which makes the price of an edge depend on its direction.
+Routes are cheapest paths on a grid with 16 directions. The cost is higher near objects and on the wrong side of the
+road, so the cost of an edge depends on its direction.
 """
 
 import dataclasses
@@ -27,15 +26,16 @@ from .kinds import SURFACES
 
 @dataclasses.dataclass(frozen=True)
 class FieldOptions:
-    """Costs and distances of a field of directions; chosen manually.
+    """Costs and distances of direction fields; chosen manually.
 
     Attributes:
-      wrong_side_cost: of a metre on the wrong side of the road.
-      middle_cost: of a metre that is a metre too near to the road's middle.
-      lookahead: nodes ahead on the route that a direction points to: about 1.2 m on foot and 2.5 m on the road.
-      directions: units of a full turn in which directions are stored.
-      side_nodes: nodes after which a vehicle has found its side of the road.
-      end_nodes: nodes from a vehicle's centre to its ends' discs: 1.6 m.
+      wrong_side_cost: cost of a metre on the wrong side of the road.
+      middle_cost: cost of a metre at a distance of one metre too near to the road's centre line.
+      lookahead: number of nodes ahead on the route to which a direction points: about 1.2 m on foot and 2.5 m on the
+        road.
+      directions: number of quantised directions in a full turn.
+      side_nodes: number of nodes after which a vehicle is on its side of the road.
+      end_nodes: number of nodes from a vehicle's centre to the discs at its ends (1.6 m).
     """
 
     wrong_side_cost: float = 5.0
@@ -51,15 +51,15 @@ _OPTIONS = FieldOptions()
 
 @dataclasses.dataclass(frozen=True)
 class RouteRules:
-    """How one group of road users finds its way.
+    """Rules of the routes of one group of road users.
 
     Attributes:
       surface: row of `SURFACES`.
-      pool: cells of the free space along a node.
-      clearance: m, kept free around the route.
-      from_middle: m, kept to the middle of the road; None keeps to no side.
-      num_goals: goals a scene.
-      left_hand: traffic keeps left.
+      pool: cells of the free space along a side of a node.
+      clearance: m, free distance around the route.
+      from_middle: m, distance to the centre line of the road; None to keep to no side.
+      num_goals: number of goals per scene.
+      left_hand: whether traffic keeps left.
     """
 
     surface: str
@@ -75,7 +75,7 @@ class RouteRules:
         return self.pool * CELL
 
 
-#: Groups of kinds that share a table of routes. The clearances are half of each width (kinds.py) plus about 0.1 m.
+#: Groups of kinds that share a table of routes. The clearances are half of the widths (kinds.py) plus about 0.1 m.
 RULES = {
     "foot": RouteRules("foot", 2, 0.35, None, 8),
     "roll": RouteRules("foot", 2, 0.50, None, 8),
@@ -83,7 +83,7 @@ RULES = {
     "drive": RouteRules("road", 4, 1.20, 1.4, 4),
 }
 RULE_OF_KIND = {"pedestrian": "foot", "wheelchair": "roll", "scooter": "roll", "cyclist": "cycle", "car": "drive"}
-#: Places to appear at, a scene.
+#: Number of spawn positions per scene.
 NUM_PLACES = 256
 
 
@@ -91,12 +91,12 @@ class GoalRoutes(NamedTuple):
     """Routes of one group in all scenes, padded to the largest.
 
     Attributes:
-      direction: (Z, G, X, Y) u8, units of 2π/256, direction of travel; off the routes it leads back to them.
+      direction: (Z, G, X, Y) u8, direction of travel in units of 2π/256; off the routes it leads back to them.
       origin: (Z, 2) f32 m.
       goal: (Z, G, 2) f32 m.
-      num_goals: (Z,) i32; 0 where the scene has no routes for the group.
-      place: (Z, S, 2) f32 m, places on routes that reach every goal.
-      place_goal: (Z, S) i32, the goal whose route leads through the place, for groups that keep to a side; -1 where any
+      num_goals: (Z,) i32; 0 if the scene has no routes for the group.
+      place: (Z, S, 2) f32 m, spawn positions from which every goal is reachable.
+      place_goal: (Z, S) i32, goal whose route leads through the position, for groups that keep to a side; -1 if any
         goal is possible.
     """
 
@@ -109,13 +109,14 @@ class GoalRoutes(NamedTuple):
 
 
 def _sides(road: np.ndarray, node: float) -> tuple[np.ndarray, np.ndarray]:
-    """(X, Y, 2) unit vectors to the nearest edge of a road, and (X, Y) m from its middle towards that edge."""
+    """(X, Y, 2) unit vectors to the nearest edge of a road, and (X, Y) m, distance from its centre line towards that
+    edge."""
     edge, (ei, ej) = ndimage.distance_transform_edt(road, return_indices=True)
     i, j = np.indices(road.shape)
     to_edge = np.stack([ei - i, ej - j], -1) / np.maximum(edge, 1e-9)[..., None]
     across = np.zeros(road.shape)
     open_ = road.copy()
-    # March away from the nearest edge to the opposite one.
+    # Steps away from the nearest edge to the opposite one.
     for step in range(1, round(15.0 / node)):
         ci, cj = (np.round(i - step * to_edge[..., 0]).astype(int), np.round(j - step * to_edge[..., 1]).astype(int))
         inside = (ci >= 0) & (ci < road.shape[0]) & (cj >= 0) & (cj < road.shape[1])
@@ -125,7 +126,7 @@ def _sides(road: np.ndarray, node: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _graph(space: FreeSpace, rules: RouteRules) -> tuple[np.ndarray, GridGraph]:
-    """Nodes (X, Y) bool and the price (m) of going from one to the next."""
+    """Passable nodes (X, Y) bool, and the function for the cost (m) of edges."""
     distance = pooled(space.distance(), rules.pool, np.min)
     nodes = distance >= rules.clearance
     price = 1.0 + extra_near(distance, rules.clearance)
@@ -145,7 +146,7 @@ def _graph(space: FreeSpace, rules: RouteRules) -> tuple[np.ndarray, GridGraph]:
 
 
 def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -> np.ndarray:
-    """(X, Y) u8: along the path where there is one, elsewhere to the nearest node that has one."""
+    """(X, Y) u8, directions along the paths, and in nodes without a path to the nearest node with one."""
     cells = np.argwhere(nodes)
     ahead = np.arange(len(cells))
     for _ in range(_OPTIONS.lookahead):
@@ -162,11 +163,9 @@ def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -
 
 
 def fields_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.ndarray, ...]:
-    """Directions (G, X, Y) u8, goals (G, 2) m, places (S, 2) m and their goals (S,) of one scene.
+    """Computes directions (G, X, Y) u8, goals (G, 2) m, spawn positions (S, 2) m and their goals (S,) of one scene.
 
-    All are empty where there is no room.
-
-    Goals are far from each other: each is the place with the longest path to all before it.
+    All are empty if there is no room. Each goal is the position with the longest paths to all goals before it.
     """
     nodes, graph = _graph(space, rules)
     empty = np.zeros((0, *nodes.shape), np.uint8), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, int)
@@ -174,7 +173,7 @@ def fields_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.nd
         return empty
     _, label = csgraph.connected_components(graph.edges, connection="strong")
     main = label == np.bincount(label).argmax()
-    if main.sum() * rules.node**2 < 25.0:  # m²: too little to move about in
+    if main.sum() * rules.node**2 < 25.0:  # m²; too small for moving agents
         return empty
     cells = graph.cells
     centres = space.origin + (cells + 0.5) * rules.node
@@ -208,7 +207,8 @@ def fields_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.nd
 
 
 def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
-    """Whether a vehicle that stands along its route has room for both ends (`end_nodes` nodes from its centre)."""
+    """Whether there is room for both ends of a vehicle that is aligned with its route (`end_nodes` nodes from its
+    centre)."""
     angle = field[tuple(cell)] * (2 * np.pi / _OPTIONS.directions)
     ends = np.round(
         cell + np.array([[-_OPTIONS.end_nodes], [_OPTIONS.end_nodes]]) * [np.cos(angle), np.sin(angle)]
@@ -218,7 +218,7 @@ def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
 
 
 def _on_the_route(following: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Nodes some distance along the paths from the nodes `start`, where agents keep to their side."""
+    """Nodes some distance along the paths from the nodes `start`, where agents are on their side of the road."""
     at = np.flatnonzero(start)
     for _ in range(_OPTIONS.side_nodes // 2):
         at = following[at]
@@ -249,9 +249,10 @@ def make_routes(spaces: Sequence[FreeSpace], rules: RouteRules, seed: int = 0) -
 
 
 def heading_at(routes: GoalRoutes, node: float, scene: Any, goal: Any, x: Any, y: Any) -> Any:
-    """(A,) rad, where to go from places (A,) m to goals (A,) i32 in a scene; straight at the goal from 2 nodes on.
+    """(A,) rad, direction of travel from positions (A,) m to goals (A,) i32 in a scene; straight to the goal within 2
+    nodes.
 
-    Directions between nodes are those of the four nodes around, weighted by nearness.
+    Directions are interpolated between the four nearest nodes.
     """
     origin = routes.origin[scene]
     u, w = (x - origin[0]) / node - 0.5, (y - origin[1]) / node - 0.5

@@ -1,13 +1,12 @@
-"""Permitted velocities: one half-plane towards every neighbour, one for every flat of the free space around.
+"""Half-planes of permitted velocities: one for every neighbour, and one for every flat of the surrounding free space.
 
-In:   where bodies are and how they move; the free space's flats.
-Out:  `HalfPlanes` for `linear_program`.
-When: every crowd step, inside jit.
+In: positions and velocities of bodies; the free space's flats. Out:  `HalfPlanes` for `linear_program`. When: every
+crowd step, inside jit.
 
-Towards a neighbour it is the published half-plane (van den Berg et al. 2011, section 4). Bodies longer than wide are
-capsules: the half-plane is that of the discs at the two places where the bodies are nearest, which is the step from
-discs to medial axes of Ma, Manocha and Wang ("Efficient Reciprocal Collision Avoidance between Heterogeneous Agents
-using CTMAT", 2018). For two discs it is the published half-plane.
+For discs these are the published half-planes (van den Berg et al. 2011, section 4). Bodies longer than wide are
+capsules, whose half-plane is that of the discs at the two points where the bodies are nearest, as in the medial-axis
+method of Ma, Manocha and Wang ("Efficient Reciprocal Collision Avoidance between Heterogeneous Agents using CTMAT",
+2018).
 """
 
 from typing import Any
@@ -31,19 +30,19 @@ def towards_neighbours(
     horizon: Any,
     dt: float,
 ) -> HalfPlanes:
-    """Velocities that, if the other does its share, avoid it for `horizon` seconds.
+    """Velocities that avoid each neighbour for `horizon` seconds if the neighbour takes its share.
 
     Args:
-      apart: (K, ...) m, from the agent to each neighbour.
+      apart: (K, ...) m, vector from the agent to each neighbour.
       velocity: (...) m/s of the agent.
       other_velocity: (K, ...) m/s.
       reach: (K, ...) m, sum of the two radii.
       share: (K, ...), part of the change that the agent takes on; the shares of a pair add up to 1.
-      spare: (K, ...), the same for room to spare: how much of it the agent may use up.
-      side: (K, ...) 1 or -1, opposite for the two of a pair: which way to part where they stand on each other.
-      valid: (K, ...) bool, there is such a neighbour.
+      spare: (K, ...), share of spare room that the agent may use.
+      side: (K, ...) 1 or -1, opposite for the two agents of a pair: direction of separation if they coincide.
+      valid: (K, ...) bool, whether the neighbour exists.
       horizon: (...) s.
-      dt: s, time in which bodies that overlap part.
+      dt: s, time in which overlapping bodies separate.
 
     Returns:
       Lines (K, ...).
@@ -53,7 +52,7 @@ def towards_neighbours(
     distance2 = ax * ax + ay * ay
     touching = distance2 <= reach * reach
     rate = jnp.where(touching, 1.0 / dt, 1.0 / horizon)
-    # From the centre of the disc that closes the cone of forbidden velocities to the relative velocity.
+    # Vector from the centre of the cut-off disc of the velocity obstacle to the relative velocity.
     wx, wy = rx - ax * rate, ry - ay * rate
     length2 = wx * wx + wy * wy
     length = jnp.sqrt(length2)
@@ -62,7 +61,7 @@ def towards_neighbours(
     still = length < _EPSILON
     scale = 1.0 / jnp.where(still, 1.0, length)
     disc_x, disc_y = jnp.where(still, side, wx * scale), jnp.where(still, 0.0, wy * scale)
-    # The legs touch the reach disc: turned from `apart` by the angle of sine reach / distance.
+    # The legs of the cone are tangent to the disc of radius `reach`: rotated from `apart` by asin(reach / distance).
     inverse2 = 1.0 / jnp.maximum(distance2, _EPSILON)
     leg = jnp.sqrt(jnp.maximum(distance2 - reach * reach, 0.0))
     turn = jnp.where(ax * wy - ay * wx > 0.0, 1.0, -1.0)
@@ -82,8 +81,8 @@ def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tu
       axis, other_axis: (...) and (K, ...) m, from the centre to the front end; zero for a disc.
 
     Returns:
-      (K, ...) x and y from the agent's nearest place to the neighbour's, and where on the agent's axis that place is:
-      1 at the front end, -1 at the rear.
+      (K, ...) x and y from the agent's nearest point to the neighbour's, and the position of that point on the agent's
+      axis: 1 at the front end, -1 at the rear.
     """
     (px, py), (ax, ay), (bx, by) = apart, axis, other_axis
     best_x, best_y, place, best = px, py, jnp.zeros_like(px), jnp.full_like(px, jnp.inf)
@@ -97,7 +96,7 @@ def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tu
 
     own, other = 1.0 / jnp.maximum(ax * ax + ay * ay, _EPSILON), 1.0 / jnp.maximum(bx * bx + by * by, _EPSILON)
     for end in (1.0, -1.0):
-        # From an end of the own axis to the other axis, and the other way round.
+        # From the ends of each axis to the other axis.
         dx, dy = px - end * ax, py - end * ay
         along = jnp.clip(-(dx * bx + dy * by) * other, -1.0, 1.0)
         keep_shorter(dx + along * bx, dy + along * by, end)
@@ -110,13 +109,12 @@ def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tu
 def towards_walls(outward: tuple[Any, Any], space: Any, radius: Any, horizon: Any) -> HalfPlanes:
     """Velocities that keep a disc on the free side of flats for `horizon` seconds.
 
-    These are the published half-planes for static obstacles, taken at rest (van den Berg et al. 2011, section 5.1: no
-    share is left to the other side, and standing still is always permitted, so that these lines never exclude each
-    other).
+    These are the published half-planes for static obstacles (van den Berg et al. 2011, section 5.1): the agent takes
+    the full share, and standing still is always permitted, so that these lines never exclude each other.
 
     Args:
-      outward: (M, ...) unit vector from the free side into the flat.
-      space: (M, ...) m, from the disc's centre to the flat; infinite where there is none.
+      outward: (M, ...) unit normal from the free side into the flat.
+      space: (M, ...) m from the disc's centre to the flat; infinite without a flat.
       radius: (...) m.
       horizon: (...) s.
 

@@ -7,7 +7,7 @@ import dataclasses
 
 from ..datatypes import validation as v
 
-#: Surfaces an agent may be on; the maps know these kinds of ground (datatypes/ground.py).
+#: Surfaces on which agents may be, by kinds of ground (datatypes/ground.py).
 SURFACES = {
     "foot": ("sidewalk", "crosswalk", "ground"),
     "road": ("road", "road_marking", "crosswalk"),
@@ -19,26 +19,26 @@ class AgentKind:
     """One kind of road user. Its body is a capsule: a disc drawn along a segment (a disc where half_length is 0).
 
     Attributes:
-      name: of the kind.
+      name: name of the kind.
       surface: row of `SURFACES`.
       radius: m.
       half_length: m, from the centre to the centre of the front disc.
-      margin: m, kept free around the body where there is room.
+      margin: m, free distance around the body if there is room.
       speed: m/s, mean of the preferred speed over people.
       spread: m/s, its standard deviation.
       speed_limit: m/s, never exceeded.
-      headroom: how much faster than preferred one may go to let others pass.
+      headroom: factor on the preferred speed that is allowed to let others pass.
       acceleration, braking: m/s².
-      wheeled: moves along its heading only; others move in any direction, as far as acceleration and braking allow. The
-        rest concerns wheeled kinds:
+      wheeled: whether it moves along its heading only; others move in any direction within the limits of acceleration
+        and braking. The following limits apply to wheeled kinds:
       turn_radius: m, least radius of its path.
       pivot: rad/s, how fast it turns on the spot.
       turn_rate: rad/s, largest.
       lateral: m/s², largest in a curve.
-      horizon: s, how far ahead it avoids others.
-      wall_horizon: s, the same for what stands still.
-      height: m, of the body that a robot runs into.
-      yielding: how much of a pair's avoidance it takes on, relative to the other's number.
+      horizon: s, time for which it avoids others.
+      wall_horizon: s, the same for static obstacles.
+      height: m, height of the collision body.
+      yielding: weight of its share of a pair's avoidance relative to the other's.
     """
 
     name: str
@@ -77,8 +77,8 @@ class AgentKind:
         return self.radius + self.half_length
 
 
-#: Largest braking on a dry road, m/s²: 3.4 is what AASHTO's Green Book designs stopping sights for, as most drivers
-#: brake harder than that in an emergency.
+#: m/s², braking of cars on a dry road: the value for stopping sight distances in AASHTO's Green Book, which most
+#: drivers exceed in an emergency.
 _CAR_BRAKING = 3.4
 
 PEDESTRIAN = AgentKind(

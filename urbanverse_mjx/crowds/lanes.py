@@ -4,8 +4,8 @@ In:   preferred velocities, bodies.
 Out:  preferred velocities.
 When: every crowd step, before `orca`, inside jit.
 
-A half-plane may ask for a step to the side alone, which wheels cannot take, and then braking gains nothing: a car drove
-into another that turned across its lane, at 4 m/s, without braking.
+A half-plane may require only a lateral velocity, which wheeled bodies cannot execute; braking then has no benefit in
+`orca`. Without this module, a car may drive into another one that turns across its lane without braking.
 """
 
 import jax.numpy as jnp
@@ -19,13 +19,13 @@ BUMPER = 0.4
 def stop_in_time(
     preferred_velocity: PreferredVelocity, bodies: Bodies, traits: Traits, first: int
 ) -> PreferredVelocity:
-    """Preferred velocities (A,), those of the vehicles, agents from `first` on, shortened to the speed from which they
-    can stop.
+    """Preferred velocities (A,); those of vehicles (agents from `first`) are limited to the speed from which they can
+    stop.
 
-    A vehicle may follow one that drives ahead at that one's speed. Behind a vehicle nothing is checked.
+    A vehicle may follow another one at that one's speed. Obstacles behind a vehicle are not checked.
 
     Args:
-      bodies, traits: (B,), the agents and others behind them.
+      bodies, traits: (B,), the agents, followed by other bodies.
     """
     agents = preferred_velocity.x.shape[0]
     if first == agents:

@@ -1,18 +1,17 @@
-"""The two programs of ORCA, for many agents at once and without a branch per agent.
+"""The two linear programs of ORCA, vectorised over agents.
 
-In:   half-planes of permitted velocities, a largest speed and a preferred velocity, for each agent.
-Out:  the permitted velocity nearest to the preferred one; where none is permitted, the velocity whose deepest
-      violation of the soft half-planes is least.
-When: every crowd step, inside jit.
+In:   half-planes of permitted velocities, a largest speed and a preferred velocity, for each agent. Out: the permitted
+velocity nearest to the preferred one; if none is permitted, the velocity that minimises the largest violation of the
+soft half-planes. When: every crowd step, inside jit.
 
 The method is the published one (van den Berg, Guy, Lin and Manocha, "Reciprocal n-body collision avoidance", 2011,
-sections 5.2 and 5.3): half-planes are added one after the other, and where the optimum so far violates the next one,
-the new optimum lies on its line. In this form it is a loop of branches. It can be vectorised because the optimum *on* a
-line, under the lines before it, depends on no earlier result: all of them are computed in parallel, and one select a
-line remains of the loop. The same holds for the three-dimensional program of crowded places, where "the lines before"
-are the bisectors between two violations.
+sections 5.2 and 5.3): half-planes are added one after the other, and if the current optimum violates the next one, the
+new optimum lies on its line. It can be vectorised because the optimum *on* a line under the lines before it does not
+depend on earlier results: all of them are computed in parallel, and the loop reduces to one select per line. The same
+holds for the three-dimensional program of crowded situations, where "the lines before" are the bisectors between two
+violations.
 
-Arrays have the line as their first axis and agents behind it, so that neighbouring agents lie side by side in memory.
+The first axis of arrays is the line, the last one the agent, so that agents are contiguous in memory.
 """
 
 from typing import Any, NamedTuple
@@ -20,13 +19,13 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-#: Offset of a half-plane that permits every velocity a body can have.
+#: Offset of a half-plane without effect.
 NO_LIMIT = -1e6
 #: Sine of the angle below which two lines count as parallel: the published library's RVO_EPSILON.
 PARALLEL = 1e-5
-#: Rounding errors that a violation may hold, in units of the type's own.
+#: Tolerance of violations in units of the machine epsilon.
 _ULPS = 16.0
-#: Share of the agents, and least number, that go through the second program at a time.
+#: Chunk size of the second program: one over its share of the agents, and its least number of agents.
 _CHUNK_SHARE, _CHUNK_LEAST = 32, 64
 
 
@@ -53,16 +52,16 @@ def join(*parts: HalfPlanes) -> HalfPlanes:
 
 
 def _on_line(lines: HalfPlanes, j: int, limit: Any, target: Any) -> tuple[Any, Any, Any]:
-    """The place on line j nearest to `target` that keeps the speed limit and the lines before it.
+    """The point on line j nearest to `target` within the speed limit and the lines before it.
 
-    Places on the line are counted from its point nearest to rest, along (y, -x) of its normal.
+    Positions on the line are measured from its point nearest to zero velocity along (y, -x) of its normal.
 
     Args:
       limit: (...) m/s.
       target: (...) m/s along the line, may be infinite.
 
     Returns:
-      (...) the x and y of the place, and bool: there is one.
+      (...) x and y of the point, and bool, whether it exists.
     """
     nx, ny, offset = lines.x[j], lines.y[j], lines.offset[j]
     slack = _ULPS * jnp.finfo(offset.dtype).eps
@@ -79,7 +78,7 @@ def _on_line(lines: HalfPlanes, j: int, limit: Any, target: Any) -> tuple[Any, A
         low = jnp.maximum(low, jnp.max(jnp.where(parallel | (sine < 0.0), -jnp.inf, crossing), axis=0))
         high = jnp.minimum(high, jnp.min(jnp.where(parallel | (sine > 0.0), jnp.inf, crossing), axis=0))
         possible &= ~jnp.any(parallel & (needed > slack), axis=0)
-    # An interval closed by rounding alone is its middle.
+    # An interval that is empty only by rounding is replaced by its centre.
     gap = low - high
     possible &= gap <= _ULPS * slack
     middle = 0.5 * (low + high)
@@ -89,14 +88,14 @@ def _on_line(lines: HalfPlanes, j: int, limit: Any, target: Any) -> tuple[Any, A
 
 
 def _add_in_turn(lines: HalfPlanes, limit: Any, x: Any, y: Any, targets: list[Any]) -> tuple[Any, Any, Any]:
-    """From the optimum (x, y) without lines to the one with all of them; stops where they exclude each other.
+    """Adds all lines to the optimum (x, y) without lines; stops when they exclude each other.
 
     Returns:
-      (...) x and y, and i32: the first line that could not be kept, N where all are.
+      (...) x and y, and i32, the first line that is infeasible, or N.
     """
     number = lines.offset.shape[0]
     slack = _ULPS * jnp.finfo(x.dtype).eps
-    # The barriers keep XLA from working out again, for every select that uses it, all that was selected before.
+    # The barriers prevent XLA from recomputing earlier selects for every use.
     places = jax.lax.optimization_barrier([_on_line(lines, j, limit, targets[j]) for j in range(number)])
     failed = jnp.full(x.shape, number, jnp.int32)
     for j, (new_x, new_y, possible) in enumerate(places):
@@ -116,8 +115,8 @@ def nearest_permitted(lines: HalfPlanes, limit: Any, preferred_x: Any, preferred
       preferred_x, preferred_y: (...) m/s.
 
     Returns:
-      (...) x and y m/s, and i32: the first line that makes the program infeasible, N where none does. Then x and y are
-      the optimum under the lines before.
+      (...) x and y m/s, and i32, the first line that makes the program infeasible, or N. If infeasible, x and y are the
+      optimum under the lines before.
     """
     speed = jnp.sqrt(preferred_x * preferred_x + preferred_y * preferred_y)
     scale = jnp.minimum(1.0, limit / jnp.maximum(speed, 1e-9))
@@ -127,10 +126,10 @@ def nearest_permitted(lines: HalfPlanes, limit: Any, preferred_x: Any, preferred
 
 
 def _bisectors(lines: HalfPlanes, num_hard: int) -> HalfPlanes:
-    """For each soft line i, the lines of the program on it: (N, S, ...), S = N - num_hard.
+    """For each soft line i, the lines of its program: (N, S, ...), S = N - num_hard.
 
-    Entry (k, i) is the hard line k itself, or where k is soft and before i, the velocities that violate i more than
-    k; else no limit.
+    Entry (k, i) is the hard line k itself; for a soft line k before i, the velocities that violate i more than k;
+    otherwise no limit.
     """
     number = lines.offset.shape[0]
 
@@ -143,7 +142,7 @@ def _bisectors(lines: HalfPlanes, num_hard: int) -> HalfPlanes:
     ones = (1,) * (dx.ndim - 2)
     k = jnp.arange(number).reshape(number, 1, *ones)
     i = jnp.arange(num_hard, number).reshape(1, number - num_hard, *ones)
-    # Lines that point the same way have no bisector: the one that asks for more was chosen before.
+    # Parallel lines have no bisector; the stricter one is handled before.
     used = (k >= num_hard) & (k < i) & (length > PARALLEL)
     scale = 1.0 / jnp.where(used, length, 1.0)
     hard = k < num_hard
@@ -156,22 +155,22 @@ def _bisectors(lines: HalfPlanes, num_hard: int) -> HalfPlanes:
 
 
 def least_violation(lines: HalfPlanes, num_hard: int, limit: Any, x: Any, y: Any, failed: Any) -> tuple[Any, Any]:
-    """The velocity whose deepest violation of a soft line is least (the published linearProgram3).
+    """The velocity that minimises the largest violation of soft lines (the published linearProgram3).
 
     Args:
-      lines: of (N, ...); the first `num_hard` are kept, the others are soft.
+      lines: (N, ...); the first `num_hard` are hard, the others soft.
       limit: (...) m/s.
-      x, y, failed: what `nearest_permitted` returned.
+      x, y, failed: result of `nearest_permitted`.
 
     Returns:
-      (...) x and y, m/s; the input where the first program succeeded.
+      (...) x and y, m/s; the input if the first program is feasible.
     """
     number = lines.offset.shape[0]
     if number == num_hard:
         return x, y
     soft_x, soft_y = lines.x[num_hard:], lines.y[num_hard:]
     program = HalfPlanes(*jax.lax.optimization_barrier(tuple(_bisectors(lines, num_hard))))
-    # On each line the direction that lowers its violation, as far as the bounds permit.
+    # On each line, the direction that reduces its violation, within the bounds.
     targets = []
     for k in range(number):
         along = program.y[k] * soft_x - program.x[k] * soft_y
@@ -193,13 +192,13 @@ def least_violation(lines: HalfPlanes, num_hard: int, limit: Any, x: Any, y: Any
 def solve(lines: HalfPlanes, num_hard: int, limit: Any, preferred_x: Any, preferred_y: Any) -> tuple[Any, Any]:
     """New velocities of many agents.
 
-    The second program costs some ten times the first and few agents need it: those are gathered and go through it in
-    chunks, as many as it takes.
+    The second program costs about ten times as much as the first, and few agents need it; these are gathered and
+    processed in chunks.
 
     Args:
       lines: of (N, B).
-      num_hard: how many of them, the first, are never given up; together they must permit something.
-      limit: (B,) m/s. wish_x, wish_y: (B,) m/s.
+      num_hard: number of the first lines that are hard; together they must be feasible.
+      limit: (B,) m/s, largest speed. preferred_x, preferred_y: (B,) m/s.
 
     Returns:
       (B,) x and y, m/s.

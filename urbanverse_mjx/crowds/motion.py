@@ -1,18 +1,15 @@
-"""From the permitted velocities to a motion that legs or wheels can make.
+"""Converts permitted velocities to motions that pedestrians and vehicles can execute.
 
-In:   half-planes, preferred velocities, the present motion and the limits of each body.
-Out:  velocities of walkers; accelerations and turn rates of vehicles.
-When: every crowd step, inside jit.
+In: half-planes, preferred velocities, the current motion and the limits of each body. Out:  velocities of walkers;
+accelerations and turn rates of vehicles. When: every crowd step, inside jit.
 
-Walkers take the velocity of the published program, no farther from the present one than their legs allow.
-
-Vehicles choose among controls they can execute: a fan of accelerations and turn rates, each judged by the mean velocity
-of the arc it makes, against the same half-planes. That is the choice of controls of Wilkie, van den Berg and Manocha
-("Generalized Velocity Obstacles", 2009) on the half-planes of ORCA. The other published way, NH-ORCA and B-ORCA
-(Alonso-Mora et al. 2010 and 2012), solves the program for a disc grown by a tracking error and then tracks the result;
-its bound is worked out per robot for a fixed range of speeds, and for a car at 8 m/s, whose tracking error may be some
-centimetres only, no velocity remains. Evaluating executable controls needs no such bound: the evaluated motion is the
-executed one, and the only error is that an arc counts as its chord (`horizon`).
+Pedestrians use the velocity of the published program within their limits of acceleration. Vehicles choose among
+executable controls: a grid of accelerations and turn rates, each evaluated against the same half-planes by the mean
+velocity of its arc. This is the choice of controls of Wilkie, van den Berg and Manocha ("Generalized Velocity
+Obstacles", 2009) on the half-planes of ORCA. The alternatives NH-ORCA and B-ORCA (Alonso-Mora et al. 2010 and 2012)
+solve the program for a disc enlarged by a tracking error and then track the result; for a car at 8 m/s, whose tracking
+error may only be some centimetres, no velocity remains. Evaluating executable controls needs no such bound; its only
+error is that an arc is represented by its chord (`horizon`).
 """
 
 import dataclasses
@@ -29,21 +26,21 @@ from .linear_program import HalfPlanes
 class MotionOptions:
     """Sampled controls of a vehicle, and their costs; chosen manually.
 
-    One m/s off the preferred velocity costs at most twice the speed (17 m²/s² for a car), so that violations come
-    first: walls, then others, then the preferred velocity.
+    A deviation of one m/s from the preferred velocity costs at most twice the speed (17 m²/s² for a car), so that
+    priorities are walls, then other bodies, then the preferred velocity.
 
     Attributes:
-      horizon: s, length of the arcs that are judged; the chord of 1 s at the largest lateral acceleration (2.5 m/s²)
-        lies at most 2.5 / 8 = 0.31 m beside the arc at its middle, and the step that follows uses a tenth or fifth of
-        it.
-      turn_shares: turn rates that are tried, as shares of the largest.
-      acceleration_shares: accelerations that are tried: shares of the braking (negative) and of the acceleration
+      horizon: s, length of the evaluated arcs. The chord of 1 s at the largest lateral acceleration (2.5 m/s²) is at
+        most 2.5 / 8 = 0.31 m from the arc, and a step uses a tenth or fifth of it.
+      turn_shares: candidate turn rates as shares of the largest.
+      acceleration_shares: candidate accelerations as shares of the braking (negative) and of the acceleration
         (positive).
-      neighbour_cost: m²/s², of one m/s of violation of another's half-plane.
-      wall_cost: m²/s², of one m/s of violation of a wall's half-plane.
-      min_turn_speed: m/s, speed below which a walker does not turn to where it goes.
-      effort_cost: m²/s², of the largest turn rate and of full braking: ties go to the smaller control.
-      heading_weight: weight of where the vehicle will point.
+      neighbour_cost: m²/s², cost of one m/s of violation of a neighbour's half-plane.
+      wall_cost: m²/s², cost of one m/s of violation of a wall's half-plane.
+      min_turn_speed: m/s, speed below which a pedestrian does not turn to its direction of motion.
+      effort_cost: m²/s², cost of the largest turn rate and of full braking, so that ties are resolved in favour of the
+        smaller control.
+      heading_weight: weight of the vehicle's final heading.
     """
 
     horizon: float = 1.0
@@ -60,24 +57,23 @@ _OPTIONS = MotionOptions()
 
 
 def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPlanes, dt: float) -> tuple[Any, Any]:
-    """Velocities of walkers after one step, m/s: towards the chosen ones, as fast as legs allow.
+    """Velocities of pedestrians after one step, m/s: towards the chosen ones within the limits of acceleration.
 
-    Where keeping to that would run into a wall within two steps, it does not apply: walkers stop at a wall.
+    The limits are ignored if they would lead into a wall within two steps, so that pedestrians stop at walls.
 
     Args:
       chosen: (A, E) m/s.
-      bodies, traits: (A, E).
-      walls: (M, A, E), which `chosen` keeps.
+      bodies, traits: (A, E). walls: (M, A, E), with which `chosen` complies.
       dt: s.
     """
     dx, dy = chosen[0] - bodies.vx, chosen[1] - bodies.vy
     change = jnp.sqrt(dx * dx + dy * dy)
-    # To slow down or turn one may push as hard as one brakes, to gain speed only as hard as one accelerates.
+    # The limit is that of braking for slowing down and turning, and that of acceleration for speeding up.
     gains = chosen[0] * chosen[0] + chosen[1] * chosen[1] > bodies.vx * bodies.vx + bodies.vy * bodies.vy
     along = dx * bodies.vx + dy * bodies.vy > 0.0
     push = jnp.where(gains & along, traits.acceleration, traits.braking)
     part = jnp.minimum(1.0, push * dt / jnp.maximum(change, 1e-6))
-    # Offsets are (minus the free space) / horizon; within two steps they are this much wider.
+    # Offsets are (minus the free space) / horizon; for two steps they are larger by this factor.
     sooner = traits.wall_horizon / jnp.minimum(2.0 * dt, traits.wall_horizon)
     now = walls.offset * sooner - walls.x * bodies.vx - walls.y * bodies.vy
     gain = walls.x * dx + walls.y * dy
@@ -87,7 +83,8 @@ def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPla
 
 
 def step_on(velocity: tuple[Any, Any], face: Any, bodies: Bodies, traits: Traits, dt: float) -> Bodies:
-    """Walkers after a step with a velocity (m/s); they face their motion, and when they stand, their desired heading.
+    """Pedestrians after a step with a velocity (m/s); they face their direction of motion, or their desired heading
+    when they stand.
 
     Args:
       velocity, face: (A, E) m/s and rad.
@@ -96,7 +93,7 @@ def step_on(velocity: tuple[Any, Any], face: Any, bodies: Bodies, traits: Traits
     """
     vx, vy = velocity
     speed = jnp.sqrt(vx * vx + vy * vy)
-    # Below a slow shuffle one steps aside or back without turning.
+    # Slow side and back steps do not change the heading.
     going = speed > _OPTIONS.min_turn_speed
     turn = wrapped(jnp.where(going, jnp.arctan2(vy, vx), face) - bodies.heading)
     most = traits.turn_rate * dt * jnp.where(going, jnp.minimum(speed, 1.0), 0.5)
@@ -110,7 +107,7 @@ def wrapped(angle: Any) -> Any:
 
 
 def _speeds(speed: Any, push: Any, low: Any, limit: Any, time: float) -> tuple[Any, Any]:
-    """Mean over `time` s of a speed that changes at `push` m/s² until it reaches a limit, and the last speed."""
+    """Mean over `time` s of a speed that changes at `push` m/s² until it reaches a limit, and the final speed."""
     end = jnp.clip(speed + push * time, jnp.minimum(low, speed), jnp.maximum(limit, speed))
     moving = jnp.abs(push) > 1e-6
     ramp = jnp.where(moving, (end - speed) / jnp.where(moving, push, 1.0), 0.0) / time
@@ -118,7 +115,7 @@ def _speeds(speed: Any, push: Any, low: Any, limit: Any, time: float) -> tuple[A
 
 
 def backs_up(preferred_velocity: PreferredVelocity) -> Any:
-    """Bool: a vehicle whose preferred velocity points away from its heading drives backwards while it turns."""
+    """Whether a vehicle drives backwards, because its preferred velocity points away from its heading."""
     forward = preferred_velocity.x * jnp.cos(preferred_velocity.face) + preferred_velocity.y * jnp.sin(
         preferred_velocity.face
     )
@@ -128,7 +125,7 @@ def backs_up(preferred_velocity: PreferredVelocity) -> Any:
 
 
 def turn_limit(speed: Any, traits: Traits) -> Any:
-    """rad/s, how fast a vehicle can turn at a speed (m/s): its steering, its tyres, its driver."""
+    """rad/s, largest turn rate of a vehicle at a speed (m/s)."""
     speed = jnp.abs(speed)
     steering = jnp.maximum(speed / traits.turn_radius, traits.pivot)
     return jnp.minimum(jnp.minimum(steering, traits.lateral / jnp.maximum(speed, 1e-3)), traits.turn_rate)
@@ -142,11 +139,11 @@ def drive(
     bodies: Bodies,
     traits: Traits,
 ) -> tuple[Any, Any]:
-    """The best control of each vehicle.
+    """Selects the best control of each vehicle.
 
     Args:
-      lines: (K, A, E) towards neighbours.
-      place: (K, A, E), where on its axis the vehicle is nearest to each.
+      lines: (K, A, E) half-planes of neighbours.
+      place: (K, A, E), position on the vehicle's axis that is nearest to each neighbour.
       walls: (M, A, E) each, for the front and the rear disc of its capsule.
       preferred_velocity, bodies, traits: (A, E).
 
@@ -166,14 +163,14 @@ def drive(
         jnp.where(back, wrapped(preferred_velocity.face - bodies.heading), jnp.arctan2(left, ahead)),
         0.0,
     )
-    # The controls include the one of the preferred velocity: an arc whose chord points along it.
+    # The candidates include the control for the preferred velocity: an arc whose chord points along it.
     own_speed = jnp.where(back, -preferred_speed, preferred_speed * jnp.maximum(jnp.cos(error), 0.0))
     own_push = jnp.clip(own_speed - speed, -traits.braking, traits.acceleration)
     pushes = jnp.stack(
         [*(s * (traits.acceleration if s > 0 else traits.braking) for s in _OPTIONS.acceleration_shares), own_push]
     )
     mean, _ = _speeds(speed, pushes, jnp.where(back, -preferred_speed, 0.0), traits.limit, _OPTIONS.horizon)
-    # The least radius bounds the arc at its mean speed, so that a vehicle at rest may pull out in a curve.
+    # The least radius limits the arc at its mean speed, so that a vehicle at rest may start in a curve.
     most = turn_limit(mean, traits)
     shares = jnp.asarray(np.array(_OPTIONS.turn_shares, np.float32)).reshape(-1, 1, 1, 1)
     own_turn = jnp.clip(2.0 * error / _OPTIONS.horizon, -most, most)
@@ -181,7 +178,7 @@ def drive(
     pushes = jnp.broadcast_to(pushes, turns.shape)
     half = 0.5 * turns * _OPTIONS.horizon
     chord = mean * jnp.sinc(half / jnp.pi)
-    # In the vehicle's frame: the displacement of its centre, and that of its ends relative to it in the turn.
+    # In the vehicle's frame: the displacement of its centre, and that of its ends relative to the centre.
     along, across = chord * jnp.cos(half), chord * jnp.sin(half)
     swing_along = traits.half_length / _OPTIONS.horizon * (jnp.cos(2.0 * half) - 1.0)
     swing_across = traits.half_length / _OPTIONS.horizon * jnp.sin(2.0 * half)
@@ -189,7 +186,7 @@ def drive(
     def deepest(rows: HalfPlanes, ends: Any) -> Any:
         worst = jnp.zeros_like(along)
         for n in range(rows.offset.shape[0]):
-            # The normal in the vehicle's frame, and the velocity of the place that the line is about.
+            # The normal in the vehicle's frame, and the velocity of the point to which the line refers.
             nx, ny = rows.x[n] * cos + rows.y[n] * sin, rows.y[n] * cos - rows.x[n] * sin
             u, w = along + ends[n] * swing_along, across + ends[n] * swing_across
             worst = jnp.maximum(worst, rows.offset[n] - nx * u - ny * w)
@@ -199,7 +196,7 @@ def drive(
     hard = jnp.maximum(deepest(walls[0], [1.0] * flats), deepest(walls[1], [-1.0] * flats))
     soft = deepest(lines, place)
     effort = jnp.abs(turns) / traits.turn_rate + jnp.abs(pushes / traits.braking)
-    # A vehicle that cannot follow its preferred velocity yet turns towards it.
+    # A vehicle that cannot follow its preferred velocity yet still turns towards it.
     aim = preferred_speed * preferred_speed * (1.0 - jnp.cos(error - 2.0 * half))
     cost = (along - ahead) ** 2 + (across - left) ** 2 + _OPTIONS.effort_cost * effort + _OPTIONS.heading_weight * aim
     cost += _OPTIONS.neighbour_cost * soft + _OPTIONS.wall_cost * hard
@@ -213,7 +210,7 @@ def drive(
 def roll(
     push: Any, turn: Any, preferred_velocity: PreferredVelocity, bodies: Bodies, traits: Traits, dt: float
 ) -> Bodies:
-    """Vehicles after one step of an acceleration (m/s²) and a turn rate (rad/s), all (A, E)."""
+    """Vehicles after one step with an acceleration (m/s²) and a turn rate (rad/s), all (A, E)."""
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
     speed = bodies.vx * cos + bodies.vy * sin
     preferred_speed = jnp.sqrt(

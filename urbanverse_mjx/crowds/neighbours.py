@@ -1,11 +1,10 @@
-"""The nearest bodies around every agent.
+"""Finds the nearest bodies around every agent.
 
-In:   places and sizes of the bodies of each env.
-Out:  numbers of a fixed count of neighbours, nearest first.
-When: every crowd step, inside jit.
+In: positions and sizes of the bodies of each env. Out: indices of a fixed number of neighbours, nearest first. When:
+every crowd step, inside jit.
 
-Arrays are (body, env). Neighbours are ranked by the gap to the other's circumscribed disc, so that a car's bonnet
-counts before a person behind it; among equals that is the order of distance.
+Arrays are (body, env). Neighbours are ranked by the gap to the circumscribed disc, so that a car's front ranks before a
+person behind it.
 """
 
 from typing import Any, NamedTuple
@@ -18,7 +17,7 @@ _NEVER = jnp.iinfo(jnp.int32).max
 
 class Neighbours(NamedTuple):
     """Attributes: index: (K, A, E) i32, numbers of bodies, nearest first. valid: (K, A, E) bool. missed: (A, E) i32,
-    bodies in range that the search left out for want of places (0 when all are compared).
+    number of bodies in range that the search left out for lack of slots (0 if all are compared).
     """
 
     index: Any
@@ -27,9 +26,9 @@ class Neighbours(NamedTuple):
 
 
 def _sortable(distance: Any, index: Any, bits: int) -> Any:
-    """i32 that order like the distances (m); the lowest `bits` bits hold the index instead of the last digits.
+    """i32 keys in the order of the distances (m), whose lowest `bits` bits hold the index.
 
-    With 5 bits that rounds a gap of 3 m to 8 µm.
+    With 5 bits, a gap of 3 m is rounded to 8 µm.
     """
     raw = jax.lax.bitcast_convert_type(distance, jnp.int32)
     raw = raw ^ ((raw >> 31) & 0x7FFFFFFF)
@@ -37,7 +36,8 @@ def _sortable(distance: Any, index: Any, bits: int) -> Any:
 
 
 def _smallest(keys: Any, number: int, bits: int) -> tuple[Any, Any]:
-    """Numbers in the `number` smallest keys (C, A, E) along the first axis (0 where fewer are), and where they are."""
+    """Indices of the `number` smallest keys (C, A, E) along the first axis (0 if there are fewer), and their
+    validity."""
     found, last = [], None
     for _ in range(number):
         last = jnp.min(keys if last is None else jnp.where(keys > last, keys, _NEVER), axis=0)
@@ -48,13 +48,13 @@ def _smallest(keys: Any, number: int, bits: int) -> tuple[Any, Any]:
 
 
 def all_pairs(x: Any, y: Any, size: Any, present: Any, agents: int, number: int) -> Neighbours:
-    """The nearest bodies by comparing all.
+    """Finds the nearest bodies by comparing all pairs.
 
     Args:
       x, y: (B, E) f32 m.
       size: (B, E) m, circumscribed radius.
       present: (B, E) bool.
-      agents: A, the first rows, whose neighbours are searched.
+      agents: A, number of the first rows, whose neighbours are searched.
       number: K, at most B - 1.
     """
     bodies = x.shape[0]
@@ -71,16 +71,16 @@ def all_pairs(x: Any, y: Any, size: Any, present: Any, agents: int, number: int)
 def in_grid(
     x: Any, y: Any, size: Any, present: Any, agents: int, number: int, cell: float, cells: int, depth: int
 ) -> Neighbours:
-    """The nearest bodies among those in the 3 x 3 cells around each agent.
+    """Finds the nearest bodies among those in the 3 x 3 cells around each agent.
 
     The plane is cut into square cells and wrapped onto `cells` x `cells` of them; bodies are sorted by cell, and each
     agent is compared with `depth` bodies of each cell.
 
     Args:
       x, y, size, present, agents, number: as in `all_pairs`.
-      cell: m, side of a cell: bodies farther away than that may be missed.
-      cells: cells a side, at least 3.
-      depth: bodies compared in a cell.
+      cell: m, side of a cell; bodies farther away may be missed.
+      cells: number of cells along a side, at least 3.
+      depth: number of bodies compared per cell.
     """
     bodies, envs = x.shape
     bits = max(1, (bodies - 1).bit_length())

@@ -1,12 +1,12 @@
-"""Whether a place is free, cell by cell: what `resolve_collisions` asks of the scene, an env of its map.
+"""Bit maps of free cells, used by `resolve_collisions` and by environments.
 
 In:   `FreeSpace` of each scene, or their maps.
 Out:  `OpenGround`, a table on the device; `is_open` looks it up.
 When: the table once per scene; the look-up every step, inside jit.
 
-Flats (`flats`) are a convex piece of the free space and leave out the rest of it; this is the map itself, one bit a
-cell: a table that a jitted function closes over is written into its program, and 160 streets of 200 m at a byte per 5
-cm are more than a compiler takes in well.
+Flats (`flats`) represent only a convex part of the free space; this is the complete map with one bit per cell. A table
+that a jitted function closes over becomes part of its program, and with one byte per 5 cm cell, 160 streets of 200 m
+would be too large for the compiler.
 """
 
 from collections.abc import Iterable, Sequence
@@ -32,8 +32,8 @@ class OpenGround(NamedTuple):
 
 
 def pack(free: Iterable[np.ndarray], origin: np.ndarray) -> OpenGround:
-    """The table of each scene's (X, Y) bool free cells, whose first corners lie at (Z, 2) m."""
-    # Scene by scene: at a byte per 5 cm, 200 streets are gigabytes.
+    """Packs the (X, Y) bool free cells of each scene, whose lower corners are (Z, 2) m."""
+    # Scenes are packed one by one, because 200 unpacked streets need gigabytes.
     bits = np.stack([np.packbits(cells, axis=-1, bitorder="little") for cells in free])
     return OpenGround(jnp.asarray(bits), jnp.asarray(origin, jnp.float32))
 
@@ -46,7 +46,7 @@ def make_open_ground(spaces: Sequence[FreeSpace]) -> OpenGround:
 
 
 def is_open(ground: OpenGround, scene: Any, x: Any, y: Any, cell: float = CELL) -> Any:
-    """(...) bool: places (...) m of a scene () i32 lie in free cells of `cell` m; outside the map there are none."""
+    """(...) bool, whether points (...) m of a scene () i32 lie in free cells of `cell` m; False outside the map."""
     origin = ground.origin[scene]
     i = cell_of(x, origin[0], cell)
     j = cell_of(y, origin[1], cell)

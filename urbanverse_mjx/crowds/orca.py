@@ -1,6 +1,6 @@
-"""One step of the crowd: find neighbours, choose a velocity, move.
+"""One step of a crowd by ORCA: finds neighbours, chooses velocities and moves the bodies.
 
-In: bodies, their parameters and preferred velocities, the walls around each. Out:  the bodies `dt` later. When: every
+In: bodies, their parameters and preferred velocities, the walls around each. Out: the bodies after `dt`. When: every
 crowd step, inside jit; per env, alone or under `jax.vmap`.
 """
 
@@ -21,14 +21,14 @@ from .linear_program import NO_LIMIT, HalfPlanes, join, solve
 #: m/s, largest disturbance of a preferred velocity, which breaks perfect symmetry; the published library's examples
 #: disturb every preferred velocity by up to 1e-4.
 DISTURBANCE = 1e-3
-#: m/s, how fast a walker retreats against its preferred velocity. In the published program two agents that push each
-#: other reach some common velocity, so that a group drives a single walker back without limit; people resist.
+#: m/s, largest retreat of a pedestrian against its preferred velocity. In the published program, agents that push each
+#: other reach a common velocity, so that a group could push a single pedestrian back without limit.
 GIVE_GROUND = 0.3
 
 
 @dataclasses.dataclass(frozen=True)
 class Grid:
-    """The neighbour search where comparing all bodies costs too much; see `neighbours.in_grid`."""
+    """Options of the neighbour search in a grid, for large crowds; see `neighbours.in_grid`."""
 
     cell: float = 4.0
     cells: int = 16
@@ -41,12 +41,13 @@ class Options:
 
     Attributes:
       dt: s, length of a step.
-      num_neighbours: K, how many bodies each agent avoids at a time.
-      num_wheeled: how many agents roll, the last ones.
-      discs_only: every body is a disc (all `half_length` are 0): spares the search for nearest places.
-      part_time: s, time in which bodies that are too near part.
-      hold_ground: walkers go back against their preferred velocity at `GIVE_GROUND` at most.
-      grid: None compares all bodies.
+      num_neighbours: K, number of bodies that each agent avoids at a time.
+      num_wheeled: number of wheeled agents, which are the last ones.
+      discs_only: whether every body is a disc (all `half_length` are 0), which makes the search for nearest points
+        unnecessary.
+      part_time: s, time in which bodies that are too near separate.
+      hold_ground: whether the retreat of pedestrians is limited to `GIVE_GROUND`.
+      grid: options of the grid; None to compare all bodies.
     """
 
     dt: float = 0.1
@@ -76,7 +77,7 @@ def look_around(bodies: Bodies, traits: Traits, agents: int, options: Options) -
 def permitted(
     bodies: Bodies, traits: Traits, agents: int, near: neighbours.Neighbours, options: Options
 ) -> tuple[HalfPlanes, Any]:
-    """Half-planes (K, A, E) of the first A bodies towards their neighbours.
+    """Half-planes (K, A, E) of the first A bodies for their neighbours.
 
     The second value (K, A, E) is the nearest position on the agent's axis: 1 at the front end, -1 at the rear.
     """
@@ -114,7 +115,7 @@ def permitted(
 
 
 def _able(bodies: Bodies, traits: Traits, agents: int, options: Options) -> Any:
-    """(B, E), how much of a pair's avoidance each can take on: a vehicle that stands cannot step aside."""
+    """(B, E), weight of each body's share of the avoidance; a standing vehicle cannot step aside."""
     if not options.num_wheeled:
         return traits.yielding
     row = jnp.arange(bodies.x.shape[0])[:, None]
@@ -124,7 +125,7 @@ def _able(bodies: Bodies, traits: Traits, agents: int, options: Options) -> Any:
 
 
 def stand(preferred_velocity: PreferredVelocity) -> HalfPlanes:
-    """One half-plane (1, ...) per walker (...) with a preferred velocity: backwards at most `GIVE_GROUND`."""
+    """One half-plane (1, ...) per pedestrian (...) that limits its retreat to `GIVE_GROUND`."""
     wants = (
         preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y
         > GIVE_GROUND * GIVE_GROUND
@@ -141,10 +142,10 @@ def advance(
     rear: HalfPlanes,
     options: Options,
 ) -> tuple[Bodies, Any]:
-    """The first A bodies one step later, for many envs at once.
+    """Advances the first A bodies by one step, for many envs at once.
 
     Args:
-      bodies, traits: (B, E); rows from A on are others that are avoided and not moved (robots).
+      bodies, traits: (B, E); rows from A are bodies that are avoided but not moved (robots).
       preferred_velocity: (A, E).
       walls: (M, A, E), see `half_planes.towards_walls`, for walkers' bodies and the front discs of vehicles.
       rear: (M, W, E), the same for the rear discs of the W vehicles.
@@ -154,7 +155,7 @@ def advance(
     """
     agents = preferred_velocity.x.shape[0]
     walkers = agents - options.num_wheeled
-    # Without the barriers XLA works the half-planes out again for each of the many sums they stand in.
+    # The barriers prevent XLA from recomputing the half-planes for every use.
     near = neighbours.Neighbours(*jax.lax.optimization_barrier(tuple(look_around(bodies, traits, agents, options))))
     lines, place = jax.lax.optimization_barrier(permitted(bodies, traits, agents, near, options))
 
@@ -186,13 +187,12 @@ def advance(
 
 
 def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) -> PreferredVelocity:
-    """Preferred velocities (A,) changed by at most twice `DISTURBANCE`, so that no two agents are mirror images.
+    """Disturbs preferred velocities (A,) by at most twice `DISTURBANCE` to break symmetry.
 
     Args:
       preferred_velocity: (A,).
-      key: for this step.
-      side: (A,), 1 for a preferred velocity drawn to the left, -1 to the right: it decides between the sides for agents
-        that meet head on.
+      key: random key of this step.
+      side: (A,), 1 to disturb to the left, -1 to the right, which determines the side for agents that meet head-on.
     """
     angle, size = jax.random.uniform(key, (2, *preferred_velocity.x.shape))
     angle, size = 2.0 * math.pi * angle, DISTURBANCE * size
@@ -212,7 +212,7 @@ def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) 
 def make_step(options: Options) -> Callable[..., tuple[Bodies, Any]]:
     """A function (bodies, traits, preferred_velocity, walls, rear) -> (bodies, missed) over arrays of one env.
 
-    It is `advance` without E; see `over_envs`.
+    This is `advance` without the env axis; see `over_envs`.
     """
 
     def step(

@@ -1,7 +1,7 @@
-"""Where agents appear: on their routes, clear of each other and out of the robot's sight.
+"""Chooses spawn positions of agents: on their routes, clear of other bodies and out of the robot's sight.
 
-In: a table of places, the present bodies, the robot's pose. Out: a place. When: at reset for all agents, then for those
-that arrive, inside jit.
+In: a table of positions, the present bodies, the robot's pose. Out: a position. When: at reset for all agents, then for
+those that arrive, inside jit.
 """
 
 from typing import Any, NamedTuple
@@ -11,10 +11,10 @@ import jax.numpy as jnp
 
 from .motion import wrapped
 
-#: m, within which an agent counts as visible to the robot; beyond it an agent covers a few pixels: a person 30 m away
+#: m, distance within which an agent counts as visible from any side, and within the field of view; a person 30 m away
 #: is 6 pixels high in the paper's frame of 135 rows at a field of view of 60°.
 NOTICED, SEEN = 4.0, 30.0
-#: rad, half the angle within which an agent is in sight, wider than the camera's field of view.
+#: rad, half the angle of view within which an agent is visible, wider than the camera's.
 HALF_VIEW = 1.0
 
 
@@ -30,7 +30,7 @@ class Observer(NamedTuple):
 
 
 def visible(observer: Observer, x: Any, y: Any) -> Any:
-    """(...) bool: the observer would see an agent appear or vanish at places (...) m; occlusion is not considered."""
+    """(...) bool, whether the observer would see an agent appear or vanish at points (...) m; ignores occlusion."""
     dx, dy = x - observer.x, y - observer.y
     distance = jnp.sqrt(dx * dx + dy * dy)
     ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - observer.heading)) < HALF_VIEW
@@ -49,16 +49,16 @@ def choose(
     hidden: bool,
     reach: float | None = None,
 ) -> tuple[Any, Any]:
-    """One of the places (S, 2) m at random among those that will do.
+    """Draws one of the suitable positions (S, 2) m.
 
     Args:
-      size: () m, radius of the new agent; a place must be clear of the present bodies (B,) at x, y by a step (0.5 m).
-      their_size: m around each of them, with its braking distance.
-      hidden: the place must be out of the observer's sight; at reset a body's length away from it suffices.
-      reach: m; places nearer to the observer than this come first.
+      size: () m, radius of the new agent; its distance to the present bodies (B,) at x, y must be at least 0.5 m.
+      their_size: m around each of them, including its braking distance.
+      hidden: whether the position must be out of the observer's sight; otherwise a body's length of distance suffices.
+      reach: m; positions within this distance of the observer are preferred.
 
     Returns:
-      () i32 and () bool: there is such a place.
+      () i32, the position, and () bool, whether there is one.
     """
     gap = jnp.sqrt((place[:, :1] - x) ** 2 + (place[:, 1:] - y) ** 2) - their_size - size
     clear = jnp.all((gap > 0.5) | ~present, axis=1)

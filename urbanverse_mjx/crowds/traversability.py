@@ -1,4 +1,4 @@
-"""Traversability of a scene for each agent of a crowd: the walls around it, and whether a step stays on free ground.
+"""Traversability of a scene for the agents of a crowd: walls around each, and whether a step stays on free ground.
 
 In:   a crowd's tables and kinds; bodies.
 Out:  half-planes for `orca`; bools for `resolve_collisions`.
@@ -17,7 +17,8 @@ from .kinds import SURFACES, AgentKind
 from .linear_program import HalfPlanes
 from .orca import no_walls
 
-#: Where on its axis a vehicle asks for free ground: 1 at its front end. Between two of them a car has 0.75 m.
+#: Positions on a vehicle's axis that are checked for free ground; 1 is the front end. A car has 0.75 m between two of
+#: them.
 _AXIS_POSITIONS = (1.0, 0.5, 0.0, -0.5, -1.0)
 
 
@@ -44,12 +45,12 @@ class Traversability:
         self._vehicles = self._everybody[len(kinds) - num_wheeled(kinds) :]
 
     def _members(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """The rows that use each surface, where there are any."""
+        """The agents that use each surface, for surfaces with agents."""
         found = {surface: np.intersect1d(members, rows) for surface, members in self._surfaces.items()}
         return {surface: some for surface, some in found.items() if len(some)}
 
     def _at(self, bodies: Bodies, some: np.ndarray, end: float) -> tuple[Any, Any]:
-        """(n,) x and y m of places on the axes of some bodies."""
+        """(n,) x and y m of points on the axes of some bodies."""
         half, heading = end * self._traits.half_length[some], bodies.heading[some]
         return bodies.x[some] + half * jnp.cos(heading), bodies.y[some] + half * jnp.sin(heading)
 
@@ -77,8 +78,8 @@ class Traversability:
         return at(self._everybody, 1.0), at(self._vehicles, -1.0)
 
     def stays(self, before: Bodies, after: Bodies, scene: Any) -> Any:
-        """(A,) bool: no place of a body's axis that is on free ground leaves it. An agent off free ground may go
-        anywhere."""
+        """(A,) bool, whether no point of a body's axis leaves the free ground. Agents off the free ground are not
+        restricted."""
         found = jnp.ones(len(self._everybody), bool)
         for end in _AXIS_POSITIONS:
             for surface, some in self._members(self._everybody if end == 1.0 else self._vehicles).items():

@@ -1,4 +1,4 @@
-"""The engines and the renderer: physics and images of a scene, one env at a time under `jax.vmap`."""
+"""The physics engines and the renderer, with per-env interfaces for `jax.vmap`."""
 
 import pathlib
 
@@ -7,8 +7,8 @@ import warp
 from .kernel_cache import check_kernels
 from .warp_start import start_warp
 
-# Warp, which MJX starts too, prints its devices and modules to standard output. Programs read the last line of a
-# command's standard output, so this must run before Warp starts.
+# Warp, which MJX also initialises, prints its devices and modules to standard output, on which commands print their
+# results. This must therefore run before Warp is initialised.
 warp.config.log_level = warp.LOG_WARNING
 start_warp()
 if warp.config.kernel_cache_dir is not None:

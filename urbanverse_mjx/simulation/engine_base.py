@@ -1,4 +1,4 @@
-"""The common part of both engines: the robot's physics model, the checks of their sizes, first states."""
+"""Common base of the engines: the robot's physics model, checks of sizes, initial states."""
 
 from typing import Any, NamedTuple
 
@@ -33,8 +33,8 @@ class EngineBase:
     """The part of an engine that is independent of the physics backend; for the arguments see the engines.
 
     Raises:
-      ValidationError: a control period that is not a multiple of the time step, no slots, or a bank whose grids do not
-        reach as far as the robot can get in one control step.
+      ValidationError: the control period is not a multiple of the time step, there are no slots, or the bank's grids
+        have a shorter reach than the robot in one control step.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class EngineBase:
             )
         self.num_slots = v.integer(num_slots, "engine.num_slots", 0)
         self.num_prism_slots = v.integer(num_prism_slots, "engine.num_prism_slots", 1)
-        #: m, largest distance of a hull that can be touched before the next look-up.
+        #: m, largest distance of a hull that the robot can touch before the next look-up.
         self.reach = robot.circumradius + robot.max_speed * control_dt
         grid_reach = float(bank.meta["grid_reach"])
         if self.reach > grid_reach + 1e-6:
@@ -75,19 +75,19 @@ class EngineBase:
             )
         asked = self.num_slots, self.num_prism_slots
         self._fit_slots(bank)
-        #: Whether the streets need more slots than were asked for.
+        #: Whether the streets need more slots than requested.
         self.crowded = (self.num_slots, self.num_prism_slots) != asked
         self._data = mjx.make_data(self.physics.model)
 
     def _fit_slots(self, bank: SceneBank) -> None:
-        """Adds slots until all that comes within reach on traversable ground finds one."""
+        """Adds slots until all hulls within reach of traversable ground have one."""
         for scene in range(bank.num_scenes):
-            if self.num_slots:  # none means that there are to be no objects
+            if self.num_slots:  # 0 means no objects
                 self.num_slots = most_objects_in_reach(bank, scene, self.reach, self.num_slots)
             self.num_prism_slots = most_prisms_in_reach(bank, scene, self.reach, self.num_prism_slots)
 
     def check_agents(self, motion: AgentMotion | None) -> None:
-        """Refuses agents without slots, slots without agents, and other numbers of both."""
+        """Checks that the number of agents equals the number of agent slots."""
         given, wanted = (0 if x is None else len(x[0]) for x in (motion, self.agents))
         if given != wanted:
             raise v.fail("engine.step: agents", f"{given} of them", f"as many as the engine has slots ({wanted})")
@@ -126,7 +126,7 @@ class EngineBase:
     def init(self, scene: Any, qpos: Any, qvel: Any, objects: Any = None) -> SimState:
         """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,).
 
-        objects: (M,) i32, objects that shall be bodies, -1 = none; where there are slots and none is named, none is.
+        objects: (M,) i32, objects that become bodies, -1 = none; None for no bodies.
         """
         scene = jnp.asarray(scene, jnp.int32)
         qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)

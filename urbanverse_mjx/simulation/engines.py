@@ -27,17 +27,18 @@ def make_engine(
     movable: Sizes | None = None,
     **sizes: Any,
 ) -> "JaxEngine | WarpEngine":
-    """An engine over a bank.
+    """Makes an engine for a bank.
 
     Args:
       bank, robot: what to simulate.
       impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), or "auto": "warp" on CUDA, else "jax".
       control_dt: s, one control step.
       physics_dt: s, one physics step, default the robot's.
-      num_slots: object hulls streamed per control step, more where the bank's streets need more; 0 = none.
+      num_slots: least number of object hulls streamed per control step, increased if the bank's streets need more; 0 =
+        none.
       agents: shapes of moving agents; None = none.
-      movable: how many objects can be pushed; None = none.
-      sizes: of the engine, such as num_prism_slots, num_contacts, iterations, line_steps; default its own.
+      movable: sizes for objects that can be pushed; None = none.
+      sizes: other sizes of the engine, such as num_prism_slots, num_contacts, iterations, line_steps.
 
     Raises:
       ValidationError: unknown engine or steps that do not divide.
@@ -59,14 +60,14 @@ def make_engine(
 
 
 def choose_impl(impl: str) -> str:
-    """The engine that a name stands for on this machine: "jax" or "warp"."""
+    """Resolves the name of an engine on this machine to "jax" or "warp"."""
     if impl != "auto":
         return impl
     return "warp" if jax.default_backend() in ("gpu", "cuda") else "jax"
 
 
 def with_timestep(robot: RobotSpec, timestep: float) -> RobotSpec:
-    """The robot with another physics step (s), in its MJCF, too."""
+    """The robot with another physics step (s), also in its MJCF."""
     root = ET.fromstring(robot.mjcf)
     option = root.find("option")
     if option is None:

@@ -1,4 +1,4 @@
-"""`GaitEngine`: a robot on legs as a `Simulator` that takes body velocities.
+"""`GaitEngine`: a legged robot as a `Simulator` with body velocities as commands.
 
 In: an engine at the gait's rate, the gait; then `SimState` and the gait's command. Out: `SimState`. When: every control
 step of the navigation policy, inside jit, alone or under any nesting of `jax.vmap`.
@@ -34,16 +34,16 @@ class GaitMemory(NamedTuple):
 
 
 class GaitEngine:
-    """Steps a robot on legs; keeps the `Simulator` interface with commands (3,): m/s ahead, m/s left, rad/s.
+    """Simulates a legged robot by its gait; implements `Simulator` with commands (3,): m/s ahead, m/s left, rad/s.
 
     Args:
       engine: of the robot, with the gait's control step.
-      robot: its first actuators take joint angles.
+      robot: robot whose first actuators take joint angles.
       gait: of this robot.
       control_dt: s, a multiple of the gait's.
 
     Raises:
-      ValidationError: steps that do not divide, or a gait for another number of joints.
+      ValidationError: time steps do not divide, or the gait has another number of joints.
     """
 
     def __init__(self, engine: Simulator, robot: RobotSpec, gait: Gait, control_dt: float) -> None:
@@ -74,7 +74,7 @@ class GaitEngine:
 
     @full_precision
     def init(self, scene: Any, qpos: Any, qvel: Any, objects: Any = None) -> SimState:
-        """The engine's state at rest, of a gait that has stood there for a while."""
+        """The engine's state at rest, with the history of a gait that stands."""
         sim = self.engine.init(scene, qpos, qvel, objects)
         still = jnp.zeros(len(self.gait.stand))
         frame = self._feel(sim, jnp.zeros(3), still)
@@ -85,7 +85,7 @@ class GaitEngine:
         """One control step with the command `ctrl` (3,) held; contacts are those of all its physics steps.
 
         Raises:
-          ValidationError: agents, which would stand still through the steps of a gait.
+          ValidationError: there are agents, which are not supported.
         """
         if agents is not None:
             raise ValidationError("engine.step: found agents around a robot with a gait, needed none.")
@@ -111,7 +111,7 @@ class GaitEngine:
 
 
 def summed_contacts(parts: Contacts) -> Contacts:
-    """The contacts of consecutive steps of one length, stacked along a first axis, as those of one long step."""
+    """Combines the contacts of consecutive steps, stacked along the first axis, to those of one long step."""
     strongest = jnp.argmax(jnp.where(parts.hit, parts.hit_force, -1.0))
     return Contacts(
         hit=parts.hit.any(),

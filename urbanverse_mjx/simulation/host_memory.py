@@ -1,15 +1,15 @@
-"""Gives memory that this process has freed back to the system."""
+"""Returns freed memory of this process to the system."""
 
 import ctypes
 import sys
 
 
 def give_back() -> None:
-    """Returns freed memory to the system, to be called after large tables were built.
+    """Returns freed memory to the system; call it after building large tables.
 
-    glibc keeps freed blocks below the size that it maps, up to 32 MB: after the render model of a large bank that is
-    gigabytes. Elsewhere than on Linux with glibc nothing happens. Python's garbage is not collected: the tables are in
-    no reference cycles, and a full collection takes seconds in a process that has compiled much.
+    glibc keeps freed blocks below its mmap threshold (up to 32 MB), which amounts to gigabytes after the render model
+    of a large bank is built. This function has an effect only on Linux with glibc. It does not run Python's garbage
+    collection, because the tables are not in reference cycles and a full collection takes seconds.
     """
     if sys.platform == "linux":
         trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # other C libraries have none

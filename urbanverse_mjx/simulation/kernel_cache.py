@@ -1,7 +1,7 @@
-"""Warp's folder of compiled kernels: damaged files are renamed, so that Warp compiles them again.
+"""Checks Warp's cache of compiled kernels and renames damaged files, so that Warp compiles them again.
 
-Warp loads files without a check. A truncated file ends every later program with a traceback, a changed bit crashes it.
-Checksums of the files are kept in this package's own cache; a file without one is trusted and gets one.
+Warp loads these files without a check, and truncated or corrupted files cause errors or crashes. Checksums of the files
+are stored in this package's cache; a file without one is trusted and gets one.
 """
 
 import contextlib
@@ -12,7 +12,7 @@ from .. import settings
 from ..datatypes import validation as v
 from ..datatypes.checksums import changed_groups
 
-#: Ends of the names of the files that Warp loads; the sources beside them are for people.
+#: Suffixes of the files that Warp loads; the sources beside them are not loaded.
 _LOADED = (".o", ".cubin", ".ptx", ".hsaco", ".meta")
 
 

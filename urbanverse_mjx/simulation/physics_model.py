@@ -4,8 +4,8 @@ In:   `RobotSpec`.
 Out:  `PhysicsModel`: MuJoCo and MJX models without one hull, and constants per sphere.
 When: once, at construction.
 
-The engine finds the contacts itself (`hull_contact`), so no geom of this model collides: MJX then makes no contact
-rows, and the model stays the same whatever the scene.
+The engine computes contacts itself (`hull_contact`), so no geom of this model collides; MJX then makes no contact rows,
+and the model does not depend on the scene.
 """
 
 import dataclasses
@@ -95,7 +95,7 @@ class PhysicsModel:
 
 
 def bare_robot(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """Takes out whatever does not move the robot and turns MuJoCo's own collisions off."""
+    """Removes parts without effect on the dynamics and disables MuJoCo's collisions."""
     for geom in list(spec.geoms):
         if geom.contype == 0 and geom.conaffinity == 0:
             spec.delete(geom)

@@ -1,7 +1,7 @@
-"""Calls from jitted JAX code into Warp: one world's call that works alone and under any nesting of `jax.vmap`.
+"""Calls from jitted JAX code into Warp, per world, with and without (nested) `jax.vmap`.
 
-A registry maps a small number to each callee, and compiled code holds that number alone: JAX and Warp keep compiled
-functions for ever, and this way a deleted renderer releases its memory.
+A registry maps a number to each callee, and compiled code contains only that number. JAX and Warp keep compiled
+functions forever; with the registry, a deleted renderer still releases its memory.
 """
 
 import collections

@@ -1,4 +1,4 @@
-"""Starts Warp, without its complaint about a missing CUDA driver where there is none to be had."""
+"""Initialises Warp without its warning about a missing CUDA driver on machines without CUDA."""
 
 import ctypes
 import os

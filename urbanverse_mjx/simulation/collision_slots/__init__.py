@@ -1,1 +1,1 @@
-"""What is near the robot: static hulls, movable bodies and agents in fixed numbers of slots, and their contacts."""
+"""Collision slots: fixed numbers of static hulls, movable bodies and agents near the robot, and their contacts."""

@@ -1,11 +1,12 @@
-"""Agent slots: moving people and vehicles as the robot's spheres meet them.
+"""Agent slots: contacts of the robot's spheres with moving people and vehicles.
 
 In:   `AgentShapes` once; `AgentMotion` every control step; sphere centres.
 Out:  `SphereContacts` beside those with hulls.
 When: every physics step, per env, inside jit.
 
-An agent is moved by its crowd and pushed by nobody (a mocap body in MuJoCo's words): contacts know its place, not its
-speed. Its shape is an upright prism over a disc drawn along its heading, whose distance to a sphere has a closed form.
+Agents are kinematic (mocap bodies in MuJoCo's terms): the crowd moves them, and contacts use their poses, not their
+velocities. Their shape is an upright prism over a disc swept along the heading, whose distance to a sphere has a closed
+form.
 """
 
 from typing import Any
@@ -21,7 +22,7 @@ from .static_slots import Slots
 FIRST_OWNER = -2
 #: MuJoCo's default for geoms, which the reference's cylinders have.
 FRICTION = 1.0
-#: m from the axis, where no way out is the shortest.
+#: m from the axis below which the direction of the contact is undefined.
 _ON_AXIS = 1e-6
 
 
@@ -44,7 +45,7 @@ def prism_distance(offset: Any, heading: Any, shapes: AgentShapes) -> tuple[Any,
     along = jnp.clip(cos * offset[..., 0] + sin * offset[..., 1], -half, half)
     x, y = offset[..., 0] - along * cos, offset[..., 1] - along * sin
     rho = jnp.sqrt(x * x + y * y)
-    # Whoever stands on the axis is pushed out to the left.
+    # On the axis, the normal is to the left.
     near = rho < _ON_AXIS
     x, y = (jnp.where(near, b, a / jnp.maximum(rho, _ON_AXIS)) for a, b in ((x, -sin), (y, cos)))
     up = jnp.where(offset[..., 2] > 0.5 * height, 1.0, -1.0)
@@ -67,7 +68,7 @@ def with_agents(
     nearby: Slots,
     max_contacts: int,
 ) -> tuple[SphereContacts, Slots]:
-    """Contacts and slots with the agents behind them; at most `max_contacts` spheres touch an agent at once.
+    """Appends contacts and slots of agents; at most `max_contacts` spheres touch an agent at once.
 
     Args:
       found: with the hulls in `nearby`.

@@ -1,4 +1,4 @@
-"""Movable bodies against the ground, static hulls and each other: points of their surfaces against convex planes.
+"""Contacts of movable bodies with the ground, static hulls and each other: surface points against convex hulls.
 
 In:   W bodies, `Slots` near each of them, the hull tables.
 Out:  `BodyContacts`, a fixed number a body.
@@ -16,13 +16,14 @@ from .static_slots import Slots
 
 #: Contacts of a body with the ground, and with anything else.
 GROUND_CONTACTS, OTHER_CONTACTS = 8, 4
-#: m under the top of the ground at which a point is lifted and not pushed aside: at a seam of two prisms the side that
-#: nobody sees is nearer than the top.
+#: m below the top of the ground up to which a point is pushed upwards; at a seam of two prisms the hidden side face may
+#: be nearer than the top.
 LIFT = 0.02
-#: rad, where the first of the ground contacts is looked for; askew, so that corners of a box are no ties.
+#: rad, first direction of the ground contacts; not a multiple of 45°, so that the corners of a box are not tied.
 FIRST_DIRECTION = 0.1
 _ANGLES = FIRST_DIRECTION + 2.0 * np.pi * np.arange(GROUND_CONTACTS) / GROUND_CONTACTS
-#: (8, 2) unit, the ways from the centre of mass in which the outermost point that touches the ground is a contact.
+#: (8, 2) unit vectors, directions from the centre of mass in which the outermost point that touches the ground is a
+#: contact.
 DIRECTIONS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1).astype(np.float32)
 
 

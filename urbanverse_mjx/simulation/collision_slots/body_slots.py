@@ -1,10 +1,10 @@
-"""Body slots: which of an env's movable objects move in a control step, and their states in the physics' own terms.
+"""Body slots: selects which movable objects of an env are simulated in a control step, and converts their states.
 
 In:   `SimState.bodies`, the robot's place.
 Out:  `Awake` bodies for the physics; `Bodies` again.
 When: once per control step, per env, inside jit; the same for both engines.
 
-An object sleeps, that is stands still like all that is static, until the robot or something that moves comes near it.
+An object sleeps, i.e. is static, until the robot or a moving body comes near it.
 """
 
 from typing import Any, NamedTuple
@@ -22,9 +22,9 @@ from .body_table import BodyTable, body_table
 SLOW, SLOW_SPIN = 0.02, 0.1
 #: Ground prisms and static hulls looked at around a body that is awake.
 PRISMS, HULLS = 6, 4
-#: m/s that a body is expected not to exceed where what is near it is looked for; COCO pushes at 2.
+#: m/s, assumed largest speed of a body in the search for objects near it; COCO pushes at 2 m/s.
 FAST = 2.0
-#: m between balls around bodies within which one that moves wakes another.
+#: m between bounding spheres within which a moving body wakes another one.
 _WAKE_DISTANCE = 0.1
 
 
@@ -129,7 +129,7 @@ def centres(table: BodyConstants, row: Any, position: Any, quaternion: Any) -> A
 
 
 def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: float, number: int) -> Any:
-    """Which bodies move in this control step.
+    """Selects the bodies that are simulated in this control step.
 
     Args:
       robot: (3,) m.
@@ -148,7 +148,7 @@ def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: fl
     gap = jnp.linalg.norm(place[:, None] - place, axis=-1) - radius[:, None] - radius
     beside = jnp.any((gap < _WAKE_DISTANCE) & moving, axis=1)
     wanted = there & (moving | beside | (far < reach))
-    # A body in the air is stopped last.
+    # Bodies in motion have priority.
     order = jnp.where(wanted, jnp.where(moving, far - 1e3, far), jnp.inf)
     negative, slot = jax.lax.top_k(-order, number)
     chosen = jnp.isfinite(negative)
@@ -166,14 +166,14 @@ def reach(table: BodyConstants, awake: Awake, control_dt: float) -> Any:
 
 
 def put_back(table: BodyConstants, bodies: Bodies, slot: Any, awake: Awake) -> Bodies:
-    """The bodies with those that moved where they are now; those that sleep are at rest."""
+    """Writes the states of simulated bodies back; sleeping bodies are at rest."""
     fine = jnp.isfinite(jnp.concatenate([*awake[2:]], axis=-1)).all(-1)
-    # What blew up stays where it was.
+    # Bodies with non-finite states keep their previous pose.
     kept = (awake.row >= 0) & fine
     local = table.centre[table.shape[jnp.maximum(awake.row, 0)]]
     position = awake.place - jnp.einsum("nij,nj->ni", rotations.matrix(awake.quaternion), local)
     new = (position, awake.quaternion, awake.velocity, awake.spin, awake.warm)
-    # A body that should move and found no place keeps its speed and goes on later; the others have hardly any.
+    # A moving body without a slot keeps its velocity and continues later.
     moving = jnp.linalg.norm(bodies.velocity, axis=-1) > SLOW
     moving |= jnp.linalg.norm(bodies.spin, axis=-1) > SLOW_SPIN
     old = [*bodies[1:3], *(jnp.where(moving[:, None], x, 0.0) for x in bodies[3:])]

@@ -1,12 +1,12 @@
-"""What the movable objects of a bank are to the physics: masses, hulls, and points of their surfaces.
+"""Physics data of the movable objects of a bank: masses, hulls, and surface points.
 
 In:   `SceneBank`.
 Out:  `BodyTable`, numpy.
 When: once, at construction of an engine.
 
-A body meets the robot's spheres with its hulls, and everything else (ground, static hulls, other bodies) with points of
-its surface: its corners first, then spread evenly. Points against planes are cheap and alike in every engine, where two
-hulls against each other are neither (docs/decisions/movable.md).
+A body collides with the robot's spheres by its hulls, and with everything else (ground, static hulls, other bodies) by
+points of its surface: its corners first, then evenly distributed points. Contacts of points with planes are cheap and
+the same in all engines, in contrast to contacts between hulls (docs/decisions/movable.md).
 """
 
 from typing import Any, NamedTuple
@@ -19,13 +19,13 @@ from ...geometry import rotations
 
 #: Points of a body's surface: COCO's largest neighbours, chairs of four hulls, have some 60 corners.
 NUM_POINTS = 64
-#: m; corners nearer to each other than this are one, and a point deeper than this in another hull is none.
+#: m; closer corners are merged, and points deeper than this inside another hull are dropped.
 _MERGE_DISTANCE = 0.01
 #: m by which a body may be larger around than the bank's grids reach (a scooter's handlebar is 1.1 m from its middle);
 #: ground that begins out there may be missed.
 _GRID_OVERHANG = 0.3
-#: s that a shape is watched alone on flat ground in C MuJoCo, and rad by which it may tip meanwhile: what falls by
-#: itself (a scooter whose stand ends in the air) would do so as soon as a robot comes near, and is no body.
+#: s of simulation of a shape alone on flat ground in C MuJoCo, and rad, largest tilt. An object that falls by itself (a
+#: scooter whose stand ends above the ground) would fall as soon as a robot comes near, and is not made a body.
 _STABILITY_TIME, _MAX_TIPPING = 1.5, np.radians(15.0)
 #: m between the surface points from which the even ones are picked.
 _SURFACE_SPACING = 0.04
@@ -86,7 +86,7 @@ def _spread(points: np.ndarray, chosen: list[np.ndarray], number: int, least: fl
     for p in chosen:
         distance = np.minimum(distance, np.linalg.norm(points - p, axis=1))
     while len(chosen) < number and len(points):
-        # The first is the lowest: there a body stands.
+        # The first point is the lowest one, on which the body stands.
         i = int(points[:, 2].argmin()) if not chosen else int(distance.argmax())
         if distance[i] < least:
             break
@@ -143,7 +143,7 @@ def _shape(bank: SceneBank, hulls: tuple[int, ...]) -> tuple[Any, ...]:
 
 
 def stands(bank: SceneBank, hulls: tuple[int, ...]) -> bool:
-    """Whether an object of these hulls stays upright on flat ground: C MuJoCo lets it go there."""
+    """Whether an object of these hulls stays upright on flat ground, simulated in C MuJoCo."""
     spec = mujoco.MjSpec()
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10.0, 10.0, 1.0])
     corners = [bank.hull_vertices[t, : bank.hull_num_vertices[t]] for t in hulls]
@@ -160,8 +160,8 @@ def stands(bank: SceneBank, hulls: tuple[int, ...]) -> bool:
 
 
 def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
-    """The objects that may become bodies: movable, with weight, of at most `num_hulls` hulls, that stand by themselves,
-    and not much larger around than the bank's grids reach (`grid_reach`), so that what is near them is listed."""
+    """Selects the objects that can be bodies: movable, with mass, of at most `num_hulls` hulls, stable by themselves,
+    and not much larger than the reach of the bank's grids (`grid_reach`)."""
     reach = float(bank.meta["grid_reach"]) + _GRID_OVERHANG
     row = np.full(bank.slot_mesh.shape, -1, np.int32)
     shapes: dict[tuple[int, ...], int] = {}

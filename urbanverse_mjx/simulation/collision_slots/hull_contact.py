@@ -1,4 +1,4 @@
-"""Spheres against convex hulls: a cheap lower bound for all pairs, the exact distance for the few that matter.
+"""Contacts of spheres with convex hulls: a cheap lower bound for all pairs, the exact distance for the nearest ones.
 
 In:   sphere centres and radii, `Slots`, the hull table.
 Out:  `SphereContacts`, a fixed number of contacts.
@@ -26,9 +26,9 @@ from .static_slots import Slots
 _AXES = np.array([a for a in itertools.product((-1, 0, 1), repeat=3) if a > (0, 0, 0)], np.float64)
 #: (13, 3) unit axes, one of each opposite pair.
 AXES = _AXES / np.linalg.norm(_AXES, axis=1, keepdims=True)
-#: m; how far a foot may stick out of the body and still count as on its face (float32 over tens of metres).
+#: m, tolerance of the test whether the projection of a point lies on a face (float32 over tens of metres).
 _FOOT_TOLERANCE = 1e-5
-#: m; a centre nearer to an edge has no direction of its own, and the face's normal is taken.
+#: m; within this distance of an edge the direction is undefined, and the face's normal is used.
 _ON_EDGE = 1e-6
 
 

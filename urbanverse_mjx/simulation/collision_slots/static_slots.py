@@ -1,11 +1,10 @@
-"""Slots: the hulls and ground prisms near the robot, chosen anew every control step.
+"""Static slots: the hulls and ground prisms near the robot, selected every control step.
 
-In:   the bank's instances of one scene, a place.
-Out:  `Slots`, a fixed number of hulls with their poses, and how many within reach found none.
-When: once per control step, per env, inside jit.
+In: the bank's instances of one scene, a position. Out: `Slots`, a fixed number of hulls with their poses, and the
+number of hulls within reach without a slot. When: once per control step, per env, inside jit.
 
-Nearest means the distance from the robot's centre to the hull's oriented box. (Ranked by bounding spheres, long slabs
-push small posts out, and the robot drives through them: docs/sources/measured.md.)
+Hulls are ranked by the distance from the robot's centre to their oriented box. With bounding spheres, long slabs would
+displace small posts, and the robot would drive through these (docs/sources/measured.md).
 """
 
 from typing import Any, NamedTuple
@@ -50,9 +49,9 @@ class Slots(NamedTuple):
 
 
 def instance_tables(bank: SceneBank) -> tuple[InstanceTable, InstanceTable]:
-    """The objects' hulls and the ground prisms of a bank as numpy arrays, i32 and f32; the bank's own where they fit.
+    """The objects' hulls and the ground prisms of a bank as NumPy arrays, i32 and f32, without copies where possible.
 
-    The grids are most of a large bank: an engine turns them into its device's arrays and keeps none of these.
+    The grids are the largest part of a large bank; engines copy them to the device and do not keep these arrays.
     """
 
     def table(hull: Any, owner: Any, position: Any, rotation: Any, friction: Any, grid: Any) -> InstanceTable:
@@ -86,7 +85,7 @@ def nearest(
       cell: (2,) i32 within the grid.
       scene: () i32.
       reach: m; hulls farther away leave their slot empty.
-      taken: (M,) i32 objects that are bodies, whose hulls here are none; None = no such.
+      taken: (M,) i32, objects that are bodies, whose hulls are skipped; None for none.
 
     Returns:
       The slots and () i32, how many hulls within reach found none.

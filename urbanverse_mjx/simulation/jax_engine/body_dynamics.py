@@ -1,8 +1,7 @@
-"""Free rigid bodies beside the robot in the JAX engine: their inertia, their contacts as rows, one step of them.
+"""Dynamics of free rigid bodies in the JAX engine: inertia, contacts as constraint rows, integration.
 
-In:   `Awake`, what stands near them.
-Out:  `Awake` after one physics step.
-When: every physics step, per env, inside jit.
+In: `Awake`, the static hulls and prisms near them. Out:  `Awake` after one physics step. When: every physics step, per
+env, inside jit.
 
 Velocities are those of the centre of mass and of the spin, both in the world's frame, 6 a body behind the robot's own.
 """
@@ -22,12 +21,12 @@ from .constraint import Pushed, Rows, pyramid_rows, tangents
 #: MuJoCo's defaults for every geom of a scene.
 _SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)
 _GRAVITY = -9.81
-#: Mass (kg) and moments (kg m^2) of a slot without a body: nothing pulls at it.
+#: Mass (kg) and moments (kg m^2) of an empty slot, on which no force acts.
 _NOBODY = 1.0
 
 
 class Scenery(NamedTuple):
-    """What W bodies may meet in one control step.
+    """Static geometry near W bodies in one control step.
 
     Attributes:
       prisms: Q ground prisms, hulls: S static hulls near each, leading axis W.
@@ -60,7 +59,7 @@ def prism_planes(bank: SceneBank, table: HullTable) -> Any:
     used = np.unique(bank.prism_hull[bank.prism_hull >= 0])
     planes = np.asarray(table.planes)
     distinct = [len(np.unique(planes[t], axis=1).T) for t in used]
-    # Padding repeats the first plane, so that whatever is left out stands there already.
+    # Padding repeats the first plane, so no plane is lost.
     return table.planes[:, :, : max([1, *distinct])]
 
 
@@ -99,7 +98,7 @@ def find_contacts(awake: Awake, own: Matter, hulls: static_slots.Slots, scenery:
     turn = rotations.matrix(awake.quaternion)
     places = awake.place[:, None] + jnp.einsum("wij,wpj->wpi", turn, own.points)
     there = awake.row >= 0
-    # A slot without a body touches nothing.
+    # An empty slot has no contacts.
     places = jnp.where(there[:, None, None], places, jnp.inf)
     prisms = scenery.prisms._replace(valid=scenery.prisms.valid & there[:, None])
     number, per_body = own.hull.shape
@@ -140,7 +139,7 @@ def contact_rows(found: body_contact.BodyContacts, awake: Awake, own: Matter, qv
 
 
 def pushed(slot: Any, awake: Awake, own: Matter) -> Pushed:
-    """What contacts of the robot do to the bodies; slot: (n,) i32, of `hull_slots`, others belong to no body."""
+    """Effect of the robot's contacts on the bodies; slot: (n,) i32 of `hull_slots`; other slots belong to no body."""
     number, hulls = own.hull.shape
     body = jnp.where((slot >= 0) & (slot < number * hulls), slot // hulls, -1)
     return Pushed(body, awake.place, 1.0 / own.mass)
@@ -160,7 +159,7 @@ def joint_mass(robot: Any, awake: Awake, own: Matter) -> Any:
 
 
 def free_acceleration(awake: Awake, own: Matter) -> Any:
-    """(6 W,) of bodies that touch nothing: gravity, and Euler's equations."""
+    """(6 W,), acceleration of bodies without contacts: gravity and Euler's equations."""
     turn = rotations.matrix(awake.quaternion)
     moments = jnp.einsum("wij,wjk,wlk->wil", turn, own.moments, turn)
     momentum = jnp.einsum("wij,wj->wi", moments, awake.spin)
@@ -170,7 +169,7 @@ def free_acceleration(awake: Awake, own: Matter) -> Any:
 
 
 def velocities(awake: Awake) -> Any:
-    """(6 W,)."""
+    """(6 W,), velocities of the bodies."""
     return jnp.concatenate([awake.velocity, awake.spin], axis=-1).reshape(-1)
 
 

@@ -18,12 +18,12 @@ import mujoco
 from ..collision_slots.hull_contact import SphereContacts
 from ..physics_model import LimitTable, SphereTable
 
-#: A step whose length is within this of Newton's own ended where the quadratic has its minimum.
+#: Tolerance within which a step of length 1 ends at the minimum of the quadratic.
 _FULL_STEP = 1e-3
-#: A step shorter than this share of the acceleration changes nothing that float32 shows; rows whose force is as good as
-#: zero would otherwise be taken in and out for ever.
+#: Step length relative to the acceleration below which the solver stops; otherwise rows with nearly zero force could be
+#: added and removed forever.
 _NO_STEP = 1e-6
-#: The line search ends where the slope is this share of that at its start.
+#: The line search ends when the slope is below this share of that at its start.
 _FLAT = 1e-4
 
 
@@ -135,7 +135,7 @@ def pyramid_rows(
     )
     stiffness, damping, impedance = _spring(solref, solimp, depth, timestep)
     square = friction[:, 0] ** 2
-    # A contact without friction is one row in MuJoCo: here the same row four times at a quarter of its stiffness.
+    # A frictionless contact is one row in MuJoCo; here it is the same row four times with a quarter of the stiffness.
     diagonal = jnp.where(slippery, 4.0 * weight, 2.0 * square * (1.0 + square) * weight)
     resistance = jnp.maximum(diagonal * (1.0 - impedance) / impedance, mujoco.mjMINVAL)
     reference = -damping[:, None] * (jacobian @ qvel) - (stiffness * impedance * depth)[:, None]
@@ -169,7 +169,7 @@ def join(first: Rows, second: Rows) -> Rows:
 
 
 class Pushed(NamedTuple):
-    """What n contacts do to W bodies.
+    """Effect of n contacts on W bodies.
 
     Attributes:
       body: (n,) i32 body that each contact pushes, -1 = none.
@@ -195,7 +195,7 @@ class Pushed(NamedTuple):
 
 
 class _Search(NamedTuple):
-    """Newton's state.
+    """State of the Newton solver.
 
     Attributes:
       a: (nv,) acceleration.
@@ -266,7 +266,7 @@ class _Bracket(NamedTuple):
 
 
 def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: Any, steps: int) -> Any:
-    """Where along the step the cost is least: the root of its slope, which rises piecewise linearly.
+    """Finds the minimum of the cost along a step: the root of its slope, which is increasing and piecewise linear.
 
     Args:
       slope, curvature: () of the smooth part at 0.

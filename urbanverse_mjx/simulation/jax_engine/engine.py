@@ -1,12 +1,12 @@
-"""`JaxEngine`: MJX over a bank of scenes, every env in its own.
+"""`JaxEngine`: simulation by MJX over a bank of scenes, with a different scene per env.
 
 In:   `SceneBank`, `RobotSpec`; then `SimState` and actuator commands.
 Out:  `SimState`.
 When: every control step, inside jit, alone or under `jax.vmap`.
 
-MJX's public functions do the robot's dynamics; contacts come from `hull_contact` on the hulls that `static_slots` found
-near the robot, and `constraint` solves for the acceleration. The bank stands on the device as arrays, so which scene an
-env is in is data: changing it compiles nothing.
+MJX's public functions compute the robot's dynamics; `hull_contact` computes contacts with the hulls that `static_slots`
+selects near the robot, and `constraint` solves for the acceleration. The bank is stored on the device, and an env's
+scene is data, so changing it needs no compilation.
 """
 
 from typing import Any, NamedTuple
@@ -54,7 +54,7 @@ class _Touch(NamedTuple):
 
 
 class _Moving(NamedTuple):
-    """What a physics step changes: joints, the solver's warm start, touches so far, and bodies that are awake."""
+    """State that a physics step changes: joints, the solver's warm start, contacts so far, and awake bodies."""
 
     qpos: Any
     qvel: Any
@@ -64,23 +64,23 @@ class _Moving(NamedTuple):
 
 
 class JaxEngine(EngineBase):
-    """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
+    """Simulates one robot per env in any scene of a bank; implements `Simulator`.
 
     Args:
       bank: the scenes.
       robot: the robot; all its collision geoms are spheres.
       control_dt: s, a multiple of the robot's physics time step.
-      num_slots: hulls of objects looked at per control step, more where the bank's streets need more; 0 leaves the
-        ground alone.
-      num_prism_slots: ground prisms looked at per control step, more where the streets need more.
-      num_contacts: pairs of a sphere and a hull that may touch at once.
-      iterations, line_steps: of the constraint solver.
-      agents: shapes of moving agents, which `step` is then told of; None = none.
-      movable: how many objects can be pushed, which `init` is then told of; None = none.
+      num_slots: least number of object hulls per control step, increased if the bank's streets need more; 0 for only
+        ground.
+      num_prism_slots: least number of ground prisms per control step, increased if the streets need more.
+      num_contacts: largest number of simultaneous contacts of spheres with hulls.
+      iterations, line_steps: largest numbers of iterations of the constraint solver and of its line search.
+      agents: shapes of moving agents, whose motion is passed to `step`; None = none.
+      movable: sizes for objects that can be pushed, which are passed to `init`; None = none.
 
     Raises:
-      ValidationError: a control period that is no multiple of the time step, too many or no slots, or a bank whose
-        grids do not reach as far as the robot can get in one control step.
+      ValidationError: the control period is not a multiple of the time step, there are too many or no slots, or the
+        bank's grids have a shorter reach than the robot in one control step.
     """
 
     def __init__(
@@ -119,14 +119,14 @@ class JaxEngine(EngineBase):
     def step_and_record(
         self, state: SimState, ctrl: Any, agents: AgentMotion | None = None
     ) -> tuple[SimState, Substeps]:
-        """`step`, and what happened on the way."""
+        """`step` with a record of its physics steps."""
         self.check_agents(agents)
         centre = state.xpos[self.physics.root]
         taken = None if state.bodies is None else state.bodies.object_index
         nearby, overflow = self.find_slots(state.scene, centre, taken)
         ctrl = jnp.asarray(ctrl, jnp.float32)
-        # Tens of metres from the origin float32 knows places to a few micrometres, too coarse for lever arms and for
-        # tyres that sink in by 0.2 mm: the physics runs about a whole-metre origin next to the robot.
+        # Tens of metres from the origin, the resolution of float32 is a few micrometres, too coarse for lever arms and
+        # for tyres that penetrate by 0.2 mm. The physics therefore uses a whole-metre origin near the robot.
         origin = jnp.round(centre).at[2].set(0.0)
         nearby = nearby._replace(position=nearby.position - origin)
         model = self._scaled_model(state.mass_scale)

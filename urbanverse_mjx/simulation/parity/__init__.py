@@ -1,1 +1,1 @@
-"""C MuJoCo as the reference: drives of one robot there and in an engine, and how far the two part."""
+"""Comparison of the engines with C MuJoCo on drives of one robot."""

@@ -1,4 +1,4 @@
-"""C MuJoCo as the reference: the same drives in the scene's own MJCF and in an engine, and how far they part.
+"""Compares drives in an engine with the same drives in C MuJoCo in the scene's MJCF.
 
 In:   scenes as `MjSpec` (the saved `scene.xml`), engines, `Drives`.
 Out:  `Trace`, `ParityReport`.
@@ -84,7 +84,7 @@ class ParityReport:
     ends_agree: np.ndarray
 
     def summary(self) -> dict[str, Any]:
-        """The figures of the tolerances and the drives where they are largest."""
+        """The statistics for the tolerances, and the drives with the largest differences."""
         known = np.flatnonzero(~np.isnan(self.after))
         first, last = int(self.before.argmax()), int(known[self.after[known].argmax()]) if len(known) else None
         return {
@@ -151,7 +151,7 @@ def drive_reference(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: 
 
 
 def scale_model(model: mujoco.MjModel, friction_scale: float, mass_scale: float) -> None:
-    """Does to a model with a robot in it what `SimState.friction_scale` and `mass_scale` do to an env."""
+    """Scales friction and mass of a model with a robot like `SimState.friction_scale` and `mass_scale`."""
     model.geom_friction[:, 0] *= friction_scale
     for field in (model.body_mass, model.body_inertia, model.body_subtreemass):
         field *= mass_scale
@@ -180,7 +180,7 @@ def drive_engine(
 
 
 def _ends(trace: Trace) -> list[str]:
-    """Why an episode would end, per drive; the first event counts, and a hit before a fall."""
+    """Reason why an episode would end, per drive; the first event counts, and a hit before a fall."""
     up = rotations.up_of(trace.qpos[..., 3:7])
     events = {"hit": trace.hit, "fall": up < _MIN_UP, "nan": ~np.isfinite(trace.qpos).all(-1)}
     first = {name: np.where(e.any(1), e.argmax(1), e.shape[1]) for name, e in events.items()}
@@ -192,7 +192,7 @@ def _ends(trace: Trace) -> list[str]:
 
 
 def compare(reference: Trace, engine: Trace, robot: RobotSpec) -> ParityReport:
-    """How far the engine parts from the reference."""
+    """Computes the differences of the engine from the reference."""
     count, steps = reference.hit.shape
     dt, rows = robot.physics_timestep, np.arange(count)
     apart = np.linalg.norm(reference.qpos[..., :3] - engine.qpos[..., :3], axis=-1)

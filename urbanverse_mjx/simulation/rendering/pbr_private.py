@@ -1,7 +1,8 @@
 """All names used of mujoco-warp-pbr's private modules; no other module imports these.
 
-Its public calls draw worlds of its own. Streets share one tree and differ by tables, so that our kernels call its Warp
-functions of materials, blurred skies and tone, and its makers of the tables that these read.
+Its public functions render its own worlds. Here, streets share one tree and differ by tables, so the kernels of this
+package call its Warp functions for materials, prefiltered skies and tone mapping, and its functions that build their
+tables.
 
 Raises:
   ValidationError: the installed version lacks one of them.

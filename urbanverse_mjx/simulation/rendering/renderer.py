@@ -1,7 +1,7 @@
 """`Renderer`: camera images of robots, for many envs at once and each in its own scene, inside jitted JAX code.
 
-Warp draws, on the CPU and on CUDA, by our own traversal of search trees that are built once (`street_*.py`) and with
-mujoco-warp-pbr's materials; the rest of the program uses both through this module only.
+Warp renders on the CPU and on CUDA, with this package's traversal of search trees that are built once (`street_*.py`)
+and the materials of mujoco-warp-pbr. Other modules use both through this module only.
 """
 
 import concurrent.futures
@@ -25,7 +25,7 @@ from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_
 from .street_batch import StreetBatch, Streets
 from .threads import run_all
 
-#: m and 1 - cos of half the angle from which an object counts as moved from its place in the bank.
+#: m, and 1 - cos of half the angle, from which an object counts as moved from its pose in the bank.
 _MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6
 
 __all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
@@ -63,7 +63,7 @@ class Renderer:
 
     Args:
       bank: the scenes.
-      robot: its visual geoms (MJCF group 2) are drawn and its camera gives the view; None for empty streets.
+      robot: robot whose visual geoms (MJCF group 2) are rendered and whose camera is used; None for empty streets.
       height, width: pixels.
       outputs: any of "rgb", "depth", "category", "object", "normal".
       shadows: whether the sun casts shadows.
@@ -76,7 +76,7 @@ class Renderer:
       appearance: range of random appearances: a frame with an `appearance_seed` other than 0 changes brightness and hue
         of every object, and of the light, by up to this share. 0 disables it.
       agents: row of the bank's agents (`SceneBank.agents`) for each moving agent.
-      bodies: largest number of objects moved from their places in the bank, see `Bodies`.
+      bodies: largest number of objects moved from their poses in the bank, see `Bodies`.
 
     Raises:
       ValidationError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
@@ -145,7 +145,7 @@ class Renderer:
           appearance_seed: () i32, 0 = that of the bank; other numbers select other appearances, see `appearance`.
           agents: their poses (position, heading, present); None leaves them out.
           bodies: moved objects; None = all in their places of the bank.
-          mount: how the camera differs from the robot's description; None = not at all.
+          mount: offset of the camera from the robot's description; None for none.
 
         Returns:
           the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
@@ -226,7 +226,7 @@ class Renderer:
 
     @property
     def num_contexts(self) -> int:
-        """Batches for which a render context is kept; made when a batch of a new size is first drawn."""
+        """Number of batches with a render context; one is made when a batch of a new size is first rendered."""
         return self._devices.num_batches
 
     def _render(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array]) -> None:
@@ -261,7 +261,7 @@ class Renderer:
         return assets, batches.get_or_make(total, lambda: StreetBatch(assets, total, threads))
 
     def _take_model(self) -> RenderModel:
-        """The render model, for the caller alone: it is as large as the tables made of it, so none is kept."""
+        """Builds the render model, which is not kept, because it is as large as the tables made from it."""
         model, self._model = self._model or self._build_model(), None
         return model
 

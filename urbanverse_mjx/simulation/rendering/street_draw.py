@@ -1,6 +1,6 @@
 """The kernel that draws static streets, specialised on the requested outputs and options."""
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 

@@ -5,7 +5,7 @@ which leads on into the tree of its mesh: one loop traverses both, nearest first
 are copied per world; these are tested after the street, if a ray passes near them.
 """
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 

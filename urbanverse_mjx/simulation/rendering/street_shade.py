@@ -3,7 +3,7 @@
 Gloss is mujoco-warp-pbr's: its functions of a glTF material, of blurred skies and of tone are called here as they are.
 """
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 

@@ -4,7 +4,7 @@ Warp keeps a node's own box, so that a step needs the node and then both its chi
 its children, and a triangle is three rows instead of an index of an index of a vertex.
 """
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 

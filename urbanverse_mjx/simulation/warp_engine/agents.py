@@ -1,7 +1,7 @@
-"""Agent slots in Warp: the rules of `agent_slots`, written where MuJoCo Warp's solver looks for contacts."""
+"""Agent slots in Warp: implements `agent_slots` and writes contacts to the arrays of MuJoCo Warp's solver."""
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them. There a number
-# that changes in a loop is declared by its type's name.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them. Numbers that
+# change in a loop are declared by the name of their type.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 

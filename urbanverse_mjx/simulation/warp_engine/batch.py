@@ -1,4 +1,4 @@
-"""A batch of worlds in MuJoCo Warp: what is theirs alone, and one control step of them."""
+"""A batch of worlds in MuJoCo Warp: their data, and a control step."""
 
 import copy
 import functools
@@ -173,7 +173,8 @@ class WorldBatch:
             step = substeps * shared.robot.model.opt.timestep
             near = [tables, scene, body, taken, step, self.origin, shared.body_table, self.bodies]
             launch(warp_bodies.find_near, dim=(*self.bodies.row.shape, 2), inputs=near)
-        # The solver reads a little past the last row, times zero: a NaN left there by another state would come back.
+        # The solver reads some values past the last row and multiplies them by zero, which would propagate a NaN of an
+        # earlier state.
         data.efc.J.zero_()
         data.efc.D.zero_()
         for _ in range(substeps):
@@ -189,7 +190,7 @@ class WorldBatch:
             wp.copy(outputs[9], self.hit)
 
     def _physics_step(self) -> None:
-        """MuJoCo Warp's own step but for the collision, which is ours; see docs/decisions/warp_engine.md."""
+        """The step of MuJoCo Warp with the collision detection of this package; see docs/decisions/warp_engine.md."""
         model, data, shared = self.model, self.data, self.shared
         for stage in (mjw.kinematics, mjw.com_pos, mjw.crb):
             stage(model, data)

@@ -1,11 +1,11 @@
-"""Movable bodies in Warp: the rules of `body_contact`, written where MuJoCo Warp's solver looks for contacts.
+"""Movable bodies in Warp: implements `body_contact` and writes contacts to the arrays of MuJoCo Warp's solver.
 
-MuJoCo Warp moves them as free bodies behind the robot, whose frames are their principal axes; which objects they are is
-data of each world.
+MuJoCo Warp simulates them as free bodies after the robot's, whose frames are their principal axes; the objects that
+they represent are data of each world.
 """
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them. There a number
-# that changes in a loop is declared by its type's name.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them. Numbers that
+# change in a loop are declared by the name of their type.
 # ruff: noqa: RUF046, UP018
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false

@@ -1,12 +1,12 @@
-"""Spheres against convex hulls in Warp: the exact distance, written where MuJoCo Warp's solver looks for contacts.
+"""Contacts of spheres with convex hulls in Warp, written to the arrays of MuJoCo Warp's solver.
 
 The rules are those of `hull_contact`: the face plane farthest out holds the nearest point if the foot of the sphere's
 centre on it lies in the body; else the nearest point is on an edge. Every world has places for contacts of its own, so
 that no world can take another's.
 """
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them. There a number
-# that changes in a loop is declared by its type's name.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them. Numbers that
+# change in a loop are declared by the name of their type.
 # ruff: noqa: UP018
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
@@ -15,9 +15,9 @@ import warp as wp
 
 from .mujoco_warp_private import ContactType, make_frame, vec5
 
-#: m; how far a foot may stick out of the body and still count as on its face (float32 over tens of metres).
+#: m, tolerance of the test whether the projection of a point lies on a face (float32 over tens of metres).
 _FOOT_TOLERANCE = wp.constant(1e-5)
-#: m; a centre nearer to an edge has no direction of its own, and the face's normal is taken.
+#: m; within this distance of an edge the direction is undefined, and the face's normal is used.
 _ON_EDGE = wp.constant(1e-6)
 _ACTIVE = wp.constant(int(ContactType.CONSTRAINT))
 #: Torsional and rolling friction, MuJoCo's defaults; no contact here uses them.

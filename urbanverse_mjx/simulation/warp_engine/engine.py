@@ -1,11 +1,11 @@
-"""`WarpEngine`: MuJoCo Warp over a bank of scenes, every env in its own.
+"""`WarpEngine`: simulation by MuJoCo Warp over a bank of scenes, with a different scene per env.
 
 In:   `SceneBank`, `RobotSpec`; then `SimState` and actuator commands.
 Out:  `SimState`.
 When: every control step, inside jit, alone or under any nesting of `jax.vmap`.
 
-A control step is one call into Warp: slots are found, the physics steps run, the touches are summed.
-The bank stands on the Warp device once, so which scene an env is in is data: changing it compiles nothing.
+A control step is one call into Warp, which selects slots, runs the physics steps and sums contacts. The bank is stored
+on the Warp device, and an env's scene is data, so changing it needs no compilation.
 """
 
 import functools
@@ -77,24 +77,24 @@ def _call_into_warp(agents: bool, bodies: bool) -> Any:
 
 
 class WarpEngine(EngineBase):
-    """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
+    """Simulates one robot per env in any scene of a bank; implements `Simulator`.
 
     Args:
       bank: the scenes.
       robot: the robot; all its collision geoms are spheres.
       control_dt: s, a multiple of the robot's physics time step.
-      num_slots: hulls of objects looked at per control step, more where the bank's streets need more; 0 leaves the
-        ground alone.
-      num_prism_slots: ground prisms looked at per control step, more where the streets need more.
-      num_contacts: pairs of a sphere and a hull that may touch at once.
-      iterations, line_steps: of the constraint solver.
-      graphs: whether physics steps are captured once and replayed; off for looking into them.
-      agents: shapes of moving agents, which `step` is then told of; None = none.
-      movable: how many objects can be pushed, which `init` is then told of; None = none.
+      num_slots: least number of object hulls per control step, increased if the bank's streets need more; 0 for only
+        ground.
+      num_prism_slots: least number of ground prisms per control step, increased if the streets need more.
+      num_contacts: largest number of simultaneous contacts of spheres with hulls.
+      iterations, line_steps: largest numbers of iterations of the constraint solver and of its line search.
+      graphs: whether physics steps are captured once as CUDA graph and replayed; disable for debugging.
+      agents: shapes of moving agents, whose motion is passed to `step`; None = none.
+      movable: sizes for objects that can be pushed, which are passed to `init`; None = none.
 
     Raises:
-      ValidationError: a control period that is no multiple of the time step, too many or no slots, or a bank whose
-        grids do not reach as far as the robot can get in one control step.
+      ValidationError: the control period is not a multiple of the time step, there are too many or no slots, or the
+        bank's grids have a shorter reach than the robot in one control step.
     """
 
     def __init__(
@@ -138,7 +138,7 @@ class WarpEngine(EngineBase):
     def step_and_record(
         self, state: SimState, ctrl: Any, agents: AgentMotion | None = None
     ) -> tuple[SimState, Substeps]:
-        """`step`, and what happened on the way."""
+        """`step` with a record of its physics steps."""
         after, path, hit = self._advance(self._call_and_record, state, ctrl, agents)
         return after, Substeps(path, hit > 0)
 

@@ -1,7 +1,7 @@
 """Warp kernels around MuJoCo Warp's physics step: slots found and placed, states read and written, touches summed."""
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them. There a number
-# that changes in a loop is declared by its type's name.
+# Kernels are written in Warp's Python-embedded language; Warp checks their types when it compiles them. Numbers that
+# change in a loop are declared by the name of their type.
 # ruff: noqa: RUF046, UP018
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false

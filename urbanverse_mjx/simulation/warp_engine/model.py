@@ -1,4 +1,4 @@
-"""What the Warp engine holds on a device: the robot for MuJoCo Warp, its spheres, the bank's hulls and scenes.
+"""Device data of the Warp engine: the robot for MuJoCo Warp, its spheres, the bank's hulls and scenes.
 
 In:   `SceneBank`, `PhysicsModel`.
 Out:  `RobotModel` on the host, once; `DeviceModel` once per Warp device, shared by batches of all sizes.
@@ -22,7 +22,7 @@ from ..physics_model import PhysicsModel, bare_robot
 from . import body_types, contact, kernels
 from .mujoco_warp_private import vec5  # pyright: ignore[reportAttributeAccessIssue] (its package is untyped)
 
-#: What MuJoCo Warp's dense solver takes; up to 32 it factorises in one piece, which is faster.
+#: Largest number of velocities of MuJoCo Warp's dense solver; up to 32 it factorises in one block, which is faster.
 MOST_VELOCITIES = 60
 
 
@@ -90,8 +90,8 @@ def build_robot_model(
     size = [0.01, 0.0, 0.0]
     spec.worldbody.add_geom(name="hulls", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, contype=0, conaffinity=0)
     _add_free_bodies(spec, awake)
-    # Left to itself MuJoCo Warp turns to sparse rows above 32 velocities, for which it keeps no room where contacts are
-    # ours: everything would fall through the ground.
+    # By default MuJoCo Warp uses sparse rows above 32 velocities, for which it allocates no memory here because it does
+    # not know of these contacts; everything would fall through the ground.
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     spec.option.iterations, spec.option.ls_iterations = iterations, line_steps
     model = spec.compile()

@@ -1,7 +1,7 @@
-"""All that we take from MuJoCo Warp's private modules; nothing else imports them.
+"""All names used of MuJoCo Warp's private modules; no other module imports these.
 
-Our kernels write contacts into its arrays as its own collision kernels do: the types of those arrays and the frame of a
-contact are not among its public names.
+The kernels of this package write contacts to its arrays like its own collision kernels; the types of these arrays and
+the frame of a contact are not public.
 
 Raises:
   ValidationError: the installed version lacks one of them.
