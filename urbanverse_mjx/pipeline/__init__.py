@@ -1,4 +1,4 @@
-"""The tasks of a user, as one Python call each; the `urbanverse` command prints their results.
+"""The Python API of the `urbanverse` command: one function per task; the command prints their results.
 
     from urbanverse_mjx import pipeline
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from .training_run import TrainOptions, train
     from .viewing import ViewOptions, view
 
-#: Name -> the module below this package that defines it.
+#: Name -> module below this package that defines it.
 _HOMES = {
     "BenchmarkOptions": "benchmarking",
     "BenchmarkRun": "benchmarking",

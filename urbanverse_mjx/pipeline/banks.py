@@ -1,4 +1,4 @@
-"""Banks of compiled scenes: built from graphs, joined, and the ones in the cache that environments load."""
+"""Builds, joins and caches banks of compiled scenes."""
 
 import dataclasses
 import fnmatch
@@ -28,13 +28,14 @@ def build_bank(
     Args:
       graphs: graph.json files.
       splits: the split of each, "train" or "test".
-      seed: chooses among equally good assets, materials and skies, and the episodes.
-      quiet: draw no progress bar on standard error.
-      cousins: digital cousins of each graph: the same places, other assets, materials and sky.
-      imported: choose among the assets that this user imported too.
+      seed: seed of the choice among equally good assets, materials and skies, and of the episodes.
+      quiet: whether to show no progress bar on standard error.
+      cousins: number of digital cousins of each graph, which have the same positions, but other assets, materials and
+        skies.
+      imported: whether to use the assets that the user imported too.
 
     Raises:
-      ValidationError: a graph that cannot be compiled; the message names it.
+      ValidationError: a graph cannot be compiled; the message names it.
     """
     from ..assets.records.store import ensure_store
     from ..scene import pack_bank
@@ -66,7 +67,7 @@ def shipped_scenes() -> tuple[list[pathlib.Path], list[str]]:
     """Graphs and splits of the shipped streets, train first.
 
     Raises:
-      ValidationError: `splits.json` names something else than lists of scenes.
+      ValidationError: `splits.json` does not hold lists of scenes.
     """
     root = settings.scene_root()
     table = v.mapping(v.read_json(root / "splits.json", "split table"), "splits.json", ("train", "test"))
@@ -77,7 +78,8 @@ def shipped_scenes() -> tuple[list[pathlib.Path], list[str]]:
 
 
 def ensure_default_bank(quiet: bool = False) -> SceneBank:
-    """The bank that environments load; the shipped streets' is built into the cache where it is missing or wrong.
+    """Loads the bank of the environments; builds that of the shipped streets into the cache if it is missing or
+    outdated.
 
     Raises:
       ValidationError: `URBANVERSE_BANK` names a file that is not a bank.
@@ -89,34 +91,35 @@ def ensure_default_bank(quiet: bool = False) -> SceneBank:
 
 
 def chosen_bank(path: str | os.PathLike[str] | None, quiet: bool = False) -> SceneBank:
-    """The bank of a file, or `ensure_default_bank` where none is named.
+    """Loads the bank of a file, or `ensure_default_bank` without a path.
 
     Raises:
-      ValidationError: no such file, or no bank.
+      ValidationError: the file does not exist or is not a bank.
     """
     return ensure_default_bank(quiet) if path is None else SceneBank.load(path)
 
 
 def ensure_terrain_bank() -> SceneBank:
-    """The terrain that robots learn to walk on, built into the cache where it is missing or wrong."""
+    """Loads the bank of training terrain for locomotion; builds it into the cache if it is missing or outdated."""
     return cached_bank(settings.terrain_bank_path(), build_terrain_bank)
 
 
 def build_terrain_bank(seed: int = 0, levels: int = 10) -> SceneBank:
-    """The terrain that robots learn to walk on: kerbs, stairs, slopes and rough ground, `levels` of each kind."""
+    """Builds the bank of training terrain for locomotion: kerbs, stairs, slopes and rough ground, `levels` of each
+    kind."""
     from ..scene.terrain import terrain_bank
 
     return terrain_bank(seed, levels)
 
 
 def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank:
-    """The bank of a file in the cache; built where it is missing, damaged, or does not match the key in its name.
+    """Loads a bank of the cache; builds it if it is missing, damaged, or does not match the key in its name.
 
-    A wrong file is renamed and stays beside the new one, with a line on standard error.
+    A damaged or wrong file is renamed and kept, with a line on standard error.
 
     Args:
-      path: as `settings` names banks: with the key, which the bank holds too.
-      build: makes the bank.
+      path: path by `settings`, whose name contains the key that the bank also stores.
+      build: function that builds the bank.
     """
     key = settings.bank_key(path)
     if path.is_file():
@@ -135,16 +138,16 @@ def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank
 
 
 def join_banks(banks: Sequence[str | os.PathLike[str]], splits: Sequence[str] = ()) -> SceneBank:
-    """Bank files joined into one bank with all their scenes, each in its old split.
+    """Joins bank files to one bank with all their scenes, each in its original split.
 
     Scenes that the scene library holds out are in the split "validation", also from banks that were packed before.
 
     Args:
-      banks: files; no scene may stand in two of them.
-      splits: NAME=PATTERN puts the scenes whose ids fit a shell pattern into a split of that name.
+      banks: files; a scene may occur in only one of them.
+      splits: NAME=PATTERN assigns the scenes whose ids match a shell pattern to the split NAME.
 
     Raises:
-      ValidationError: see `datatypes.bank_join.join`; or a pattern that fits no scene.
+      ValidationError: see `datatypes.bank_join.join`; or a pattern matches no scene.
     """
     from ..datatypes.bank_join import join
     from ..scene import library

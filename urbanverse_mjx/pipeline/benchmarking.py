@@ -1,4 +1,4 @@
-"""A policy on a frozen benchmark: tables, results and images in a folder."""
+"""Evaluates a policy on a frozen benchmark and writes tables, results and images to a folder."""
 
 import dataclasses
 import json
@@ -61,14 +61,14 @@ def benchmark(
     """Scores a policy on a frozen benchmark and writes report.md, results and images into a folder.
 
     Args:
-      name: autobench, craftbench, shipped, validation, or a file made by `python -m benchmarks.freeze`.
-      out: the folder; None for runs/NAME-POLICY.
+      name: autobench, craftbench, shipped, validation, or a file of `python -m benchmarks.freeze`.
+      out: output folder; None for runs/NAME-POLICY.
       bank: the scenes; None for those that `build_library` (shipped: `ensure_default_bank`) builds into the cache.
-      quiet: draw no progress bars on standard error.
+      quiet: whether to show no progress bars on standard error.
 
     Raises:
-      ValidationError: no such benchmark, policy or bank, a bank whose scenes are not those of the benchmark, or an
-        override of a setting that the benchmark fixes.
+      ValidationError: the benchmark, policy or bank does not exist, the bank's scenes are not those of the benchmark,
+        or an override changes a setting that the benchmark fixes.
     """
     from ..evaluation.frozen import Protocol
 
@@ -100,7 +100,7 @@ def protocol_file(name: str) -> pathlib.Path:
 
 
 def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
-    """The scenes of a benchmark by its name; `_half` names the same ones."""
+    """The bank of a benchmark by its name; a suffix `_half` does not change it."""
     name = name.removesuffix("_half")
     if name == "shipped":
         from .banks import ensure_default_bank
@@ -124,7 +124,7 @@ def pinned_robots() -> dict[str, RobotSpec]:
 
 
 def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -> str:
-    """Drives, writes everything into `out`, and returns the page."""
+    """Drives the episodes, writes all results to `out`, and returns the report."""
     from ..evaluation import benchmark
 
     contacts = benchmark.CONTACTS if options.contact == "both" else (options.contact,)
@@ -141,7 +141,7 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
         if options.pictures:
             _draw(runs, outcome, out / contact)
         seconds[contact] = round(time.monotonic() - began, 1)
-    # Apart from everything else, which is the same every time.
+    # In a separate file, because all other files are reproducible.
     v.write_json(out / "timing.json", seconds)
     how = {
         "paper": "Means over runs ± standard error over runs.",
@@ -157,7 +157,8 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
 
 
 def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
-    """The environment, the policy, whether it is called outside JAX, its name, and its record."""
+    """Makes the environment and the policy; also returns whether the policy is called outside JAX, its name, and its
+    record."""
     from ..evaluation.agents import BASELINES
     from ..evaluation.planner import Planner
 
@@ -208,7 +209,7 @@ def _prepare_external(options: BenchmarkOptions, runs: Any, contact: str) -> tup
 def _trained_env(
     options: BenchmarkOptions, runs: Any, contact: str, sees: bool, environment: str, trained: Mapping[str, Any]
 ) -> Any:
-    """The benchmark's task as a policy was trained to see it, by its own robot or by that of `options.env_name`."""
+    """The benchmark's task with the observations of a trained policy, for its robot or that of `options.env_name`."""
     from ml_collections import ConfigDict
 
     from ..envs import registry
@@ -221,7 +222,8 @@ def _trained_env(
 
 
 def _env(runs: Any, environment: str, config: Any) -> Any:
-    """The environment; its own robot is the one that the benchmark was frozen with, a config may name another one."""
+    """Makes the environment; its default robot is that with which the benchmark was frozen, but a config may name
+    another one."""
     from ..envs import registry
 
     env = registry.load_nav_env(environment, config, runs.bank)
@@ -244,7 +246,7 @@ def _config(
     trained: dict[str, Any] | None = None,
     environment: str | None = None,
 ) -> Any:
-    """The benchmark's task, seen as the policy was trained to see."""
+    """The config of the benchmark's task with the observations of the policy."""
     from ..envs import registry
     from .evaluation import evaluation_config
 
@@ -292,7 +294,7 @@ def _drive(
 
 
 def _record(options: BenchmarkOptions, runs: Any, env: Any, contact: str) -> dict[str, Any]:
-    """Everything that made a result, but the time."""
+    """All inputs of a result, without times."""
     import jax
 
     from ..training.policy import package_versions
@@ -316,7 +318,7 @@ def _record(options: BenchmarkOptions, runs: Any, env: Any, contact: str) -> dic
 
 
 def code_commit() -> str:
-    """The commit of this code, with "+" where files were changed since; "unknown" outside a clone."""
+    """The commit of this code, with "+" if files were changed since; "unknown" outside a clone."""
     folder = pathlib.Path(__file__).resolve().parents[2]
 
     def git(*words: str) -> str:

@@ -1,4 +1,4 @@
-"""A policy by its name or file, with the environment that it drives in, for a viewer or a recorder."""
+"""Loads a policy by name or file together with its environment, for viewers and recorders."""
 
 import pathlib
 from typing import TYPE_CHECKING, Any
@@ -20,17 +20,18 @@ def load_machine(
     preset: str = "cpu",
     image_size: tuple[int, int] | None = IMAGE_SIZE,
 ) -> "Machine":
-    """An environment over all scenes of a bank and the policy that drives in it, everything as the bank describes it.
+    """Makes an environment over all scenes of a bank, without randomisation, and loads the policy.
 
     Args:
       policy: zero, random, go_to_goal, planner, a policy or run folder, or FILE.onnx.
-      people: whether the streets are full of people and vehicles that move.
-      env_name: whose robot is driven; None = the one that the policy was trained with, for a rule CocoNav.
-      preset: of the environment, for a policy that brings none.
-      image_size: (height, width) px of the camera image for a policy without images; None = no image is drawn.
+      people: whether there are moving people and vehicles.
+      env_name: environment whose robot is driven; None for that of the policy's training, CocoNav for scripted
+        policies.
+      preset: preset of the environment, for policies without one.
+      image_size: (height, width) in pixels of the camera image for policies without images; None for no image.
 
     Raises:
-      ValidationError: no such policy, or one for another task.
+      ValidationError: the policy does not exist, or has another task.
     """
     from ..envs import registry
     from ..evaluation.agents import BASELINES
@@ -98,7 +99,7 @@ def _fresh_config(env_name: str | None, people: bool, preset: str, size: tuple[i
 
 
 def _trained_config(environment: str, trained: Any, people: bool, env_name: str | None) -> tuple[str, Any]:
-    """The environment's name and the config of a policy, with the engine that suits this machine."""
+    """The name and config of a policy's environment, with the engine for this machine."""
     from ml_collections import ConfigDict
 
     from ..envs import registry

@@ -1,4 +1,4 @@
-"""Which errors concern the user's input, and their one-sentence message. Imports the standard library alone."""
+"""Converts errors about the user's input to one-sentence messages. Imports only the standard library."""
 
 import errno
 import os
@@ -20,9 +20,8 @@ _MACHINE_ERRORS = {
 
 
 def refusal(error: Exception) -> str | None:
-    """One sentence on one line about wrong input, a wrong path or a missing package; None for a bug, to be raised."""
-    # A ValidationError, or a ValueError raised by our own code, is about the input; one from a library is a bug to be
-    # seen.
+    """One-line message about wrong input, a wrong path or a missing package; None for a bug, which should be raised."""
+    # A ValidationError, or a ValueError raised by this package, is about the input; one from a library is a bug.
     if isinstance(error, ValueError) and _is_ours(error):
         sentence = str(error)
     elif isinstance(error, _FILE_ERRORS) and error.filename is not None:

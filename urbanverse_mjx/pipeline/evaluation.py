@@ -1,4 +1,4 @@
-"""A policy and its comparisons over fixed episodes on unseen streets."""
+"""Evaluates a policy and its baselines over fixed episodes on unseen streets."""
 
 import dataclasses
 import pathlib
@@ -27,14 +27,14 @@ from ..evaluation.rollouts import EpisodeSet
 from ..progress import Progress
 from .rollout_video import random_draw, write_episodes
 
-#: Episodes in the video of an evaluation.
+#: Number of episodes in the video of an evaluation.
 SHOWN = 3
 
 
 def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any, dynamic: bool) -> ConfigDict:
-    """The config a policy was trained with, everything as the bank describes it; with people where `dynamic`.
+    """The config of a policy's training without randomisation; with people if `dynamic`.
 
-    Policies from before there were people have no crowd in their config: they get that of their preset.
+    Configs of older policies have no crowd and get that of their preset.
     """
     values = dict(trained)
     if dynamic:
@@ -45,13 +45,13 @@ def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any,
 
 @dataclasses.dataclass(frozen=True)
 class _Entrants:
-    """The policies of an evaluation, on the same episodes.
+    """The policies of an evaluation and their environments.
 
     Attributes:
-      name: of the one that the evaluation is about.
-      environment: registered name.
-      env: with a renderer if any policy needs images.
-      groups: environments with their agents by name, simulated together.
+      name: name of the evaluated policy.
+      environment: registered name of the environment.
+      env: environment, with a renderer if any policy needs images.
+      groups: environments with their agents by name, which are simulated together.
       record: origin of the policy.
     """
 
@@ -62,7 +62,7 @@ class _Entrants:
     record: Mapping[str, Any]
 
 
-#: Policies that are rules, by name.
+#: Names of scripted policies.
 SCRIPTED = (*BASELINES, "planner")
 
 
@@ -75,7 +75,7 @@ def _scripted(
     preset: str,
     overrides: Mapping[str, Any],
 ) -> _Entrants:
-    """A rule alone, without a renderer."""
+    """A scripted policy without a renderer."""
     from ..evaluation.planner import Planner
 
     values = registry.get_default_config(environment, preset).to_dict()
@@ -95,7 +95,7 @@ def _trained(
     environment: str | None,
     overrides: Mapping[str, Any],
 ) -> _Entrants:
-    """A trained policy and its comparisons."""
+    """A trained policy and its baselines."""
     from ..training.policy import load_policy, untrained_policy
 
     act, spec = load_policy(policy)
@@ -123,7 +123,7 @@ def _trained(
 def _drive(
     groups: Sequence[tuple[NavEnv, Mapping[str, Agent | Privileged | Recurrent]]], episodes: EpisodeSet, quiet: bool
 ) -> tuple[list[EpisodeResult], dict[str, tuple[Trajectory, int]]]:
-    """Drives the same episodes by all agents.
+    """Runs all agents on the same episodes.
 
     Returns:
       the results, and by the agent's name the poses of its batch and the column of its first episode.
@@ -152,18 +152,20 @@ def evaluate_policy(
     preset: str = "paper",
     env_overrides: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Drives the same episodes by all agents, writes report and video, returns agent -> metrics.
+    """Runs all agents on the same episodes, writes report and video, and returns agent -> metrics.
 
-    A trained policy is compared with three others: `untrained` (the same networks before training), `go_to_goal`
-    (straight to the goal, without images) and `trained_blank_image` (the trained policy with its camera covered).
+    A trained policy is compared with three baselines: `untrained` (the same networks with initial parameters),
+    `go_to_goal` (straight to the goal, without images) and `trained_blank_image` (the trained policy with black
+    images).
 
     Args:
       policy: a policy folder, or one of `SCRIPTED`.
-      video: of `SHOWN` episodes, drawn at random with `seed`.
-      dynamic: the streets are full of people.
-      environment: whose robot is driven; None = the one that the policy was trained with, for a rule CocoNav.
-      preset: of the environment, for a rule.
-      env_overrides: flat dotted keys of the environment's config, over those of the policy or preset.
+      video: whether to write a video of `SHOWN` episodes, drawn at random with `seed`.
+      dynamic: whether there are moving people and objects.
+      environment: environment whose robot is driven; None for that of the policy's training, CocoNav for scripted
+        policies.
+      preset: preset of the environment, for scripted policies.
+      env_overrides: flat dotted keys of the environment's config that override those of the policy or preset.
     """
     overrides = dict(env_overrides or {})
     if str(policy) in SCRIPTED:
@@ -171,7 +173,7 @@ def evaluate_policy(
     else:
         entrants = _trained(pathlib.Path(policy), bank, scenes, dynamic, environment, overrides)
     env = entrants.env
-    # The same episodes for every policy, however it was trained.
+    # The episodes do not depend on the policy.
     episodes = fixed_episodes(env, num_episodes, seed)
     results, trajectories = _drive(entrants.groups, episodes, quiet)
     record = {

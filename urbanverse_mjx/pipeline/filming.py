@@ -1,4 +1,4 @@
-"""A walk through a street of a bank as a recording with its ground truth, and as a video."""
+"""Renders a walk through a street of a bank as a recording with ground truth, and as a video."""
 
 import dataclasses
 import os
@@ -13,20 +13,20 @@ from ..progress import Progress
 
 @dataclasses.dataclass(frozen=True)
 class CaptureOptions:
-    """Which street is filmed, and how."""
+    """Options of a capture."""
 
     scene: str | None = None
     """Name of the street in the bank; default: its first."""
     bank: pathlib.Path | None = None
     """Scene bank; default: the shipped streets."""
     frames: int | None = None
-    """So many frames; default: once along both sides."""
+    """Number of frames; default: once along both sides."""
     rate: float = 1.0
     """Frames per second, of the recording and of the video."""
     speed: float = 1.4
     """Walking speed in m/s."""
     height: float = 1.5
-    """Height of the camera over the ground in m."""
+    """Height of the camera above the ground in m."""
     size: tuple[int, int] = (360, 640)
     """Height and width in pixels."""
     fov: float = 50.0
@@ -34,7 +34,7 @@ class CaptureOptions:
     samples: int = 2
     """Rays per pixel along each side."""
     video: pathlib.Path | None = None
-    """Write the images as an mp4, too; it plays in real time and needs even sizes."""
+    """Also write the images as an mp4, which plays in real time and needs even sizes."""
 
 
 def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, quiet: bool = True) -> dict[str, Any]:
@@ -44,13 +44,13 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
 
     Args:
       out: folder of the recording (recording.json, rgb/, depth/, masks/, surfaces/, truth.json).
-      quiet: draw no progress bar on standard error.
+      quiet: whether to show no progress bar on standard error.
 
     Returns:
-      recording: the folder; scene: its name; frames: how many; video: the file, where one was asked for.
+      recording: the folder; scene: its name; frames: their number; video: the file, if requested.
 
     Raises:
-      ValidationError: no such scene, odd sizes for a video, or a folder in use.
+      ValidationError: the scene does not exist, sizes are odd for a video, or the folder is in use.
     """
     from ..capture import FilmOptions, PathOptions, film_scene
     from ..datatypes import SceneBank

@@ -1,4 +1,4 @@
-"""A page of compiled scenes with images and numbers."""
+"""Makes an HTML page of compiled scenes with images and statistics."""
 
 import dataclasses
 import os
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True)
 class Gallery:
-    """A page that was written, and how many scenes it shows."""
+    """Path of the page, and number of scenes."""
 
     page: pathlib.Path
     scenes: int
@@ -30,16 +30,16 @@ def draw_gallery(
     title: str = "Scenes",
     quiet: bool = True,
 ) -> Gallery:
-    """Draws compiled scenes from above and at eye level into a page with their numbers.
+    """Renders compiled scenes from above and at eye level and writes a page with their statistics.
 
     Args:
       scenes: compiled scenes, or folders of them; none: the shipped streets, compiled first.
-      out: folder of the page; None for the cache. Images that are there and current are kept.
-      report: report.json of a benchmark: how often `agent` failed in each scene is its difficulty.
-      quiet: draw no progress bar on standard error.
+      out: folder of the page; None for the cache. Existing images are kept if they are current.
+      report: report.json of a benchmark; the failure rate of `agent` in each scene is shown as its difficulty.
+      quiet: whether to show no progress bar on standard error.
 
     Raises:
-      ValidationError: no compiled scene in a folder, or a file that is not a report.
+      ValidationError: a folder has no compiled scene, or the file is not a report.
     """
     from rich.console import Console
     from rich.progress import track
@@ -60,11 +60,11 @@ def draw_gallery(
 
 
 def _shipped(quiet: bool) -> list[pathlib.Path]:
-    """The shipped streets, compiled into the cache where they are not there or anything they are made of changed."""
+    """Folders of the shipped streets, which are compiled into the cache if they are missing or their inputs changed."""
     from rich.console import Console
     from rich.progress import track
 
-    # Named as the bank is: by everything that makes it.
+    # Named like the bank, by a hash of all its inputs.
     home = settings.cache_dir("scenes", settings.shipped_bank_path().stem)
     folders = []
     console = Console(stderr=True)

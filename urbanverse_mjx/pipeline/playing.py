@@ -1,4 +1,4 @@
-"""One agent over a few episodes, as a video."""
+"""Runs one agent on some episodes and writes a video."""
 
 import dataclasses
 import os
@@ -35,18 +35,18 @@ class PlayOptions:
     """Flat dotted keys of the environment's config, such as the robot."""
     scenes: str = "test"
     num_episodes: int = 2
-    """Episodes that are driven; all are in the video but for --only-successes and --shown."""
+    """Number of episodes; all are in the video except with --only-successes and --shown."""
     only_successes: bool = False
     """Leave episodes that did not reach their goal out of the video."""
     shown: int | None = None
-    """At most so many episodes in the video, drawn at random with --seed."""
+    """Largest number of episodes in the video, drawn at random with --seed."""
     seed: int = 0
     fps: float | None = None
-    """Images a second, a multiple of the control rate, at which the agent still decides; default: that rate."""
+    """Images per second, a multiple of the control rate, at which the agent still acts; default: the control rate."""
     size: tuple[int, int] = (180, 320)
     """Height and width of each of the two images."""
     samples: int = 1
-    """Rays a pixel along each side."""
+    """Rays per pixel along each side."""
     quality: float = 7.0
     """Of the video, 0 to 10."""
     html: pathlib.Path | None = None
@@ -56,13 +56,14 @@ class PlayOptions:
 
 
 def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dict[str, Any]:
-    """Drives episodes and writes them as an mp4. Needs no checkpoint with the agents that are rules.
+    """Runs episodes and writes them as an mp4. Scripted agents need no checkpoint.
 
     Returns:
-      video: the file; results: an `EpisodeResult` of every episode that was driven, as JSON.
+      video: the file; results: an `EpisodeResult` of every episode, as JSON.
 
     Raises:
-      ValidationError: no such agent, policy or scene, no episode to show, or a page and a video of another rate.
+      ValidationError: the agent, policy or scene does not exist, there is no episode to show, or a page is combined
+        with another frame rate.
     """
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
@@ -102,7 +103,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
 
 
 def _write_html(path: pathlib.Path, env: "NavEnv", name: str, agent: Any, episodes: "EpisodeSet", shown: int) -> None:
-    """Drives one of the episodes again, with the same draws, and writes it as a page."""
+    """Runs one of the episodes again with the same random draws and writes it as a page."""
     from ..viewer.recording import html_recording
     from ..viewer.session import Driver, Machine, Session
     from ..viewer.street import StreetMeshes
@@ -116,10 +117,10 @@ def _write_html(path: pathlib.Path, env: "NavEnv", name: str, agent: Any, episod
 
 
 def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "ConfigDict"]:
-    """The agent (None for the planner, which is made for an environment), the environment and its config.
+    """Makes the agent (None for the planner, which needs the environment), the environment and its config.
 
     Raises:
-      ValidationError: no such agent or policy, or an environment whose robot has no goal to drive to.
+      ValidationError: the agent or policy does not exist, or the environment is not a navigation task.
     """
     from ..envs import registry
     from ..envs.navigation.draws import OFF
@@ -133,7 +134,7 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
                 f"--env-name: found {name!r}, whose robot has no goal to drive to, needed a navigation environment "
                 "such as CocoNav or Go2Nav."
             )
-        # Rules need no images, so they run without a renderer.
+        # Scripted agents need no images, so they run without a renderer.
         config = registry.with_overrides(config, {"scenes": options.scenes, "vision": False})
         return BASELINES.get(options.agent), name, config
     if options.agent != "trained":
@@ -152,10 +153,10 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
 
 
 def _steps_held(fps: float | None, control_period: float) -> int:
-    """How many images one control step is.
+    """Number of images per control step.
 
     Raises:
-      ValidationError: no whole number.
+      ValidationError: the number is not an integer.
     """
     if fps is None:
         return 1

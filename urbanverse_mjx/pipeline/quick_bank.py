@@ -1,4 +1,4 @@
-"""The bank of the preset `quick`: more streets than the shipped ones, few enough to be built in minutes."""
+"""The bank of the preset `quick`: the shipped streets and some procedural ones, which are built in minutes."""
 
 from collections.abc import Sequence
 
@@ -10,15 +10,14 @@ from ..work_folder import work_folder
 from . import banks
 from .library.building import graph_of
 
-#: Procedural scenes of the preset `quick` in addition to the shipped streets: it trains on as many streets as a few
-#: minutes allow, and is evaluated on eight held-out ones.
+#: Procedural training scenes of the preset `quick` in addition to the shipped streets, whose number is limited by the
+#: time to build them; the preset is evaluated on eight held-out streets.
 QUICK_TRAIN = tuple(f"procedural_{k:03d}" for k in range(8))
 QUICK_TEST = tuple(f"procedural_{k:03d}" for k in range(144, 150))
 
 
 def ensure_quick_bank(quiet: bool = False) -> SceneBank:
-    """The bank of the preset `quick`, built into the cache where it is missing or wrong: the shipped streets and some
-    procedural ones.
+    """Loads the bank of the preset `quick`; builds it into the cache if it is missing or outdated.
 
     Raises:
       ValidationError: `URBANVERSE_BANK` names a file that is not a bank.

@@ -1,4 +1,4 @@
-"""Episodes of a rollout as a video, each with how it ended."""
+"""Writes episodes of a rollout as a video with their results."""
 
 import pathlib
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from ..evaluation.rollouts import EpisodeSet
 
 
 def random_draw(numbers: Sequence[int], count: int | None, seed: int) -> list[int]:
-    """`count` of the numbers, drawn without looking at how the episodes ended, in their order; all of them if fewer."""
+    """Draws `count` of the numbers at random, in their order; returns all of them if there are fewer."""
     if count is None or count >= len(numbers):
         return list(numbers)
     return sorted(int(n) for n in np.random.default_rng(seed).choice(numbers, count, replace=False))
@@ -32,9 +32,9 @@ def write_episodes(
     """Writes some episodes of one agent as an mp4, in real time.
 
     Args:
-      results: of all episodes, in their order.
-      shown: which of them.
-      first_column: of the trajectory, that of episode 0.
+      results: results of all episodes, in their order.
+      shown: indices of the episodes to write.
+      first_column: column of episode 0 in the trajectory.
       style: size, samples and quality of `viz.video.write_rollout_video`.
     """
     from ..envs.navigation.dynamic import slot_appearances

@@ -1,4 +1,4 @@
-"""Maps and planned routes as CraftBench-Nav's files, from our scenes or from theirs."""
+"""Writes maps and planned routes as files of CraftBench-Nav."""
 
 import os
 import pathlib
@@ -19,19 +19,19 @@ def plan_routes(
     annotations: str | os.PathLike[str] | None = None,
     seed: int = 0,
 ) -> "PlannedRoutes":
-    """Plans routes over a scene's map for a robot and writes them as CraftBench-Nav does.
+    """Plans routes on a scene's map for a robot and writes them in the format of CraftBench-Nav.
 
     Args:
       scene: folder with map.json and layers.npz: a compiled scene, or a map of the authors' tools.
       out: folder to write: maps/<scene>/, routes/<scene>.json and routes/<scene>/.
       robot: kind of robot for the routes: delivery, quadruped or wheelchair.
-      annotations: folder of <scene>.json files, starts and goals to plan; None: twelve routes are chosen.
-      seed: chooses among equally good starts.
+      annotations: folder of <scene>.json files with starts and goals; None to choose twelve routes.
+      seed: seed of the choice among equally good starts.
 
     Returns: the routes; one that could not be planned has the reason.
 
     Raises:
-      ValidationError: no such robot, a folder without a map, or annotations of another scene.
+      ValidationError: the robot is unknown, the folder has no map, or the annotations are of another scene.
     """
     from ..scene.exchange import load_map, save_map
     from ..scene.exchange_routes import plan_all, save_annotations, save_planned

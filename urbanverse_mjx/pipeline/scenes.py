@@ -1,4 +1,4 @@
-"""One scene graph -> one compiled scene."""
+"""Compiles scene graphs and layouts."""
 
 import functools
 import os
@@ -27,23 +27,24 @@ def compile_graph(
     movable: bool = False,
     imported: bool = False,
 ) -> "tuple[Cousin, CompiledScene]":
-    """Reads a graph, materialises one cousin of it and compiles that; COCO with the differential drive drives it.
+    """Reads a graph, materialises one of its cousins and compiles it; episodes are driven by COCO with differential
+    drive.
 
-    The layout is the one that `generate` and the scene library make of the same graph, seed and cousin. Objects that do
-    not stay in place for two seconds of C MuJoCo are fixed, as there.
+    The layout is the same as that of `generate` and the scene library for the same graph, seed and cousin. Objects that
+    do not stay in place for two seconds of C MuJoCo are fixed.
 
     Args:
       graph: graph.json.
-      out: folder to write; an older compiled scene there is replaced once the new one is whole.
-      seed: chooses among equally good assets, materials and skies, and the episodes.
+      out: output folder; an older compiled scene in it is replaced when the new one is complete.
+      seed: seed of the choice among equally good assets, materials and skies, and of the episodes.
       cousin: number of the digital cousin, 0 to 63.
-      skip_unknown: leave out objects whose label no asset is known for instead of refusing the graph.
-      half: 1 or 2 for that half of the street alone, cut across its middle; 0 for all of it.
-      imported: choose among the assets that this user imported too.
-      movable: write movable objects as free bodies that rest in C MuJoCo; else `scene.xml` is static.
+      skip_unknown: whether to leave out objects whose label has no asset instead of raising an error.
+      half: 1 or 2 for only that half of the street, cut across its centre; 0 for all of it.
+      imported: whether to use the assets that the user imported too.
+      movable: whether to write movable objects as free bodies at rest in C MuJoCo; otherwise `scene.xml` is static.
 
     Raises:
-      ValidationError: the graph is invalid; no file is written then.
+      ValidationError: the graph is invalid; no file is written.
     """
     from ..scene.compiler import check_out_dir
     from ..scene.ground import check_regions
@@ -78,16 +79,16 @@ def compile_layout(
     place: "Source | None" = None,
     movable: bool = False,
 ) -> "CompiledScene":
-    """Compiles a layout; COCO with the differential drive drives its episodes.
+    """Compiles a layout; episodes are driven by COCO with differential drive.
 
     Args:
-      layout: of the scene.
-      index: holds its assets.
-      out: folder to write or to replace.
-      rules: of the episodes.
+      layout: layout of the scene.
+      index: index of its assets.
+      out: output folder, which is replaced if it holds a compiled scene.
+      rules: rules of the episodes.
       freeze_unstable: whether objects that do not stay in place for two seconds of C MuJoCo are fixed.
       place: the scene's model city, for its metadata.
-      movable: as of `compile_graph`.
+      movable: see `compile_graph`.
 
     Raises:
       ValidationError: see `scene.compile_scene`.
@@ -108,7 +109,7 @@ def compile_layout(
 
 @functools.cache
 def make_controller() -> "Controller":
-    """COCO behind its own waypoint controller, as numpy in and out."""
+    """Makes the controller of COCO with waypoints as commands, with NumPy input and output."""
     import jax
     import jax.numpy as jnp
 

@@ -1,4 +1,4 @@
-"""One training: bank, environment, imitation or PPO, and the evaluation on streets that the policy has never seen."""
+"""Runs a training: bank, environment, imitation or PPO, and evaluation on held-out streets."""
 
 import contextlib
 import dataclasses
@@ -20,11 +20,11 @@ class TrainOptions:
     """Folder, start, evaluation and processes of a run."""
 
     logdir: pathlib.Path = pathlib.Path("runs")
-    """Where new run folders go."""
+    """Parent folder of new run folders."""
     bank: pathlib.Path | None = None
     """Scene bank; default: the shipped streets' (to walk: the terrain), or the one that URBANVERSE_BANK names."""
     suffix: str = ""
-    """Added to a new run folder's name."""
+    """Suffix of a new run folder's name."""
     resume: pathlib.Path | None = None
     """A run folder to go on with after a kill: environment, configs and seed are those of its config.json, and options
     that say otherwise are refused, but for --num-timesteps. A training by imitation goes on to the digits of one that
@@ -47,19 +47,19 @@ class TrainOptions:
 def train(
     request: "RunRequest | None" = None, options: TrainOptions | None = None, quiet: bool = True
 ) -> dict[str, Any]:
-    """Trains a policy by imitation (presets `quick`, `best`) or Brax PPO; one that navigates is evaluated on unseen
+    """Trains a policy by imitation (presets `quick`, `best`) or Brax PPO; navigation policies are evaluated on unseen
     streets.
 
     Args:
       request: environment, preset and overrides (`urbanverse_mjx.training.record.RunRequest`); None for the defaults.
-      quiet: print no progress on standard error.
+      quiet: whether to print no progress on standard error.
 
     Returns:
-      metrics by agent, where the policy was evaluated; environment, preset, steps, env_steps_per_second, the seconds
-      of each part, and the run's folder.
+      metrics by agent if the policy was evaluated; environment, preset, steps, env_steps_per_second, the seconds of
+      each part, and the run's folder.
 
     Raises:
-      ValidationError: unknown names or keys, or a request that differs from the record of the resumed run.
+      ValidationError: a name or key is unknown, or the request differs from the record of the resumed run.
     """
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
@@ -86,7 +86,7 @@ def _how_to_continue(folder: pathlib.Path) -> str:
 
 @contextlib.contextmanager
 def _folder(environment: str, options: TrainOptions) -> Iterator[pathlib.Path]:
-    """The run's folder, held by the one process that writes into it."""
+    """Context with the run's folder, locked by this process."""
     import jax
 
     from ..training.run_folder import at_work, new_run
@@ -139,7 +139,7 @@ def _train(
     trained = time.monotonic()
     _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
     summary: dict[str, Any] = {}
-    # Other tasks have their own evaluation: a gait's is in C MuJoCo, python -m benchmarks.go2_gait.
+    # Other tasks have separate evaluations: gaits are evaluated in C MuJoCo by python -m benchmarks.go2_gait.
     if options.num_episodes and result.policy is not None and isinstance(env, NavEnv):
         summary = evaluate_policy(
             result.policy, bank, folder / "evaluation", options.num_episodes, ppo.seed, options.video, quiet
@@ -161,7 +161,7 @@ def _train(
 
 
 def _imitate(name: str, env: Any, config: Any, folder: pathlib.Path, resume: bool, quiet: bool) -> "TrainingResult":
-    """A student that imitates `RouteFollower`, which uses the route and the obstacles around the robot."""
+    """Trains a student that imitates `RouteFollower`, which uses the route and the obstacles around the robot."""
     import jax
 
     from ..evaluation.route_follower import RouteFollower
@@ -176,7 +176,8 @@ def _imitate(name: str, env: Any, config: Any, folder: pathlib.Path, resume: boo
 def _teach_and_imitate(
     name: str, env: Any, config: Any, folder: pathlib.Path, options: TrainOptions, quiet: bool
 ) -> "TrainingResult":
-    """A teacher, its imitation by a student, and PPO; the bank's split `validation` decides between checkpoints."""
+    """Trains a teacher, a student that imitates it, and fine-tunes by PPO; selects checkpoints on the bank's split
+    `validation`."""
     from ..envs import registry
     from ..evaluation.held_out import Suite
     from ..training.teacher_student import TeacherStudent
@@ -196,13 +197,13 @@ def _teach_and_imitate(
 def bank_of(
     environment: str, quiet: bool = False, preset: str | None = None, path: pathlib.Path | None = None
 ) -> "SceneBank":
-    """The bank of the file `path`, or without one that which an environment is registered with.
+    """Loads the bank of the file `path`, or the default bank of an environment.
 
-    The package's own are built into the cache where they are missing or wrong. The presets `quick` and `best` have more
-    streets than the shipped ones.
+    Banks of this package are built into the cache if they are missing or outdated. The presets `quick` and `best` have
+    more streets than the shipped ones.
 
     Raises:
-      ValidationError: no such file, no environment has this name, or its own loader refuses.
+      ValidationError: the file does not exist, no environment has this name, or its loader raises an error.
     """
     from ..envs import registry
     from .banks import chosen_bank, ensure_default_bank, ensure_terrain_bank

@@ -1,4 +1,4 @@
-"""Scenes by name for a viewer: the shipped streets, the built library, a user's graphs, compiled scenes and banks."""
+"""Opens scenes by name for a viewer: shipped streets, the built library, graphs, compiled scenes and banks."""
 
 import difflib
 import pathlib
@@ -9,22 +9,22 @@ from .. import settings
 from ..datatypes import SceneBank, ValidationError
 from ..work_folder import work_folder
 
-#: Digital cousins of a graph that may be asked for.
+#: Number of digital cousins of a graph.
 COUSINS = 64
-#: Banks kept in memory: each has the meshes and textures of its scenes.
+#: Number of banks kept in memory, each with the meshes and textures of its scenes.
 _KEPT = 4
 _NUMBERED = re.compile(r"(.+)_Cousin_(\d+)$")
 
 
 class ViewScenes:
-    """Scenes by name, opened when they are asked for.
+    """Scenes by name, opened on demand.
 
     Args:
-      given: names, graph.json files, compiled scene folders or banks that are listed with the shipped scenes and those
-        in the cache.
+      given: names, graph.json files, compiled scene folders or banks to list together with the shipped and cached
+        scenes.
 
     Raises:
-      ValidationError: a given scene that there is not.
+      ValidationError: a given scene does not exist.
     """
 
     def __init__(self, given: Sequence[str] = ()) -> None:
@@ -38,20 +38,20 @@ class ViewScenes:
 
     @property
     def names(self) -> list[str]:
-        """All scenes that can be opened: given, shipped, then built ones."""
+        """Names of all scenes: given, shipped, then built ones."""
         return list(dict.fromkeys([*self.first, *self._banks, *self._graphs, *self._folders]))
 
     def cousins(self, name: str) -> int:
-        """How many cousins of a scene there are."""
+        """Number of cousins of a scene."""
         if name in self._graphs:
             return COUSINS
         return len(self._folders.get(name, ())) or 1
 
     def open(self, name: str, cousin: int = 0) -> tuple[SceneBank, int]:
-        """A bank that holds a cousin of a scene, and its row there.
+        """A bank with a cousin of a scene, and its row in it.
 
         Raises:
-          ValidationError: no such scene or cousin, or a graph that cannot be compiled.
+          ValidationError: the scene or cousin does not exist, or its graph cannot be compiled.
         """
         if name not in self.names:
             raise ValidationError(self._unknown(name))
@@ -73,7 +73,7 @@ class ViewScenes:
             return bank, bank.scene_ids.index(scene)
         if name in self._folders:
             return pack_bank([self._folders[name][cousin]], ["test"]), 0
-        # A user's own graph may have the name of a shipped street.
+        # A graph of the user may have the name of a shipped street.
         shipped = self._graphs[name] == self._shipped.get(name)
         if cousin == 0 and shipped and settings.chosen_bank_path() is None:
             from .banks import ensure_default_bank
@@ -105,7 +105,7 @@ class ViewScenes:
             self._banks |= {f"{path.stem}/{scene}": (path, scene) for scene in bank.scene_ids}
             return f"{path.stem}/{bank.scene_ids[0]}"
         if path.is_file():
-            # `graph.json` is called after its folder, `corner.graph.json` after itself.
+            # `graph.json` is named by its folder, `corner.graph.json` by its file name.
             name = path.name.split(".")[0]
             name = path.resolve().parent.name if name == "graph" else name
             self._graphs[name] = path

@@ -1,4 +1,4 @@
-"""Scenes and policies in a web page."""
+"""Shows scenes and policies in a web page."""
 
 import dataclasses
 import pathlib
@@ -13,7 +13,7 @@ from .view_scenes import ViewScenes
 if TYPE_CHECKING:
     from ..viewer.session import Machine
 
-#: Environments kept in memory, each with its compiled code.
+#: Number of environments kept in memory, each with its compiled code.
 _KEPT = 3
 
 
@@ -38,7 +38,7 @@ class ViewOptions:
 
 
 class _Choices:
-    """Choices of the page: scenes and policies."""
+    """The scenes and policies that the page offers."""
 
     def __init__(self, scenes: ViewScenes, env_name: str | None) -> None:
         self._scenes, self._env_name = scenes, env_name
@@ -50,7 +50,7 @@ class _Choices:
 
     @property
     def policies(self) -> list[str]:
-        """The rules, and the policies that come with a clone."""
+        """Scripted policies, and the policies that ship with a clone."""
         from .evaluation import SCRIPTED
 
         root = pathlib.Path("benchmarks/policies")
@@ -97,7 +97,7 @@ def view(
     settings.use_compilation_cache()
     scenes = ViewScenes([scene] if scene is not None else [])
     choices = _Choices(scenes, options.env_name)
-    # First, so that a wrong port is known before anything heavy is loaded.
+    # Started first, so that a port in use is detected before loading scenes.
     server = start_server(options.host, options.port)
     try:
         name = scenes.first[0] if scenes.first else scenes.names[0]

@@ -1,1 +1,1 @@
-"""From a video, or a scene graph, to compiled digital cousins, stage by stage."""
+"""Generates compiled digital cousins from a video or a scene graph in resumable stages."""

@@ -1,7 +1,7 @@
-"""Many sources, each in a process of its own, with a journal and retries.
+"""Runs many sources, each in a process of its own, with a journal and retries.
 
 The journal (`journal.jsonl`) gets a line when a source starts, fails or is done; a killed batch continues with the
-sources that are not done. A failure or crash of one source's process does not affect others.
+sources that are not done. A failure of one source's process does not affect the others.
 """
 
 import dataclasses
@@ -59,10 +59,10 @@ class Journal:
 
 
 def read_list(path: pathlib.Path) -> list[pathlib.Path]:
-    """The sources that a list names, each once.
+    """Reads the sources of a list, without duplicates.
 
     Raises:
-      ValidationError: no such file, or an empty one.
+      ValidationError: the file does not exist or is empty.
     """
     if not path.is_file():
         raise v.fail(str(path), "no such file", "a text file with one source a line", "check the path")
@@ -74,7 +74,7 @@ def read_list(path: pathlib.Path) -> list[pathlib.Path]:
 
 
 def folder_name(source: pathlib.Path) -> str:
-    """The run's folder of a source: its name, and a digest of its path, because names repeat."""
+    """Name of the run folder of a source: the source's name and a digest of its path, because names are not unique."""
     stem = source.parent.name if source.name == "graph.json" else source.stem
     slug = re.sub(r"[^A-Za-z0-9_-]+", "_", stem)[:60]
     return f"{slug}-{hashlib.sha256(str(source).encode()).hexdigest()[:8]}"
@@ -89,13 +89,13 @@ def run_batch(
     retries: int = 1,
     quiet: bool = True,
 ) -> dict[str, Any]:
-    """Runs all sources of a list that the journal does not call done.
+    """Runs all sources of a list that are not done according to the journal.
 
     Returns:
       counts: sources, done (earlier ones included), failed; the failed ones with their last words.
 
     Raises:
-      ValidationError: no list, an unknown executor, or a folder without write access.
+      ValidationError: the list does not exist, the executor is unknown, or the folder is not writable.
     """
     v.choice(executor, "--executor", tuple(EXECUTORS))
     v.integer(retries, "--retries", 0)
@@ -106,7 +106,7 @@ def run_batch(
     except OSError as error:
         raise v.fail(str(out), f"no way to write there ({error.strerror})", "a folder to write into") from error
     asked = dataclasses.asdict(options)
-    asked["tour"] = asked.pop("video")  # as the field was called when the first journals were written
+    asked["tour"] = asked.pop("video")  # the field's name in existing journals
     journal, key = Journal(out / JOURNAL), key_of("generation", options=asked)
     last = journal.last()
     todo = [s for s in listed if not _is_done(last.get(str(s)), key, out / folder_name(s))]
@@ -138,7 +138,7 @@ def _attempts(
     workers: int | None,
     retries: int,
 ) -> Iterator[tuple[pathlib.Path, Outcome]]:
-    """Every source with its last outcome, as they end; failures that may pass are tried again."""
+    """Yields every source with its final outcome as they end; temporary failures are retried."""
     waiting = [(source, 1) for source in todo]
     with executor(workers or settings.num_threads()) as pool:
         running: dict[Any, tuple[pathlib.Path, int]] = {}
@@ -163,7 +163,7 @@ def _attempts(
 
 
 def job_of(source: pathlib.Path, out: pathlib.Path, options: GenerationOptions) -> Job:
-    """The job of one source; its cousins are compiled one after another by default."""
+    """The job of one source; by default its cousins are compiled sequentially."""
     return Job(source, out / folder_name(source), dataclasses.replace(options, workers=options.workers or 1))
 
 

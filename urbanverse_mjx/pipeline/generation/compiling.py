@@ -1,4 +1,4 @@
-"""One cousin from its layout to files: MuJoCo scene, USD, and the check that all of it stands still."""
+"""Compiles one cousin from its layout to a MuJoCo scene and USD, and checks its stability."""
 
 import pathlib
 from typing import Any
@@ -8,25 +8,25 @@ from ...datatypes import AssetRecord, SceneLayout
 from ...datatypes import validation as v
 from .run_folder import Clock
 
-#: m from start to goal where the ground is too small for the task's 10 to 30 m.
+#: m from start to goal if the ground is too small for the task's 10 to 30 m.
 NEAR = (4.0, 30.0)
 LAYOUT, ASSETS, SCENE, USD, CHECK = "layout.json", "assets.json", "scene", "usd", "check.json"
 
 
 def save_layout(folder: pathlib.Path, layout: SceneLayout, index: AssetIndex) -> None:
-    """Writes a layout and the records that it uses: with both, it is compiled without the catalogue."""
+    """Writes a layout and the asset records that it uses, so that it can be compiled without the catalogue."""
     v.write_json(folder / ASSETS, [record.to_json() for record in index.records])
     layout.save(folder / LAYOUT)
 
 
 def load_assets(folder: pathlib.Path) -> AssetIndex:
-    """The records beside a layout."""
+    """Reads the asset records stored with a layout."""
     rows = v.items(v.read_json(folder / ASSETS, "asset list"), ASSETS)
     return AssetIndex(AssetRecord.from_json(row, f"{ASSETS}[{i}]") for i, row in enumerate(rows))
 
 
 def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
-    """Compiles the layout of a folder into that folder and checks the result; returns the contents of `check.json`.
+    """Compiles the layout of a folder in that folder and checks the result; returns the contents of `check.json`.
 
     Objects that do not stay in place for two seconds of C MuJoCo are fixed (`kept_fixed`); all others do stay.
 
@@ -46,7 +46,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     try:
         compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     except NoRoomError:
-        # A short clip may show no 256 paths of the task's length.
+        # The ground of a short clip may be too small for 256 paths of the task's length.
         rules = EpisodeRules(distance=NEAR)
         compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))

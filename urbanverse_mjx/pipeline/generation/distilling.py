@@ -1,4 +1,4 @@
-"""Recording -> `graph.json` with descriptors, `evidence.json` and the crops."""
+"""Distils a recording to `graph.json` with descriptors, `evidence.json` and crops."""
 
 import dataclasses
 import json
@@ -21,7 +21,7 @@ def _descriptor_of_object(image: np.ndarray, mask: np.ndarray) -> list[int]:
     return descriptors.of_image(image, mask).tolist()
 
 
-#: The index's own descriptors, which the materialisation compares.
+#: The descriptors of the asset index, which the materialisation compares.
 DESCRIBE = Describe(
     _descriptor_of_object, appearance_search.ground_crop_descriptor, appearance_search.sky_crop_descriptor
 )

@@ -1,4 +1,4 @@
-"""Where a batch's jobs run: in processes of this machine, or on a Ray cluster. Both have one narrow interface."""
+"""Executors of a batch's jobs: processes of this machine, or a Ray cluster."""
 
 import concurrent.futures
 import dataclasses
@@ -21,7 +21,7 @@ class Job:
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """How a job ended: exit status, the last line that it said, and seconds."""
+    """Result of a job: exit status, last line of its output, and duration in seconds."""
 
     status: int
     words: str
@@ -32,7 +32,7 @@ Work = Callable[[Job], Outcome]
 
 
 class Executor(Protocol):
-    """Runs `size` jobs at a time; a context manager."""
+    """Interface of executors, which run `size` jobs at a time; a context manager."""
 
     size: int
 

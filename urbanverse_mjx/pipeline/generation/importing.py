@@ -1,4 +1,4 @@
-"""Other people's recordings -> ours: the work behind `urbanverse gen import`."""
+"""Converts external data to recordings, for `urbanverse gen import`."""
 
 import pathlib
 from collections.abc import Callable
@@ -13,20 +13,20 @@ Report = Callable[[int, int], None]
 
 
 def import_kitti360(root: pathlib.Path, folder: pathlib.Path, options: Kitti360Options, report: Report) -> Recording:
-    """A stretch of a KITTI-360 sequence, with its own labels.
+    """Converts a section of a KITTI-360 sequence with its labels.
 
     Raises:
-      ValidationError: see `read_kitti360`; or the folder is in use.
+      ValidationError: see `read_kitti360`; or the folder is not empty.
     """
     _free(folder)
     return read_kitti360(root, folder, options, report)
 
 
 def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, video: VideoOptions, report: Report) -> Recording:
-    """A folder as UrbanVerse-Gen's authors document it; objects and surfaces are seen anew.
+    """Converts a folder documented by UrbanVerse-Gen's authors; objects and surfaces are detected again.
 
     Raises:
-      ValidationError: see `read_authors_tree` and `make_predictor`; or the folder is in use.
+      ValidationError: see `read_authors_tree` and `make_predictor`; or the folder is not empty.
     """
     _free(folder)
     source = Source(root.absolute().name, video.licence, video.city, video.country)

@@ -1,4 +1,4 @@
-"""Which categories a capture shows, by an OpenAI-compatible vision endpoint (the paper asks GPT-4.1)."""
+"""Lists the categories in a capture by an OpenAI-compatible vision endpoint (the paper uses GPT-4.1)."""
 
 import base64
 import json
@@ -10,7 +10,7 @@ from ...assets.categories import ontology
 from ...assets.importing.vision import VisionError, post
 from ...settings import VisionEndpoint
 
-#: Frames that are shown, evenly over the capture.
+#: Number of frames sent to the endpoint, evenly spaced over the capture.
 FRAMES = 8
 _ASK = """These frames are from one walk or drive through a street. Name every kind of object that stands, is parked or
 moves in it. Answer with one JSON object with the single field "categories": a list of names, taken from this list
@@ -18,10 +18,10 @@ where one fits. Categories: {leaves}"""
 
 
 def list_categories(endpoint: VisionEndpoint, images: Sequence[pathlib.Path]) -> list[str]:
-    """Leaves of the ontology that the endpoint saw in some of the images, in its order.
+    """Leaves of the ontology that the endpoint finds in some of the images, in its order.
 
     Raises:
-      VisionError: no answer, none in JSON, or none that names a leaf.
+      VisionError: there is no answer, it is not JSON, or it names no leaf.
     """
     step = max(1, len(images) // FRAMES)
     answer = post(endpoint, request(endpoint.model, [p.read_bytes() for p in images[step // 2 :: step][:FRAMES]]))
@@ -29,7 +29,7 @@ def list_categories(endpoint: VisionEndpoint, images: Sequence[pathlib.Path]) ->
 
 
 def request(model: str, images: Sequence[bytes]) -> dict[str, Any]:
-    """The question with PNG images, in the format of OpenAI's chat completions."""
+    """The request with PNG images, in the format of OpenAI's chat completions."""
     content: list[dict[str, Any]] = [{"type": "text", "text": _ASK.format(leaves=", ".join(ontology.categories()))}]
     for image in images:
         url = "data:image/png;base64," + base64.b64encode(image).decode()
@@ -43,7 +43,7 @@ def request(model: str, images: Sequence[bytes]) -> dict[str, Any]:
 
 
 def leaves_of(answer: Any) -> list[str]:
-    """The leaves that an answer names; names that are no leaf go to the nearest one or are passed over.
+    """The leaves in an answer; other names are matched to the nearest leaf or skipped.
 
     Raises:
       VisionError: see `list_categories`.

@@ -1,6 +1,6 @@
-"""The process of one source of a batch: `python -m urbanverse_mjx.pipeline.generation.one_source JSON`.
+"""Entry point of the process of one source of a batch: `python -m urbanverse_mjx.pipeline.generation.one_source JSON`.
 
-It ends as the `urbanverse gen` command does: status 2 with one sentence on standard error where the source is wrong.
+Like `urbanverse gen`, it exits with status 2 and one sentence on standard error if the source is invalid.
 """
 
 import dataclasses
@@ -22,7 +22,7 @@ def argument(job: Job, parent: int) -> str:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Makes the cousins that the argument asks for."""
+    """Makes the cousins of the argument's job."""
     asked = json.loads(argv[0])
     end_with_parent(asked["parent"])
     options = asked["options"]

@@ -1,4 +1,4 @@
-"""Video or images -> frames -> recording: the stages in front of the distillation."""
+"""Stages before the distillation: video or images to frames, and frames to a recording."""
 
 import pathlib
 from collections.abc import Callable
@@ -25,7 +25,7 @@ def sample_to(source: pathlib.Path, folder: pathlib.Path, options: VideoOptions,
 def perceive_to(
     frames: pathlib.Path, folder: pathlib.Path, video: pathlib.Path, options: VideoOptions, report: Report
 ) -> Recording:
-    """Makes a recording of frames, poses from the images, objects and surfaces by the model that the options name.
+    """Makes a recording of frames, with poses from the images, and objects and surfaces by the model of the options.
 
     Raises:
       ValidationError: see `perceive` and `make_predictor`.

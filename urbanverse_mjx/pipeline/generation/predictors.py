@@ -1,4 +1,4 @@
-"""The perception model for the frames: the package's small network, or foundation models."""
+"""Makes the perception model: the built-in network, or foundation models."""
 
 import pathlib
 
@@ -15,14 +15,14 @@ PERCEPTIONS = ("eye", "foundation")
 
 
 def make_predictor(video: VideoOptions, frames: pathlib.Path | None = None) -> Predictor:
-    """The model that the options name.
+    """Makes the model of the options.
 
     Args:
-      frames: folder of the capture's images. Where an endpoint is configured and frames were blurred it lists the
-        labels to search for from some of them; else the ontology does.
+      frames: folder of the capture's images. If an endpoint is configured and frames were blurred, it determines the
+        labels to search for from some of them; otherwise all leaves of the ontology are used.
 
     Raises:
-      ValidationError: no weights, a missing package, or no such perception.
+      ValidationError: weights or a package are missing, or the perception model is unknown.
     """
     if video.perception == "eye":
         return PerceptionModel.load()

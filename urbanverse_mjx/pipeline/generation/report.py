@@ -14,7 +14,7 @@ from ...datatypes import Recording, SceneBank, SceneGraph
 from . import report_images, report_map
 from .sources import Input
 
-#: Rows of matches with images; the others are in materialisation.json.
+#: Largest number of matches with images; the others are in materialisation.json.
 MATCH_ROWS = 16
 FOLDER = "report"
 _STYLE = """
@@ -37,13 +37,13 @@ def write_report(
     seconds: Mapping[str, float],
     progress: Callable[[int, int], None],
 ) -> str:
-    """Draws the report's images into a folder (that will be `report/`) and returns the page.
+    """Draws the report's images into a folder (later `report/`) and returns the HTML page.
 
     Args:
-      run: the run's folder, all stages before done.
-      given: its source.
-      recorded: the recording's folder.
-      seconds: by stage.
+      run: folder of the run, after all earlier stages.
+      given: source of the run.
+      recorded: folder of the recording.
+      seconds: duration of each stage.
       progress: called with (images done, images in all).
     """
     graph = SceneGraph.load(run / "graph" / "graph.json")
@@ -73,7 +73,7 @@ def write_report(
 
 
 def colour_of(label: str) -> str:
-    """A label's colour: the same in every image and run."""
+    """Colour of a label, the same in all images and runs."""
     hue = int.from_bytes(hashlib.sha256(label.encode()).digest()[:2], "big") / 65536
     return "#" + "".join(f"{round(255 * c):02x}" for c in colorsys.hsv_to_rgb(hue, 0.75, 0.85))
 
@@ -165,7 +165,7 @@ def _appearance(appearance: Mapping[str, Any], files: Mapping[str, str]) -> str:
 
 
 def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path, with_images: bool) -> str:
-    # One object of each kind of match: series share theirs.
+    # One object per distinct match, because series share theirs.
     shown = {}
     for name, found in record["matches"].items():
         if all(found):

@@ -1,4 +1,4 @@
-"""Images of a report: frames with masks, thumbnails of the matched assets, cousins from eye level and above."""
+"""Draws images of a report: frames with masks, thumbnails of matched assets, cousins from eye level and above."""
 
 import pathlib
 from collections.abc import Callable, Sequence
@@ -15,7 +15,7 @@ from ...viz.images import Studio
 #: Number of frames shown, and of views of the cousins along the trajectory.
 FRAMES, VIEWS = 4, 3
 VIEW_SIZE, ABOVE_SIZE = (640, 360), (1000, 460)
-#: Rays a pixel and side, and downward slope of views (m over 8 m) and of those from above (rad).
+#: Rays per pixel along each side, downward slope of views (m over 8 m), and elevation of views from above (rad).
 SAMPLES, LOOK_DOWN, ELEVATION = 2, 0.4, np.radians(78.0)
 _QUALITY = 88
 
@@ -27,7 +27,8 @@ def save_jpeg(image: np.ndarray, path: pathlib.Path) -> str:
 
 
 def masked_frames(recording: Recording, colours: dict[str, str], folder: pathlib.Path) -> list[str]:
-    """Some frames with their instances tinted and outlined in their labels' colours; names of the files."""
+    """Draws some frames with instances tinted and outlined in the colours of their labels; returns the names of the
+    files."""
     chosen = np.unique(np.linspace(0, len(recording) - 1, min(FRAMES, len(recording))).round().astype(int))
     names = []
     for number in chosen.tolist():
@@ -55,11 +56,11 @@ def _rgb(colour: str) -> tuple[int, int, int]:
 
 
 def asset_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str]:
-    """uid -> file; empty where no OpenGL renders off screen."""
+    """uid -> file; empty without off-screen OpenGL."""
     try:
         found = library().load_thumbnails(list(dict.fromkeys(uids)))
     except (ValidationError, ImportError, OSError, AttributeError, mujoco.FatalError):
-        # MuJoCo's own renderer without OpenGL, or with half of one, ends in any of these.
+        # MuJoCo's renderer raises any of these without a working OpenGL.
         return {}
     return {uid: save_jpeg(image, folder / f"{uid.replace('/', '--')}.jpg") for uid, image in found.items()}
 
@@ -78,7 +79,7 @@ def appearance_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str
 def cousin_images(
     bank: SceneBank, graph: SceneGraph, folder: pathlib.Path, report: Callable[[int, int], None]
 ) -> list[tuple[str, list[str]]]:
-    """For every scene of the bank its image from above and its views along the trajectory; names of the files."""
+    """Draws every scene of the bank from above and along the trajectory; returns the names of the files."""
     street_level, above = (Studio(bank, *size, samples=SAMPLES) for size in (VIEW_SIZE, ABOVE_SIZE))
     views = viewpoints(graph)
     total, images = bank.num_scenes * (1 + len(views)), []
@@ -95,7 +96,7 @@ def cousin_images(
 
 
 def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
-    """(camera_position, target) m, at a few places of the trajectory, looking its way; none without a trajectory."""
+    """(camera_position, target) m at some points of the trajectory, looking along it; none without a trajectory."""
     if not graph.camera_path:
         return []
     places = viewpoint_rows(graph)
@@ -107,8 +108,8 @@ def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def viewpoint_rows(graph: SceneGraph) -> list[int]:
-    """Rows of the trajectory that `viewpoints` are at: evenly along it, each the nearby one whose yaw is most along the
-    path."""
+    """Rows of the trajectory for `viewpoints`: evenly spaced, each shifted to the nearby row whose yaw is most aligned
+    with the path."""
     path = np.array(graph.camera_path)
     step = np.gradient(path[:, :2], axis=0) if len(path) > 1 else np.zeros((1, 2))
     ahead = np.cos(path[:, 3]) * step[:, 0] + np.sin(path[:, 3]) * step[:, 1]

@@ -1,4 +1,4 @@
-"""The street from above: the recording's depth points, and the graph's ground, boxes and headings over them."""
+"""Draws the street from above: the recording's depth points with the graph's ground, boxes and headings."""
 
 import html
 import math
@@ -9,15 +9,15 @@ import numpy as np
 from ...datatypes import Recording, SceneGraph
 from ...viz.graphs import GROUND_COLOURS
 
-#: m of a cell of the image from above, and every how many pixels and frames the recording is read.
+#: m, cell of the image from above; stride in pixels, and largest number of frames, with which the recording is read.
 CELL, PIXEL_STRIDE, MOST_FRAMES = 0.1, 3, 60
-#: m: points farther from the camera are too coarse for cells of 10 cm; points higher above it hide the street.
+#: m; points farther from the camera are too coarse for cells of 10 cm, and points higher above it hide the street.
 FAR, HIGH = 25.0, 1.0
 _MARGIN = 2.0  # m around the ground
 
 
 def extent(graph: SceneGraph) -> tuple[float, float, float, float]:
-    """x and y from, x and y to, of the ground and all boxes, with a margin."""
+    """Lower and upper x and y of the ground and all boxes, with a margin."""
     points = [p for region in graph.ground for p in region.polygon] + [o.center[:2] for o in graph.objects]
     low, high = np.min(points, 0) - _MARGIN, np.max(points, 0) + _MARGIN
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
@@ -51,11 +51,11 @@ def seen_from_above(recording: Recording, area: Sequence[float]) -> np.ndarray:
 
 
 def svg(graph: SceneGraph, colours: dict[str, str], image: str | None = None) -> str:
-    """The graph from above as SVG; objects carry their label as a tooltip and a tick along their heading.
+    """Draws the graph from above as SVG; objects have a tooltip with their label and a tick along their heading.
 
     Args:
       colours: label -> CSS colour.
-      image: file to lie under it, of `seen_from_above` over the graph's `extent`.
+      image: background image, of `seen_from_above` over the graph's `extent`.
     """
     x0, y0, x1, y1 = extent(graph)
     lines = [f'<svg class="map" viewBox="{x0:.2f} {-y1:.2f} {x1 - x0:.2f} {y1 - y0:.2f}">']

@@ -26,10 +26,10 @@ FILE, LOCK = "run.json", ".lock"
 
 
 def key_of(code: str, **parts: Any) -> str:
-    """16 hexadecimal digits over JSON values and the versions of the code that makes a stage of them.
+    """Hash of 16 hexadecimal digits over JSON values and the versions of the code of a stage.
 
     Args:
-      code: its name in `versions.CODE`.
+      code: name of the code in `versions.CODE`.
     """
     body = {"code": versions.of(code), "stages": versions.CODE["generation"].version, **parts}
     return hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()[:16]
@@ -50,13 +50,13 @@ class RunFolder:
     @staticmethod
     @contextlib.contextmanager
     def open(path: str | os.PathLike[str], source: str) -> Iterator["RunFolder"]:
-        """Makes or takes up a run's folder, for one process at a time.
+        """Creates or reopens a run's folder, locked by this process.
 
-        Unfinished parts of a killed run are removed; a run that fails before its first stage is done leaves no files.
+        Removes unfinished parts of a killed run; a run that fails before its first stage is done leaves no files.
 
         Raises:
-          ValidationError: no write access, a file or other files in the way, another process in it, or a record of
-            something else.
+          ValidationError: the folder is not writable, holds other files, is used by another process, or belongs to
+            another source.
         """
         path = pathlib.Path(path)
         if path.exists() and not path.is_dir():
@@ -78,7 +78,7 @@ class RunFolder:
             _sweep(path)
             try:
                 if not (path / FILE).is_file():
-                    # Written at once, so that the next run recognises the folder of a killed one.
+                    # Written immediately, so that the next run recognises the folder of a killed one.
                     v.write_json(path / FILE, run.record)
                 yield run
             finally:
@@ -90,12 +90,12 @@ class RunFolder:
                         path.rmdir()
 
     def done(self, stage: str, key: str, *files: str) -> bool:
-        """Whether a stage was finished from the same input and its files are still there."""
+        """Whether a stage was finished with the same input and its files still exist."""
         entry = self.record["stages"].get(stage)
         return bool(entry and entry["key"] == key and all((self.path / name).exists() for name in files))
 
     def finish(self, stage: str, key: str, seconds: float, **facts: Any) -> None:
-        """Writes down that a stage is done."""
+        """Records that a stage is done."""
         now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
         self.record["stages"][stage] = {"key": key, "seconds": round(seconds, 3), "finished": now, **facts}
         v.write_json(self.path / FILE, self.record)
@@ -107,7 +107,7 @@ class RunFolder:
 
     @contextlib.contextmanager
     def replacing(self, name: str) -> Iterator[pathlib.Path]:
-        """A folder that takes the place of `name` when the block succeeds and vanishes when it fails."""
+        """Context with a temporary folder that replaces `name` if the block succeeds, and is removed if it fails."""
         with replacing_folder(self.path / name) as folder:
             yield folder
 

@@ -21,10 +21,10 @@ class Input:
 
 
 def recognise(source: str | pathlib.Path) -> Input:
-    """Determines the kind of a source, and makes all checks that need no work.
+    """Determines the kind of a source and makes all cheap checks.
 
     Raises:
-      ValidationError: it does not exist, or is none of the four; graphs and recordings are read and must be valid.
+      ValidationError: the source does not exist or is none of the four kinds, or its graph or recording is invalid.
     """
     path = pathlib.Path(source).expanduser().absolute()
     if path.is_dir() and (path / RECORDING_FILE).is_file():
@@ -47,10 +47,10 @@ def recognise(source: str | pathlib.Path) -> Input:
 
 
 def _key(*files: pathlib.Path) -> str:
-    """16 hexadecimal digits over the contents of files, in this order.
+    """Hash of 16 hexadecimal digits over the contents of files, in this order.
 
     Raises:
-      ValidationError: a file that is not there or cannot be read.
+      ValidationError: a file does not exist or cannot be read.
     """
     digest = hashlib.sha256()
     for path in files:

@@ -23,15 +23,15 @@ MATERIALISATION, BANK = "materialisation.json", "bank.npz"
 
 @dataclasses.dataclass(frozen=True)
 class GenerationOptions:
-    """How cousins are made.
+    """Options of a run.
 
     Attributes:
-      cousins: their number, 1 to 64.
-      seed: selects among equal fits.
-      kerb: m, of sidewalks whose step to the road the source does not show.
+      cousins: number of cousins, 1 to 64.
+      seed: seed of the choice among equal fits.
+      kerb: m, height of sidewalks whose step to the road the source does not show.
       usd: whether to write each scene as USD too.
       pictures: whether the report has rendered images.
-      workers: processes that compile; None for one per core.
+      workers: number of compiling processes; None for one per core.
       video: metadata of a video or folder of frames, and options of its perception.
     """
 
@@ -50,7 +50,7 @@ def generate(
     options: GenerationOptions | None = None,
     quiet: bool = True,
 ) -> dict[str, Any]:
-    """Makes compiled cousins of a source in a folder, or continues an earlier run there.
+    """Makes compiled cousins of a source in a folder, or continues an earlier run in it.
 
     Args:
       source: graph.json, a recording's folder, a folder of frames, or a video.
@@ -61,7 +61,7 @@ def generate(
       id, folder, number of objects in the graph and in each cousin, seconds by stage.
 
     Raises:
-      ValidationError: the source or the folder is invalid; no partly written file stays.
+      ValidationError: the source or the folder is invalid; no partly written file is left.
     """
     options = options or GenerationOptions()
     v.integer(options.cousins, "--cousins", 1, 64)
@@ -79,7 +79,7 @@ def generate(
 def _recording(
     run: RunFolder, progress: Progress, video: VideoOptions, given: Input
 ) -> tuple[pathlib.Path | None, str]:
-    """`frames/` and `recording/` of raw images; where the recording lies (None for a graph), and its key."""
+    """Stages `frames/` and `recording/`; returns the folder of the recording (None for a graph), and its key."""
     if given.kind in ("graph", "recording"):
         return (given.path if given.kind == "recording" else None), given.key
     key = key_of("perception", stage="frames", source=given.key, rate=video.rate, blur=video.blur)
@@ -106,7 +106,7 @@ def _recording(
 
 
 def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.Path | None, before: str) -> str:
-    """`graph/`: graph.json, and from a recording its evidence and crops."""
+    """Stage `graph/`: graph.json, and for a recording its evidence and crops."""
     key = key_of("distillation", stage="graph", kind=given.kind, source=before, assets=settings.assets_digest())
     report = progress.task("graph")
     if not run.done(GRAPH, key, f"{GRAPH}/graph.json"):
@@ -124,7 +124,7 @@ def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.
 
 
 def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, before: str) -> str:
-    """`cousins/<k>/layout.json` and `materialisation.json`."""
+    """Stage of `cousins/<k>/layout.json` and `materialisation.json`."""
     wanted = {"cousins": options.cousins, "seed": options.seed, "kerb": options.kerb}
     key = key_of("cousins", stage="cousins", before=before, assets=settings.assets_digest(), **wanted)
     report = progress.task("cousins", options.cousins)
@@ -148,7 +148,8 @@ def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, bef
 
 
 def _scenes(run: RunFolder, progress: Progress, options: GenerationOptions, before: str) -> str:
-    """`cousins/<k>/scene/`, `usd/` and `check.json`, each cousin a stage of its own, compiled in processes."""
+    """Stages of `cousins/<k>/scene/`, `usd/` and `check.json`; each cousin is a stage, compiled in parallel
+    processes."""
     key = key_of("scenes", stage="scenes", before=before, usd=options.usd)
     report = progress.task("scenes", options.cousins)
     clock = Clock()
@@ -173,7 +174,7 @@ def _compile_all(run: RunFolder, missing: list[int], options: GenerationOptions,
 
 
 def _bank(run: RunFolder, progress: Progress, options: GenerationOptions, before: str) -> str:
-    """`bank.npz`: all cousins for `urbanverse evaluate` and `train`."""
+    """Stage of `bank.npz` with all cousins for `urbanverse evaluate` and `train`."""
     key = key_of("bank", stage="bank", before=before)
     report = progress.task("bank")
     if not run.done("bank", key, BANK):
@@ -195,7 +196,7 @@ def _report(
     recording: pathlib.Path | None,
     before: str,
 ) -> None:
-    """`report.html` and its images in `report/`."""
+    """Stage of `report.html` and its images in `report/`."""
     key = key_of("report", stage="report", before=before, pictures=options.pictures)
     report = progress.task("report")
     if not run.done(REPORT, key, "report.html", REPORT):

@@ -5,14 +5,14 @@ import dataclasses
 
 @dataclasses.dataclass(frozen=True)
 class VideoOptions:
-    """Options of the stages in front of the distillation.
+    """Options of the stages before the distillation.
 
     Attributes:
       rate: frames taken per second.
-      camera_height: m above the ground that is walked on: it gives the metric scale.
+      camera_height: m above the ground that the camera's carrier walks on, which determines the metric scale.
       perception: model that finds objects: "eye", the built-in one, or "foundation".
       models: folder of the latter.
-      blur: detector of faces and plates that are made unreadable before a frame is stored; None: no blurring.
+      blur: detector of faces and plates, which are made unreadable before a frame is stored; None for no blurring.
       licence, city, country: of the video, for the records.
     """
 

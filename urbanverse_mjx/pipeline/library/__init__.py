@@ -1,1 +1,1 @@
-"""The scene library: captures of synthetic blocks, and sets of graphs compiled to cousins and packed."""
+"""Builds the scene library: captures of synthetic blocks, and sets of compiled cousins packed into banks."""

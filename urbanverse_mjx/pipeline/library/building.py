@@ -1,4 +1,4 @@
-"""A layout of a set -> its cousins, compiled; and all scenes of a set -> one bank. An interrupted build continues."""
+"""Compiles the cousins of the layouts of a set and packs all its scenes into one bank; resumes interrupted builds."""
 
 import dataclasses
 import pathlib
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 #: Rows of the episode tables.
 ROWS = 512
-#: The record of a scene; one with other fields was written by another version, and its scene is built again.
+#: Fields of the record of a scene; a record with other fields is of another version, and its scene is built again.
 RECORD_FIELDS = (
     "key", "id", "hashes", "objects", "hulls", "prisms", "regions", "episodes", "goals", "left_out", "overlapping",
     "kept_fixed", "let_go", "hanging", "moved_when_let_go", "processor_s", "wall_s",
@@ -27,14 +27,14 @@ RECORD_FIELDS = (
 
 @dataclasses.dataclass(frozen=True)
 class Failure:
-    """A layout that could not be built, and why."""
+    """A layout that could not be built, and the reason."""
 
     layout: str
     reason: str
 
 
 def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
-    """The source of each layout's graph in a set: a file, or the generator that the set's row names."""
+    """Source of the graph of each layout of a set: a file, or the generator of the set."""
     if scenes.builder in ("procedural", "places"):
         from ...citygen import procedural_places, procedural_streets
 
@@ -85,13 +85,13 @@ def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
 
 
 def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
-    """Compiles the missing scenes of a layout, in this process: meshes and hulls of its cousins are shared.
+    """Compiles the missing scenes of a layout in this process, because its cousins share meshes and hulls.
 
     Returns:
       the record of each scene.
 
     Raises:
-      ValidationError: a scene that cannot be compiled; those before it are kept.
+      ValidationError: a scene cannot be compiled; earlier ones are kept.
     """
     from ...assets.records.store import inputs_key
 
@@ -113,7 +113,7 @@ def _paths(name: str, scene: str) -> tuple[pathlib.Path, pathlib.Path]:
 
 
 def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
-    """A scene's record, where it has today's fields, was built of the same input and its folder is whole."""
+    """A scene's record, if it has the current fields and key, and its folder is complete; otherwise None."""
     folder, path = _paths(name, scene)
     if not (path.is_file() and (folder / "metadata.json").is_file()):
         return None
@@ -178,10 +178,10 @@ def build_set(
     only: str = "",
     progress: Callable[[int, int, str], None] = lambda done, total, said: None,
 ) -> tuple[dict[str, dict[str, Any]], list[Failure]]:
-    """Compiles a set, a process per core, a layout at a time.
+    """Compiles a set in one process per core, with a layout per task.
 
     Args:
-      only: layouts with this in their id.
+      only: substring of the ids of the layouts to build.
       progress: called with (layouts done, total, description).
 
     Returns:
@@ -210,7 +210,7 @@ def build_set(
 
 
 def _built(name: str, layout: str) -> list[dict[str, Any]] | Failure:
-    """As `build_layout`; a layout that cannot be built does not stop the others."""
+    """Like `build_layout`, but returns failures instead of raising them."""
     try:
         return build_layout(name, layout)
     except v.ValidationError as error:
@@ -218,7 +218,7 @@ def _built(name: str, layout: str) -> list[dict[str, Any]] | Failure:
 
 
 def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, dict[str, int]]:
-    """Packs the scenes of a set into its bank; returns by scene what `library.most_in_reach` says."""
+    """Packs the scenes of a set into its bank; returns `library.most_in_reach` of each scene."""
     from ...scene import pack_bank
 
     scenes = library.scene_set(name)
@@ -229,7 +229,7 @@ def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, dict[st
 
 
 def write_hashes(name: str, records: dict[str, dict[str, Any]]) -> pathlib.Path:
-    """Writes the hashes of the scenes beside the set's graphs, to be committed; those of other scenes stay."""
+    """Writes the hashes of the scenes beside the set's graphs, to be committed; hashes of other scenes are kept."""
     path = settings.scene_root() / name / library.HASHES
     known = library.shipped_hashes(name)
     known |= {scene: known.get(scene, {}) | record["hashes"] for scene, record in records.items()}

@@ -1,7 +1,7 @@
-"""A block modelled on a city, filmed and distilled: the source of a layout of UrbanVerse-160 or AutoBench.
+"""Films and distils a block modelled on a city, which is a layout of UrbanVerse-160 or AutoBench.
 
-The block's true graph is materialised once, filmed along its trajectory with exact poses, depth and masks, and deleted:
-only the graph that UrbanVerse-Gen distils from the recording is kept.
+The block's true graph is materialised, filmed along its trajectory with exact poses, depth and masks, and discarded;
+only the graph distilled from the recording is kept.
 """
 
 import dataclasses
@@ -30,13 +30,13 @@ SIZE = (320, 180)
 #: s between frames; rad, amplitude of the camera's yaw to both sides, and frames of one oscillation.
 PERIOD, SWAY, SWAY_FRAMES = 1.7, np.radians(38.0), 7
 PITCH = np.radians(5.0)
-#: m that a walker keeps from objects, and the largest shift of the path for it.
+#: m, clearance of the path to objects, and largest shift of the path for it.
 _WALKER_CLEARANCE, _MAX_SHIFT = 0.3, 3.0
 
 
 @dataclasses.dataclass(frozen=True)
 class Capture:
-    """A filmed block: its bank of one scene, the recording with its ground truth, and the distilled graph."""
+    """A filmed block: its bank of one scene, the recording with ground truth, and the distilled graph."""
 
     bank: SceneBank
     recording: Recording
@@ -47,13 +47,13 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
     """Makes, films and distils one block.
 
     Args:
-      profile, seed: of the block.
+      profile, seed: profile and seed of the block.
       name: id of the layout.
-      folder: of the recording, some 30 MB.
+      folder: folder of the recording, about 30 MB.
       length: m of street.
 
     Raises:
-      ValidationError: a profile with records that are not in the asset index, or a capture without ground.
+      ValidationError: the profile has records that are not in the asset index, or the capture has no ground.
     """
     ground_truth = block(profile, seed, name, length)
     layout = materialise_cousins(ground_truth, 1, kerb=0.0)[0].layout
@@ -69,7 +69,7 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
 
 
 def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
-    """Data that a bank needs of every scene; this one has no drive."""
+    """Episode table that a bank requires, with one dummy episode."""
     (x, y, z, _), (gx, gy, gz, _) = ground_truth.camera_path[0], ground_truth.camera_path[-1]
     goal, no = np.array([[gx, gy, gz]]), np.zeros(1, bool)
     return EpisodeTable(
@@ -88,7 +88,7 @@ def _camera_path(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank
 
 
 def _cleared(places: np.ndarray, street: StreetGrid) -> np.ndarray:
-    """(n, 2) m: places in something are moved to the nearest free one, if that is near."""
+    """(n, 2) m, points inside objects moved to the nearest free point, if that is near."""
     free = np.argwhere(street.clearance >= _WALKER_CLEARANCE)
     points = street.middle(free)
     out = places.copy()
@@ -101,7 +101,8 @@ def _cleared(places: np.ndarray, street: StreetGrid) -> np.ndarray:
 
 
 def compact(graph: SceneGraph) -> SceneGraph:
-    """The graph in whole millimetres and milliradians, scores in hundredths, every second place of the trajectory."""
+    """Rounds the graph to whole millimetres and milliradians and scores to hundredths, and keeps every second point of
+    the trajectory."""
     objects = tuple(
         dataclasses.replace(
             o,

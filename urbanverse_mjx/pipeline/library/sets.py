@@ -1,4 +1,4 @@
-"""One set of the scene library: built, compared with its committed hashes, packed and reported."""
+"""Builds a set of the scene library, compares it with its committed hashes, and packs it."""
 
 import dataclasses
 from typing import Any
@@ -17,7 +17,7 @@ class LibraryOptions:
     workers: int | None = None
     """Processes; default: the cores this process may use."""
     only: str = ""
-    """Only layouts with this in their id; then no bank is packed."""
+    """Only layouts whose id contains this; no bank is packed then."""
     bank: bool = True
     """Pack the set's bank."""
     write_hashes: bool = False
@@ -29,9 +29,9 @@ class LibraryBuild:
     """The result of building a set.
 
     Attributes:
-      summary: counts over the scenes; where a bank was packed also its file, and the most hulls and ground prisms in
-        reach of a robot, for which engines have a slot each.
-      failed: layout -> why it could not be built.
+      summary: counts over the scenes; if a bank was packed, also its file and the largest numbers of hulls and ground
+        prisms within reach of a robot, for which engines need slots.
+      failed: layout -> reason why it could not be built.
       other_hash: scenes with other content than committed.
     """
 
@@ -49,11 +49,11 @@ def build_library(name: str, options: LibraryOptions | None = None, quiet: bool 
     """Builds a set of scenes into the cache: cousins, compiled scenes, one bank. An interrupted build continues.
 
     Args:
-      name: of a set in scenes/library.json.
-      quiet: draw no progress bar on standard error.
+      name: name of a set in scenes/library.json.
+      quiet: whether to show no progress bar on standard error.
 
     Raises:
-      ValidationError: no such set, or no layout that `only` fits.
+      ValidationError: the set does not exist, or no layout matches `only`.
     """
     options = options or LibraryOptions()
     library.scene_set(name)
