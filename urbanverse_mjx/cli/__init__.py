@@ -1,1 +1,1 @@
-"""The `urbanverse` command: one module a sub-command, each with `main(argv) -> exit status`."""
+"""The `urbanverse` command: one module per sub-command, each with `main(argv) -> exit status`."""

@@ -1,4 +1,4 @@
-"""Options that several commands read alike: JSON, and sizes of images."""
+"""Options of several commands: JSON objects, and sizes of images."""
 
 import json
 import re
@@ -12,10 +12,10 @@ from ..datatypes import ValidationError
 
 
 def json_object(text: str, option: str) -> dict[str, Any]:
-    """The object that an option's text holds.
+    """Parses the JSON object of an option.
 
     Raises:
-      ValidationError: no JSON, or no object; the message names the option.
+      ValidationError: the text is not a JSON object; the message names the option.
     """
     try:
         value = json.loads(text)
@@ -29,10 +29,10 @@ def json_object(text: str, option: str) -> dict[str, Any]:
 
 
 def image_size(text: str, option: str) -> tuple[int, int]:
-    """Height and width in pixels of an option's "HEIGHTxWIDTH".
+    """Parses height and width in pixels of an option "HEIGHTxWIDTH".
 
     Raises:
-      ValidationError: another form, or no pixels; the message names the option.
+      ValidationError: the text has another form, or a size is 0; the message names the option.
     """
     found = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", text)
     if found is None:

@@ -26,7 +26,7 @@ def list_assets(leaf: str | None = None) -> None:
 
 
 def find(label: Annotated[str, tyro.conf.Positional]) -> None:
-    """Show which leaf a label of a scene graph is matched to, and the base shapes it may become.
+    """Show the leaf and the base shapes to which a label of a scene graph is matched.
 
     Args:
       label: name of the object from a detector or a person, e.g. "trash can".
@@ -48,7 +48,7 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
 def show(
     label: Annotated[str, tyro.conf.Positional], as_json: Annotated[bool, tyro.conf.arg(name="json")] = False
 ) -> None:
-    """Show the leaf that a free label means: its records, median sizes and mass, and what they can be filtered by.
+    """Show the leaf of a free label: its records, median sizes and mass, and the values for filters.
 
     Args:
       label: free text, e.g. "cafe parasol".
@@ -85,7 +85,7 @@ def search(
       query: free text, e.g. "a red wooden chair".
       library: what to search.
       filters: JSON object of filters, e.g. '{"mass_range": [1, 5], "movable": true}'.
-      count: how many to print.
+      count: number of results to print.
     """
     from ..assets.selection import libraries
     from ..assets.selection.search import full_library
@@ -107,7 +107,7 @@ def explain(field: Annotated[str, tyro.conf.Positional], library: Kind = "object
 
     Args:
       field: its name, e.g. "required_force", or "turbidity" of a sky.
-      library: whose field.
+      library: the collection of the field.
     """
     from ..assets.selection import libraries
 
@@ -120,7 +120,7 @@ def match(label: Annotated[str, tyro.conf.Positional], size: tuple[float, float,
     Args:
       label: free text.
       size: along its heading, across and up, m.
-      count: how many.
+      count: number of results to print.
     """
     from ..assets.selection.matching import Matcher
     from ..assets.selection.search import full_library
@@ -137,7 +137,7 @@ def check(repair: bool = False) -> None:
     """
     from ..assets.selection import integrity, libraries
 
-    # A damaged catalogue cannot be opened, so the objects are checked without it.
+    # A damaged catalogue cannot be opened, so this check does not load it.
     problems = integrity.repair() if repair else integrity.problems()
     for name in ("sky", "road", "sidewalk"):
         collection = libraries.library(name)
@@ -156,7 +156,7 @@ def _print_table(records: Sequence) -> None:
     _print_rows(r.to_json() for r in records)
 
 
-#: Commands that query the index; `assets.__main__.COMMANDS` holds those that build it. One line a command.
+#: Commands that query the index; `assets.__main__.COMMANDS` holds those that build it.
 COMMANDS = {
     "list": list_assets,
     "find": find,

@@ -1,4 +1,4 @@
-"""`urbanverse benchmark NAME`: a policy on a frozen benchmark; tables, results and images in a folder."""
+"""`urbanverse benchmark NAME`: evaluates a policy on a frozen benchmark."""
 
 import dataclasses
 import pathlib
@@ -15,16 +15,16 @@ from ._options import EnvOverrides
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class BenchmarkArgs(BenchmarkOptions):
-    """Score a policy on a frozen benchmark: prints the table; report.md, results and images go to a folder."""
+    """Score a policy on a frozen benchmark: prints the table and writes report.md, results and images to a folder."""
 
     name: Annotated[str, tyro.conf.Positional]
     """autobench, craftbench, shipped, validation, or a file made by `python -m benchmarks.freeze`."""
     bank: pathlib.Path | None = None
-    """The scenes; default: those that `urbanverse scene library` (shipped: `urbanverse scene bank`) built."""
+    """Scene bank; default: the one that `urbanverse scene library` (shipped: `urbanverse scene bank`) built."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
     out: pathlib.Path | None = None
-    """Folder; default: runs/NAME-POLICY."""
+    """Output folder; default: runs/NAME-POLICY."""
     quiet: bool = False
 
 

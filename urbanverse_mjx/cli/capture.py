@@ -1,4 +1,4 @@
-"""`urbanverse capture`: a walk through a street of a bank as a recording with its ground truth, and as a video."""
+"""`urbanverse capture`: films a street of a bank as a recording with ground truth, and as a video."""
 
 import dataclasses
 import json

@@ -1,8 +1,8 @@
 """Handles damaged files of JAX's compilation cache.
 
-JAX detects a truncated file and compiles its program again, but neither replaces nor names the file, so every later
-process would compile again, with a warning. It detects a changed bit only where it packs files with zlib; zstd's files,
-which it writes where that library is installed, hold no checksum, so this module keeps one.
+JAX detects a truncated file and compiles its program again, but does not replace the file, so every later process would
+compile again, with a warning. It detects corrupted bits only in files compressed with zlib; files compressed with zstd
+have no checksum, so this module keeps one.
 """
 
 import contextlib
@@ -19,17 +19,17 @@ from .. import settings
 _READING = re.compile(r"Error reading persistent compilation cache entry for '(?P<name>[^']+)'")
 _ZSTD = b"\x28\xb5\x2f\xfd"  # begins its files (RFC 8878, section 3.1.1)
 _ENTRY = "-cache"  # ends the names of JAX's files
-_WRITTEN = 60.0  # s after which a file is whole: JAX writes it in place
+_WRITTEN = 60.0  # s after which a file is complete; JAX writes it in place
 
 
 def replace_damaged_entries(folder: pathlib.Path) -> None:
-    """Renames files of the compilation cache that changed since a command first saw them, and, from now on, those that
-    JAX cannot read, so that newly compiled ones replace them.
+    """Renames files of the compilation cache that changed since they were first seen, and from now on those that JAX
+    cannot read, so that newly compiled ones replace them.
 
-    Each is one line on standard error, in place of JAX's warning.
+    Writes one line per file on standard error in place of JAX's warning.
 
     Args:
-      folder: of the cache.
+      folder: folder of the cache.
     """
     for path in _changed(folder):
         _set_aside(path)
@@ -56,7 +56,7 @@ def _changed(folder: pathlib.Path) -> list[pathlib.Path]:
 
 
 def _unreadable(folder: pathlib.Path, program: str) -> list[pathlib.Path]:
-    """The files of programs of a name that JAX cannot unpack."""
+    """The files of programs with a name that cannot be decompressed."""
     return [path for path in sorted(folder.glob(f"{program}-*{_ENTRY}")) if not _is_whole(path)]
 
 
@@ -71,7 +71,7 @@ def _set_aside(path: pathlib.Path) -> bool:
 
 
 def _is_whole(path: pathlib.Path) -> bool:
-    """Whether a file can be unpacked, as JAX packs it: with zstd, of Python from 3.14 on or of a package, or zlib."""
+    """Whether a file can be decompressed: with zstd (of Python 3.14 or a package) or zlib, like in JAX."""
     try:
         body = path.read_bytes()
         if not body.startswith(_ZSTD):

@@ -1,4 +1,4 @@
-"""`urbanverse dataset`: what a recorded dataset holds, and whether its files agree."""
+"""`urbanverse dataset`: prints statistics of a recorded dataset and checks its consistency."""
 
 import dataclasses
 import json
@@ -14,7 +14,7 @@ from ..datasets import DatasetSummary
 
 @dataclasses.dataclass(frozen=True)
 class StatsArgs:
-    """Print what a dataset holds: episodes, frames, scenes, results, and the range of every number."""
+    """Print the contents of a dataset: episodes, frames, scenes, results, and the range of every number."""
 
     folder: Annotated[str, tyro.conf.Positional]
     """A LeRobotDataset v3."""
@@ -24,8 +24,8 @@ class StatsArgs:
 
 @dataclasses.dataclass(frozen=True)
 class CheckArgs:
-    """Compare a dataset's counts, rows, times, numbers and videos with its descriptions; exit status 1 where one is
-    wrong. Nothing is changed."""
+    """Check a dataset's counts, rows, times, numbers and videos against its metadata; exit status 1 if one is wrong.
+    Changes no file."""
 
     folder: Annotated[str, tyro.conf.Positional]
     """A LeRobotDataset v3."""

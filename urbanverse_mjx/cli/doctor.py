@@ -1,7 +1,7 @@
-"""`urbanverse doctor`: the state of this machine, and commands that fix missing parts.
+"""`urbanverse doctor`: checks this machine and prints commands that fix problems.
 
-Every check runs in a process of its own, so that a package that crashes, hangs or gives wrong information about itself
-affects one line of the table only. Exit status 0 if all requirements of `make train` are met, 1 otherwise.
+Every check runs in a process of its own, so that a package that crashes or hangs affects only one line of the table.
+Exit status 0 if all requirements of `make train` are met, 1 otherwise.
 """
 
 import argparse
@@ -17,12 +17,12 @@ from collections.abc import Iterator, Sequence
 from .. import __version__
 from .doctor_checks import CHECKS, Finding, reinstall
 
-#: s of the processor's time: on a busy machine a sound check takes many times as long by the clock.
-#: The first frame on a machine compiles the renderer's kernels (20 s on a GPU, docs/sources/measured.md).
+#: s of processor time, because checks take much longer in wall time on a busy machine. The first frame on a machine
+#: compiles the renderer's kernels (20 s on a GPU, docs/sources/measured.md).
 TIMEOUT = 300.0
-#: s by the clock without computing, after which a check hangs.
+#: s of wall time without computation after which a check counts as hanging.
 IDLE = 120.0
-#: Of one core: a process that gets less is waiting for something else than its turn.
+#: Share of one core below which a process counts as idle.
 _IDLE_SHARE = 0.01
 
 
@@ -36,12 +36,12 @@ class Row:
 
 
 def examine(name: str, timeout: float = TIMEOUT, idle: float = IDLE) -> Row:
-    """Runs one check in a fresh interpreter; whatever happens to it becomes a finding.
+    """Runs one check in a new interpreter; crashes and time-outs become findings.
 
     Args:
       name: a key of `CHECKS`.
-      timeout: s of the processor's time that the check may take.
-      idle: s by the clock that it may stand still.
+      timeout: s of processor time that the check may take.
+      idle: s of wall time that it may be idle.
     """
     required, package = CHECKS[name].required, CHECKS[name].package
     fix = reinstall(package) if package else "make setup"
@@ -62,7 +62,7 @@ def examine(name: str, timeout: float = TIMEOUT, idle: float = IDLE) -> Row:
 
 
 def _answer(process: subprocess.Popen[str], timeout: float, idle: float) -> tuple[str, str]:
-    """What the process wrote; kills it and raises TimeoutError where it computes for too long or stands still."""
+    """The output of the process; kills it and raises TimeoutError if it computes for too long or is idle."""
     worked = moved = 0.0
     since = time.monotonic()
     while True:
@@ -85,7 +85,7 @@ def _answer(process: subprocess.Popen[str], timeout: float, idle: float) -> tupl
 
 
 def _processor_seconds(pid: int) -> float:
-    """Of a process and those that it started, such as compilers; 0 where psutil does not say."""
+    """Processor time in s of a process and its children, such as compilers; 0 if psutil does not report it."""
     try:
         import psutil
 
@@ -105,13 +105,14 @@ def _ending(status: int, stderr: str) -> str:
 
 
 def examine_all(names: Sequence[str], workers: int = 2) -> Iterator[Row]:
-    """Rows in the order of `names`, each as soon as it is known. Two at a time: each loads a large library."""
+    """Yields rows in the order of `names` as soon as they are available. Two checks run in parallel, because each loads
+    a large library."""
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         yield from pool.map(examine, names)
 
 
 def line(row: Row) -> str:
-    """One row as text, with the fix below what it fixes."""
+    """Formats a row as text, with the fix below the finding."""
     status = row.finding.status
     if status == "missing" and not row.required:
         status = "absent"
@@ -120,7 +121,7 @@ def line(row: Row) -> str:
 
 
 def able(rows: Sequence[Row]) -> bool:
-    """Whether everything that the main job needs was found in order."""
+    """Whether all requirements of `make train` are met."""
     return all(row.finding.status == "ok" for row in rows if row.required)
 
 

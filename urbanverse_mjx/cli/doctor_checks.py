@@ -54,7 +54,7 @@ class Check:
 
 
 def requirement(package: str) -> str:
-    """The package with the version range that our own metadata names, e.g. "warp-lang==1.18.0"."""
+    """The requirement of a package in this package's metadata, e.g. "warp-lang==1.18.0"."""
     for line in declared():
         if _canonical(name_of(line)) == _canonical(package):
             return line.partition(";")[0].strip().replace(" ", "")
@@ -99,7 +99,7 @@ def check_machine() -> Finding:
 
 
 def check_packages() -> Finding:
-    """Whether every declared dependency is installed in a version that we declare."""
+    """Checks that every declared dependency is installed in a declared version."""
     from packaging.requirements import Requirement
 
     try:
@@ -302,7 +302,7 @@ def check_coacd() -> Finding:
 
 
 def check_opencv() -> Finding:
-    """Whether OpenCV reads videos, and brings the cascades of `--blur haar`."""
+    """Checks that OpenCV reads videos and has the cascades of `--blur haar`."""
     import pathlib
 
     import cv2
@@ -336,7 +336,7 @@ CHECKS: dict[str, Check] = {
 
 
 def run(name: str) -> Finding:
-    """Runs one check here; an exception becomes a finding with the command that fixes it."""
+    """Runs one check in this process; an exception becomes a finding with the command that fixes it."""
     check = CHECKS[name]
     fix = reinstall(check.package) if check.package else "make setup"
     try:

@@ -1,4 +1,4 @@
-"""`urbanverse evaluate`: a trained or scripted policy over fixed episodes; the result as one JSON line."""
+"""`urbanverse evaluate`: evaluates a trained or scripted policy on fixed episodes."""
 
 import dataclasses
 import json
@@ -19,26 +19,27 @@ class EvaluateArgs:
     """Evaluate a policy on fixed episodes: one JSON line, and report.md, report.json and episodes.csv in a folder."""
 
     policy: Annotated[str, tyro.conf.Positional]
-    """A policy folder, a run folder (its most trained policy is taken), or zero, random, go_to_goal or planner."""
+    """A policy folder, a run folder (for its policy with the most steps), or zero, random, go_to_goal or planner."""
     scenes: str = "test"
     """test, train, all, or scene ids separated by commas."""
     dynamic: bool = False
-    """Streets with people and vehicles that move, and how near the robot came to them; else as it was trained."""
+    """Streets with moving people and vehicles, with metrics of the robot's distance to them; default: as in
+    training."""
     env_name: str | None = None
-    """Whose robot the policy drives, e.g. Go2Nav; default: the one it was trained with, for a scripted one CocoNav."""
+    """Environment whose robot is driven, e.g. Go2Nav; default: that of the training, CocoNav for scripted policies."""
     preset: str = "paper"
-    """Of the environment, for a scripted policy."""
+    """Preset of the environment, for scripted policies."""
     bank: pathlib.Path | None = None
-    """Scene bank; default: that of the preset it was trained with (`quick`: eight unseen streets, others: the shipped
-    two), or the one that URBANVERSE_BANK names."""
+    """Scene bank; default: that of the preset of the training (`quick`: eight held-out streets, others: the two shipped
+    ones), or that of URBANVERSE_BANK."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
     num_episodes: int = 100
     seed: int = 0
     out: pathlib.Path | None = None
-    """Where the report goes; default: beside the policy, for a scripted one runs/evaluate-NAME."""
+    """Folder of the report; default: beside the policy, runs/evaluate-NAME for scripted policies."""
     video: bool = True
-    """Write an mp4 of three episodes drawn at random with --seed, each with how it ended."""
+    """Write an mp4 of three episodes drawn at random with --seed, with their results."""
     quiet: bool = False
 
 

@@ -1,4 +1,4 @@
-"""`urbanverse export-gait`: a trained walking policy as one small file."""
+"""`urbanverse export-gait`: exports a trained locomotion policy as one small file."""
 
 import dataclasses
 import json
@@ -16,11 +16,11 @@ class ExportGaitArgs:
     """Write the actor of a run's newest policy as a gait file; prints one JSON line."""
 
     run: Annotated[pathlib.Path, tyro.conf.Positional]
-    """Run or policy folder of a walking task."""
+    """Run or policy folder of a locomotion task."""
     out: pathlib.Path
     """File to write, .npz."""
     meta: str = "{}"
-    """JSON of facts to keep in the file, e.g. '{"wall_seconds": 500}'."""
+    """JSON object of metadata to store in the file, e.g. '{"wall_seconds": 500}'."""
 
 
 def main(argv: Sequence[str]) -> int:

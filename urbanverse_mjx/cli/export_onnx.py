@@ -1,4 +1,4 @@
-"""`urbanverse export-onnx`: a trained policy as an ONNX file."""
+"""`urbanverse export-onnx`: exports a trained policy as an ONNX file."""
 
 import dataclasses
 import json

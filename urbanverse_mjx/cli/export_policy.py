@@ -1,4 +1,4 @@
-"""`urbanverse export-policy`: a trained policy without its critic."""
+"""`urbanverse export-policy`: exports a trained policy without its critic."""
 
 import dataclasses
 import json
@@ -11,7 +11,7 @@ import tyro
 
 @dataclasses.dataclass(frozen=True)
 class ExportArgs:
-    """Write the newest policy of a run without its critic, to be driven and evaluated; prints one JSON line."""
+    """Write the newest policy of a run without its critic, for inference; prints one JSON line."""
 
     run: Annotated[pathlib.Path, tyro.conf.Positional]
     """Run or policy folder."""

@@ -1,4 +1,4 @@
-"""`urbanverse gen`: digital cousins of a video; `urbanverse gen batch`: of many."""
+"""`urbanverse gen`: makes digital cousins of a video; `urbanverse gen batch`: of many sources."""
 
 import dataclasses
 import json
@@ -20,53 +20,57 @@ class GenArgs:
     out: pathlib.Path
     """Folder of the run: graph, cousins, bank, report.html."""
     cousins: int = 5
-    """How many cousins."""
+    """Number of cousins."""
     seed: int = 0
-    """Chooses among assets, materials and skies that fit equally well, and the episodes."""
+    """Seed of the choice among equally good assets, materials and skies, and of the episodes."""
     kerb: float = 0.15
-    """Height (m) that sidewalks get whose step to the road the source does not show; 0 leaves them."""
+    """Height (m) of sidewalks whose step to the road the source does not show; 0 leaves them level."""
     usd: bool = True
-    """Write every scene as USD too."""
+    """Also write every scene as USD."""
     pictures: bool = True
     """Render images of the cousins for the report."""
     workers: int | None = None
     """Processes that compile; default: the cores this process may use."""
     rate: float = 2.0
-    """Frames taken of a video per second; of a folder's images, how many were taken in a second."""
+    """Frames per second to take from a video; for a folder of images, the rate at which they were taken."""
     camera_height: float = 1.5
-    """Height (m) of the camera above the ground that is walked on: it gives the scale of a video."""
+    """Height (m) of the camera above the ground on which its carrier walks; determines the scale of a video."""
     blur: str | None = None
     """Detector of faces and number plates, which are blurred before a frame is stored: "haar", or "module:function" of
-    your own; none: frames stay here."""
+    your own; without it, no frame is sent to an endpoint."""
     perception: Literal["eye", "foundation"] = "eye"
     """Perception model: "eye", the built-in network, or "foundation": OWLv2, SAM 2, Mask2Former and a depth model."""
     models: pathlib.Path | None = None
     """Folder of the foundation models' weights (owlv2, sam2, mask2former, depth); default: from the hub."""
     licence: str = "unknown"
-    """Of the video, for the records; as city and country."""
+    """Licence of the video, for the records."""
     city: str = "unknown"
+    """City of the video, for the records."""
     country: str = "unknown"
+    """Country of the video, for the records."""
     quiet: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
 class ImportArgs:
-    """Turn another project's recording into one of ours, for `urbanverse gen`; prints one JSON line."""
+    """Convert a recording of another project, for `urbanverse gen`; prints one JSON line."""
 
     source: Annotated[pathlib.Path, tyro.conf.Positional]
     """KITTI-360's root, or a folder that UrbanVerse-Gen's authors' distillation wrote."""
     out: pathlib.Path
     """Folder of the recording."""
     format: Literal["kitti360", "urbanverse"]
-    """Of the source."""
+    """Format of the source."""
     sequence: str = "2013_05_28_drive_0000_sync"
-    """KITTI-360: which drive."""
+    """KITTI-360: name of the drive."""
     first: int = 0
-    """KITTI-360: first frame; last: last frame; step: every so many frames."""
+    """KITTI-360: first frame."""
     last: int = 10_000_000
+    """KITTI-360: last frame."""
     step: int = 1
+    """KITTI-360: distance from one frame to the next."""
     depth: Literal["auto", "scan", "boxes"] = "auto"
-    """KITTI-360: from the laser's scans, or from the annotated boxes and the road."""
+    """KITTI-360: depth from the laser's scans, or from the annotated boxes and the road."""
     rate: float = 1.0
     """urbanverse: frames per second."""
     perception: Literal["eye", "foundation"] = "eye"
@@ -78,33 +82,33 @@ class ImportArgs:
 
 @dataclasses.dataclass(frozen=True)
 class BatchArgs:
-    """Make cousins of many sources; a source that fails never stops the rest; prints one JSON line.
+    """Make cousins of many sources; a source that fails does not stop the others; prints one JSON line.
 
-    Exit status 1 where any source failed finally.
+    Exit status 1 if any source failed after all retries.
     """
 
     sources: Annotated[pathlib.Path, tyro.conf.Positional]
-    """Text file with one source a line (relative to it); empty lines and lines from "#" on are passed over."""
+    """Text file with one source per line (relative to it); empty lines and comments that begin with "#" are skipped."""
     out: pathlib.Path
     """Folder with a run's folder per source and journal.jsonl."""
     executor: Literal["local", "ray"] = "local"
-    """Where the work is done: processes here, or a Ray cluster (RAY_ADDRESS, else one started here)."""
+    """Executor: local processes, or a Ray cluster (RAY_ADDRESS, else one started on this machine)."""
     workers: int | None = None
-    """Sources at a time; default: the cores of this machine, or of the cluster."""
+    """Number of sources at a time; default: the cores of this machine, or of the cluster."""
     retries: int = 1
-    """How often a source that failed is tried again."""
+    """Number of retries of a failed source."""
     cousins: int = 5
-    """How many cousins of each source."""
+    """Number of cousins of each source."""
     seed: int = 0
-    """Chooses among assets, materials and skies that fit equally well, and the episodes."""
+    """Seed of the choice among equally good assets, materials and skies, and of the episodes."""
     usd: bool = True
-    """Write every scene as USD too."""
+    """Also write every scene as USD."""
     pictures: bool = False
     """Render images of the cousins for the reports."""
     rate: float = 2.0
-    """Frames taken of a video per second."""
+    """Frames per second to take from a video."""
     camera_height: float = 1.5
-    """Height (m) of the cameras above the ground that is walked on."""
+    """Height (m) of the cameras above the ground on which their carriers walk."""
     blur: str | None = None
     """Detector of faces and number plates, which are blurred before a frame is stored."""
     quiet: bool = False
@@ -156,7 +160,7 @@ def _import(args: ImportArgs) -> int:
 
 
 def _batch(args: BatchArgs) -> int:
-    # A source's own cousins are compiled one after another: the sources share the cores.
+    # The cousins of a source are compiled sequentially, because sources run in parallel.
     video = pipeline.VideoOptions(args.rate, args.camera_height, args.blur)
     options = pipeline.GenerationOptions(
         args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, video=video

@@ -1,4 +1,4 @@
-"""`urbanverse <command>`: finds the command's module and turns errors into one sentence and an exit status.
+"""`urbanverse <command>`: runs the command's module and converts errors to one sentence and an exit status.
 
 Only the standard library is imported before a command is chosen, so `--help` is instant and `doctor` runs in a
 broken environment. Exit status: 0 done, 1 the command
@@ -39,7 +39,7 @@ COMMANDS = {
     "list-envs": ("list_envs", "list the registered environments and their presets"),
     "doctor": ("doctor", "say what this machine has and how to fix what is missing"),
 }
-#: Commands that run on a machine with a bank and without the libraries that make one.
+#: Commands that need only a bank, not the libraries that make one.
 ON_A_BANK = frozenset({"train", "evaluate", "benchmark", "export-policy", "export-gait", "list-envs"})
 
 
@@ -62,18 +62,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command line (`sys.argv` by default) and returns the exit status."""
     cache = None
     if argv is None:
-        # A process of its own has not imported JAX yet.
+        # Must run before JAX is imported.
         cache = settings.use_compilation_cache()
-        # Imports and tracing make millions of objects that live on: with its own thresholds, made for small programs,
-        # Python's collector takes a tenth of a command's start.
+        # Imports and tracing make millions of long-lived objects; with the default thresholds, garbage collection takes
+        # a tenth of a command's start-up time.
         gc.set_threshold(100_000, 20, 20)
     try:
         status = _choose(list(sys.argv[1:] if argv is None else argv), cache)
         sys.stdout.flush()
         return status
     except OSError as error:
-        # The reader (`| head`) went away, or what standard output is written to is full; keep Python from complaining
-        # again when it flushes at exit.
+        # The pipe's reader has exited, or the device of standard output is full; this prevents another error when
+        # Python flushes at exit.
         sentence = "" if isinstance(error, BrokenPipeError) else refusal(error)
         if sentence is None:
             raise

@@ -1,4 +1,4 @@
-"""Which packages this code declares, and which of them are not installed. Imports the standard library alone."""
+"""Lists declared packages and those that are not installed. Imports only the standard library."""
 
 import importlib.metadata
 import importlib.util
@@ -8,15 +8,14 @@ import tomllib
 
 #: Modules of packages that are also published under other names, such as `opencv-python`.
 _MODULES = {"opencv-python-headless": "cv2"}
-#: Packages that only make or show scenes, films and files of them: a machine that has a bank trains and evaluates
-#: without.
+#: Packages that are only needed to make or show scenes and videos, not to train and evaluate with a bank.
 MAKERS = frozenset({"coacd", "imageio-ffmpeg", "pycolmap", "usd-core", "viser"})
 
 
 def declared() -> list[str]:
     """The requirements of the default installation, e.g. "warp-lang==1.18.0".
 
-    A clone's `pyproject.toml` comes before the metadata of the installation, which a `git pull` leaves behind.
+    In a clone, `pyproject.toml` is used instead of the installed metadata, which may be outdated after a `git pull`.
     """
     project = pathlib.Path(__file__).parents[2] / "pyproject.toml"
     if project.is_file():
@@ -29,7 +28,7 @@ def declared() -> list[str]:
 
 
 def name_of(requirement: str) -> str:
-    """The package that a requirement names."""
+    """The package name of a requirement."""
     found = re.match(r"[A-Za-z0-9._-]+", requirement)
     return found.group() if found else requirement
 

@@ -1,4 +1,4 @@
-"""`urbanverse play`: one agent over a few episodes, as a video. Needs no checkpoint with zero, random or go_to_goal."""
+"""`urbanverse play`: runs one agent on some episodes and writes a video."""
 
 import dataclasses
 import json
@@ -14,10 +14,10 @@ from ._options import EnvOverrides, ImageSize
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PlayArgs(PlayOptions):
-    """Drive episodes and write them as an mp4; prints one JSON line with how they ended."""
+    """Run episodes and write them as an mp4; prints one JSON line with their results."""
 
     size: ImageSize = (180, 320)
-    """Of each of the two images, in pixels."""
+    """Size of each of the two images in pixels."""
     out: pathlib.Path = pathlib.Path("rollout.mp4")
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""

@@ -14,13 +14,13 @@ from ..datatypes import validation as v
 
 @dataclasses.dataclass(frozen=True)
 class RobotArgs:
-    """Read a robot; prints a line for each collision shape that spheres replace, with the largest error of the fit, how
-    the robot stands, and one JSON line."""
+    """Read a robot; prints a line for each collision shape that is replaced by spheres, with the largest error of the
+    fit, the robot's stance, and one JSON line."""
 
     source: Annotated[str, tyro.conf.Positional]
     """A robot.json, its folder, or wheelchair."""
     picture: pathlib.Path | None = None
-    """Where a PNG of the shapes and the spheres goes, from three sides."""
+    """PNG file to write, with the shapes and spheres from three sides."""
 
 
 def main(argv: Sequence[str]) -> int:

@@ -1,4 +1,4 @@
-"""`urbanverse scene ...`: graph -> layout -> compiled scene -> bank; banks joined; terrain to walk on."""
+"""`urbanverse scene ...`: compiles scene graphs, builds and joins banks, and generates training terrain."""
 
 import dataclasses
 import json
@@ -23,19 +23,19 @@ class CompileArgs:
     graph: Annotated[pathlib.Path, tyro.conf.Positional]
     """graph.json."""
     out: pathlib.Path
-    """Folder to write; an older compiled scene there is replaced once the new one is whole."""
+    """Output folder; an older compiled scene in it is replaced when the new one is complete."""
     seed: int = 0
-    """Chooses among equally good assets, materials and skies, and the episodes."""
+    """Seed of the choice among equally good assets, materials and skies, and of the episodes."""
     cousin: int = 0
-    """Number of the digital cousin, from 0: the same as of `urbanverse gen` and of the scene library."""
+    """Number of the digital cousin, from 0, as in `urbanverse gen` and the scene library."""
     half: int = 0
-    """1 or 2: that half of the street alone, cut across its middle; 0: all of it."""
+    """1 or 2: only that half of the street, cut across its centre; 0: all of it."""
     skip_unknown: bool = False
-    """Leave out objects whose label no asset is known for, and list them, instead of refusing the graph."""
+    """Leave out and list objects whose label has no asset, instead of raising an error."""
     movable: bool = False
-    """Write movable objects into scene.xml as free bodies that rest; without it all objects are fixed there."""
+    """Write movable objects to scene.xml as free bodies at rest; by default all objects are fixed."""
     imported: bool = False
-    """Choose among the assets that you imported (`urbanverse assets import`) too."""
+    """Also use the assets that you imported (`urbanverse assets import`)."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,40 +43,40 @@ class BankArgs:
     """Compile scene graphs and pack them into one bank file; prints one JSON line."""
 
     graphs: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional] = ()
-    """graph.json files; none: the shipped streets, re-used where nothing changed."""
+    """graph.json files; none: the shipped streets, which are re-used if nothing changed."""
     out: pathlib.Path | None = None
-    """Bank file; default: in the cache, named by what it is made of. Environments load the shipped streets' bank, or
-    the one that the variable URBANVERSE_BANK names."""
+    """Bank file; default: in the cache, named by a hash of its inputs. Environments load the shipped streets' bank, or
+    that of the variable URBANVERSE_BANK."""
     seed: int = 0
-    """Chooses among equally good assets, materials and skies, and the episodes."""
+    """Seed of the choice among equally good assets, materials and skies, and of the episodes."""
     split: str = "train"
     """Split of the graphs given by name, train, validation or test; scenes/splits.json has that of shipped streets."""
     cousins: int = 1
-    """Digital cousins of each graph given by name: the same places, other assets, materials and sky."""
+    """Number of digital cousins of each given graph, with the same positions, but other assets, materials and skies."""
     imported: bool = False
-    """Choose among the assets that you imported too; needs --out."""
+    """Also use the assets that you imported; needs --out."""
     quiet: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
 class JoinArgs:
-    """Join bank files into one with all their scenes, each in its old split, or in "validation" where the scene library
+    """Join bank files to one with all their scenes, each in its original split, or in "validation" if the scene library
     holds it out; prints one JSON line."""
 
     banks: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional]
-    """Bank files; no scene may stand in two of them."""
+    """Bank files; a scene may occur in only one of them."""
     out: pathlib.Path
     """Bank file to write."""
     split: tuple[str, ...] = ()
-    """NAME=PATTERN puts the scenes whose ids fit a shell pattern into a split of that name: "held_out=bench_*_15?"."""
+    """NAME=PATTERN assigns the scenes whose ids match a shell pattern to the split NAME: "held_out=bench_*_15?"."""
 
 
 @dataclasses.dataclass(frozen=True)
 class TerrainArgs:
-    """Build the terrain that robots learn to walk on (kerbs, stairs, slopes, rough ground); prints one JSON line."""
+    """Build the training terrain for locomotion (kerbs, stairs, slopes, rough ground); prints one JSON line."""
 
     out: pathlib.Path | None = None
-    """Bank file; default: in the cache, where environments find the one with the default seed and levels."""
+    """Bank file; default: in the cache, from which environments load the one with the default seed and levels."""
     seed: int = 0
     levels: int = 10
     """Levels of difficulty of each kind."""
@@ -150,7 +150,7 @@ def _terrain(args: TerrainArgs) -> int:
 
 
 def _keep_bank(out: pathlib.Path | None, path: pathlib.Path, build: Callable[[], SceneBank]) -> int:
-    """Builds a bank into the file that the user named, or finds or builds the one in the cache."""
+    """Builds a bank to the given file, or loads or builds the one in the cache."""
     if out is None:
         return _say_bank(path, pipeline.cached_bank(path, build))
     bank = build()

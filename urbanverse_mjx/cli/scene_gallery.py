@@ -1,4 +1,4 @@
-"""`urbanverse scene gallery`: a page of compiled scenes with images and numbers."""
+"""`urbanverse scene gallery`: makes a page of compiled scenes with images and statistics."""
 
 import dataclasses
 import json
@@ -12,16 +12,16 @@ from .. import pipeline
 
 @dataclasses.dataclass(frozen=True)
 class GalleryArgs:
-    """Draw compiled scenes from above and at eye level into a page with their numbers; prints one JSON line."""
+    """Draw compiled scenes from above and at eye level on a page with their statistics; prints one JSON line."""
 
     scenes: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional] = ()
     """Compiled scenes, or folders of them (a set of the scene library); none: the shipped streets, compiled first."""
     out: pathlib.Path | None = None
-    """Folder of the page; default: in the cache. Images that are there and current are kept."""
+    """Folder of the page; default: in the cache. Existing images are kept if they are current."""
     report: pathlib.Path | None = None
-    """report.json of a benchmark: how often the planner failed in each scene is its difficulty."""
+    """report.json of a benchmark, whose failure rate in each scene is shown as its difficulty."""
     agent: str = "planner"
-    """Whose failures in the report count."""
+    """Agent of the report whose failure rate is used."""
     title: str = "Scenes"
     quiet: bool = False
 

@@ -16,7 +16,7 @@ from ..scene import library
 class LibraryArgs(LibraryOptions):
     """Build sets of scenes into the cache: cousins, compiled scenes, one bank each; prints one JSON line per set.
 
-    Continues an interrupted build. Exit status 1 where a layout failed or a scene's hash is not the committed one.
+    Continues an interrupted build. Exit status 1 if a layout failed or a scene's hash differs from the committed one.
     """
 
     sets: Annotated[tuple[str, ...], tyro.conf.Positional] = ()

@@ -1,4 +1,4 @@
-"""`urbanverse scene routes`: maps and planned routes as CraftBench-Nav's files, from our scenes or from theirs."""
+"""`urbanverse scene routes`: writes maps and planned routes as files of CraftBench-Nav."""
 
 import dataclasses
 import json
@@ -14,7 +14,8 @@ from ..datatypes import validation as v
 
 @dataclasses.dataclass(frozen=True)
 class RoutesArgs:
-    """Plan routes over maps for a robot and write them as CraftBench-Nav does; prints one JSON line per scene."""
+    """Plan routes on maps for a robot and write them in the format of CraftBench-Nav; prints one JSON line per
+    scene."""
 
     scenes: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional]
     """Folders with map.json and layers.npz: compiled scenes, or maps that the authors' tools made."""
@@ -23,13 +24,13 @@ class RoutesArgs:
     robot: str = "delivery"
     """Kind of robot for the routes: delivery, quadruped or wheelchair."""
     annotations: pathlib.Path | None = None
-    """Folder of <scene>.json files, starts and goals to plan; none: twelve routes are chosen."""
+    """Folder of <scene>.json files with starts and goals; none: twelve routes are chosen."""
     seed: int = 0
-    """Chooses among equally good starts."""
+    """Seed of the choice among equally good starts."""
 
 
 def main(args: RoutesArgs) -> int:
-    """Runs `urbanverse scene routes`; status 1 where a route could not be planned."""
+    """Runs `urbanverse scene routes`; status 1 if a route could not be planned."""
     from ..scene.planner import ROBOTS
     from ..scene.routes import NoRoute
 

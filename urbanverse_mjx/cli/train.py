@@ -1,4 +1,4 @@
-"""`urbanverse train`: bank, training, evaluation on unseen streets, report and video; the result as one JSON line."""
+"""`urbanverse train`: trains a policy and evaluates it on unseen streets."""
 
 import dataclasses
 import json
@@ -13,7 +13,7 @@ from ._options import EnvOverrides, json_object
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class TrainArgs(TrainOptions):
-    """Train a policy by imitation (presets `quick`, `best`) or Brax PPO; one that navigates is evaluated on unseen
+    """Train a policy by imitation (presets `quick`, `best`) or Brax PPO; navigation policies are evaluated on unseen
     streets.
 
     The last line on stdout is one JSON object: SR, CT, RC (%), DTG (m) with 95 % intervals for each agent.
@@ -26,11 +26,11 @@ class TrainArgs(TrainOptions):
     hundreds of streets: --bank), cpu (PPO on a laptop), fast (PPO on a GPU), paper and urbansim_v0_1; to walk: cpu (the
     default) and fast."""
     num_timesteps: int | None = None
-    """Env-steps in all; default of the preset."""
+    """Total env-steps; default: that of the preset."""
     num_envs: int | None = None
-    """Parallel envs; default of the preset."""
+    """Number of parallel envs; default: that of the preset."""
     seed: int | None = None
-    """Of the networks, episodes and the evaluation's draw; default 0."""
+    """Seed of networks, episodes and the evaluation; default 0."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"reward_config.scales.hit": -10}'."""
     ppo_overrides: str = "{}"

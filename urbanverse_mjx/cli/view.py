@@ -1,4 +1,4 @@
-"""`urbanverse view`: streets, robots and policies in a web page."""
+"""`urbanverse view`: shows streets, robots and policies in a web page."""
 
 import dataclasses
 import sys

@@ -1,8 +1,7 @@
-"""Arrays by name in one compressed `.npz`, read only where every bit of them is as it was written.
+"""Reads and writes named arrays in a compressed `.npz` with complete integrity checks.
 
-The archive holds a CRC-32 of each array. `zipfile` compares it only when an array is read to its end, and numpy trusts
-the shape in an array's header before that. Here every array is read to its end, and its header must fit its size. Files
-from before this module existed hold the same checksums.
+The archive holds a CRC-32 of each array. `zipfile` compares it only when an array is read to its end, and NumPy trusts
+the shape in an array's header before that. Here every array is read to its end, and its header must match its size.
 """
 
 import contextlib
@@ -23,19 +22,19 @@ _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.r
 
 
 def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray]) -> pathlib.Path:
-    """Writes the arrays, all or nothing; a name must end in .npz."""
+    """Writes the arrays atomically; the file name must end in .npz."""
     return v.write_atomically(path, lambda p: np.savez_compressed(p, allow_pickle=False, **arrays))
 
 
 def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
-    """Every array by its name.
+    """Reads all arrays by name.
 
     Args:
-      kind: expected kind of file, for messages.
+      kind: expected kind of file, for error messages.
       hint: advice for a damaged one.
 
     Raises:
-      ValidationError: the file cannot be read, is cut off, or any of its bytes changed since it was written.
+      ValidationError: the file cannot be read, is truncated, or any of its bytes changed.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -43,7 +42,7 @@ def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
     except MemoryError:
         raise
     except Exception as error:
-        # A changed byte can reach any part of zipfile, of a decompressor or of numpy, which raise a dozen kinds.
+        # A changed byte can cause many types of errors in zipfile, the decompressor or NumPy.
         raise v.fail(str(path), f"an unreadable or damaged file ({v.show(str(error), 100)})", kind, hint) from error
 
 
@@ -60,7 +59,7 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
 
 
 def load_cached(path: pathlib.Path, kind: str, names: Collection[str]) -> dict[str, np.ndarray] | None:
-    """The arrays of a file that this program keeps in its cache, under `names`; None where they must be made.
+    """Reads the arrays `names` of a cache file; None if they must be made.
 
     A damaged file is renamed (see `validation.set_aside`), with one line on standard error.
     """
@@ -78,7 +77,7 @@ def load_cached(path: pathlib.Path, kind: str, names: Collection[str]) -> dict[s
 
 
 def discard(path: pathlib.Path, reason: str) -> None:
-    """Renames a file of the cache that cannot be used, and reports it in one line on standard error."""
+    """Renames an invalid cache file and reports it in one line on standard error."""
     kept = ""
     with contextlib.suppress(OSError):  # another process was faster, or the folder is read-only
         kept = f" kept as {v.set_aside(path).name},"
@@ -86,6 +85,6 @@ def discard(path: pathlib.Path, reason: str) -> None:
 
 
 def save_cached(path: pathlib.Path, arrays: Mapping[str, np.ndarray]) -> None:
-    """Writes arrays into the cache; if that fails, the next start only takes longer."""
+    """Writes arrays to the cache; failures are ignored."""
     with contextlib.suppress(OSError):
         save(path, arrays)

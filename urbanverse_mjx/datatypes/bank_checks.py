@@ -1,4 +1,4 @@
-"""Whether the arrays of a scene bank fit together: no index leaves the table that it counts."""
+"""Checks that the arrays of a scene bank are consistent and indices are within their tables."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,7 +9,7 @@ from . import validation as v
 from .ground import GROUND_KINDS
 
 _HINT = "build the bank again"
-#: How the names of arrays begin whose first axis is the scene.
+#: Name prefixes of arrays whose first axis is the scene.
 _BY_SCENE = ("inst_", "prism_", "slot_", "episode_", "map_kind", "hull_grid", "grid_origin", "scene_sky", "num_")
 
 
@@ -42,7 +42,7 @@ def check_bank(arrays: Mapping[str, np.ndarray], meta: Mapping[str, Any]) -> Non
 
 
 def _limits(arrays: Mapping[str, np.ndarray], meta: Mapping[str, Any]) -> dict[str, tuple[int, int]]:
-    """Index array -> the least value in it, and the one from which on it points outside its table."""
+    """Index array -> its least valid value, and the first one outside its table."""
     length = {name: len(array) for name, array in arrays.items() if array.ndim}
     across = {name: array.shape[1] for name, array in arrays.items() if array.ndim > 1}
     return {
@@ -67,7 +67,7 @@ def _limits(arrays: Mapping[str, np.ndarray], meta: Mapping[str, Any]) -> dict[s
 
 
 def _check_range(name: str, array: np.ndarray, low: int, high: int) -> None:
-    """Whether every number of an index array lies in [low, high)."""
+    """Checks that every value of an index array lies in [low, high)."""
     if array.dtype.kind not in "iu":
         raise v.fail(f"bank.{name}", f"numbers of type {array.dtype}", "whole numbers", _HINT)
     if array.size and (int(array.max()) >= high or int(array.min()) < low):
@@ -75,7 +75,7 @@ def _check_range(name: str, array: np.ndarray, low: int, high: int) -> None:
 
 
 def _check_starts(arrays: Mapping[str, np.ndarray]) -> None:
-    """Whether meshes and textures lie in order in the arrays that hold them all, and faces use their mesh's corners."""
+    """Checks the offsets of meshes and textures, and that faces use corners of their own mesh."""
     meshes, textures = len(arrays["mesh_material"]), len(arrays["texture_shape"])
     for starts, parts, count in (
         ("mesh_vertex_start", "mesh_vertices", meshes),

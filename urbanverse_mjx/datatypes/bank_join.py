@@ -1,4 +1,4 @@
-"""Joining scene banks: the scenes of several files, shipped streets and a user's own, in one that can be trained on."""
+"""Joins scene banks to one bank with all their scenes."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,7 +8,7 @@ import numpy as np
 from . import validation as v
 from .scene_bank import SceneBank
 
-#: Arrays of indices with a leading scene axis, and the array whose rows they count.
+#: Index arrays with a leading scene axis -> the array to whose rows they refer.
 _INDICES = {
     "inst_hull": "hull_vertices",
     "prism_hull": "hull_vertices",
@@ -17,7 +17,7 @@ _INDICES = {
     "material_texture": "texture_shape",
     "scene_sky": "sky_radiance",
 }
-#: Tables whose first entries are where the parts of another begin.
+#: Offset tables -> the array whose parts they delimit.
 _STARTS = {
     "mesh_vertex_start": "mesh_vertices",
     "mesh_face_start": "mesh_faces",
@@ -39,9 +39,9 @@ _SCALARS = ("grid_cell", "map_resolution")
 
 
 def join(banks: Sequence[SceneBank]) -> SceneBank:
-    """One bank with all scenes of several, in order.
+    """Joins banks in order.
 
-    Maps are thinned out to the coarsest resolution among them. Meshes and hulls that two banks share are kept twice.
+    Maps are subsampled to the coarsest resolution. Meshes and hulls that two banks share are stored twice.
 
     Raises:
       ValidationError: no bank, a scene id twice, skies of different sizes, grids of different cells or reach, or map
@@ -68,7 +68,7 @@ def join(banks: Sequence[SceneBank]) -> SceneBank:
 
 
 def _coarse_map(bank: SceneBank, resolution: float) -> dict[str, np.ndarray]:
-    """The bank's arrays with every n-th cell of its map, the middle one of those it stands for."""
+    """The bank's arrays with a map of every n-th cell."""
     arrays = bank.arrays()
     step = round(resolution / float(bank.map_resolution))
     if abs(step * float(bank.map_resolution) - resolution) > 1e-6:
@@ -101,7 +101,7 @@ def _stacked(arrays: Sequence[np.ndarray], name: str) -> np.ndarray:
     if len(set(shapes)) == 1:
         return np.concatenate(arrays)
     shape, fill = tuple(max(sizes) for sizes in zip(*shapes, strict=True)), _EMPTY.get(name, 0)
-    # Where nothing is written into zeros the system gives no memory for them: half of the maps of 200 streets.
+    # The system allocates no memory for zeros that are never written, which saves half of the maps of 200 streets.
     whole, dtype = (sum(len(a) for a in arrays), *shape), arrays[0].dtype
     out = np.full(whole, fill, dtype) if fill else np.zeros(whole, dtype)
     first = 0
@@ -162,7 +162,7 @@ def _meta(banks: Sequence[SceneBank], categories: list[str], slots: int) -> dict
 
 
 def _agents(banks: Sequence[SceneBank], categories: list[str]) -> dict[str, list[Any]]:
-    """The appearances of the first bank that has any: all banks carry the same few."""
+    """The appearances of the first bank that has any, which are the same in all banks."""
     before = 0
     for bank in banks:
         agents = bank.agents

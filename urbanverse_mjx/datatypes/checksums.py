@@ -1,4 +1,4 @@
-"""Checksums of files that others write, kept in a file of our own: has one changed since it was first seen?"""
+"""Detects changes of files that other programs write, by checksums in a record file."""
 
 import contextlib
 import hashlib
@@ -11,14 +11,14 @@ from . import validation as v
 def changed_groups(
     folder: pathlib.Path, groups: Mapping[pathlib.Path, Sequence[pathlib.Path]], record: pathlib.Path
 ) -> dict[pathlib.Path, pathlib.Path]:
-    """Which groups of files below a folder hold one that is empty or has other bytes than when it was first seen.
+    """Groups of files below a folder with a file that is empty or changed since it was first seen.
 
     A new file is trusted and recorded; missing files, and those of a changed group, are removed from the record, since
     their replacements may differ.
 
     Args:
       groups: name of a group -> its files.
-      record: the JSON file with the checksums; where it cannot be read or written no checksum is known.
+      record: JSON file with the checksums; if it cannot be read or written, no checksum is known.
 
     Returns:
       group -> its first such file.

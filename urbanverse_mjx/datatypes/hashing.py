@@ -14,7 +14,7 @@ QUANTUM = 1e-3
 
 
 def canonical(value: Any, quantum: float = QUANTUM) -> Any:
-    """Nested dicts, sequences, arrays and scalars as plain JSON with floats in whole quanta."""
+    """Converts nested dicts, sequences, arrays and scalars to plain JSON with floats in whole quanta."""
     if isinstance(value, dict):
         return {str(k): canonical(v, quantum) for k, v in value.items()}
     if isinstance(value, (list, tuple)):

@@ -10,7 +10,7 @@ from .ground import GROUND_KINDS
 
 @dataclasses.dataclass(frozen=True)
 class LabelPrior:
-    """Sizes and places of the objects that share a label.
+    """Sizes and possible positions of the objects of a label.
 
     Attributes:
       extents: (n, 3) m, sizes of known objects (along the heading, across, up); n may be 0.

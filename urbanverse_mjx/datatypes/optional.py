@@ -1,4 +1,4 @@
-"""Packages that only some uses need, and weights that they load: one sentence where they are not there."""
+"""Imports optional packages and loads weights, with one-sentence errors if they are missing."""
 
 import importlib
 from collections.abc import Callable
@@ -8,14 +8,14 @@ from . import validation as v
 
 
 def package(name: str, where: str, extra: str, instead: str = "") -> Any:
-    """Imports a package that an extra of ours installs.
+    """Imports a package of an optional extra.
 
     Args:
       where: the requesting option.
       instead: the alternative.
 
     Raises:
-      ValidationError: it or a package that it needs is not installed, or cannot be imported.
+      ValidationError: the package or one that it needs is not installed or cannot be imported.
     """
     try:
         return importlib.import_module(name)
@@ -28,10 +28,10 @@ def package(name: str, where: str, extra: str, instead: str = "") -> Any:
 
 
 def weights[Model](load: Callable[[], Model], where: str, name: str, needed: str) -> Model:
-    """The result of `load` for the weights of a name or folder.
+    """Calls `load` for the weights of a name or folder.
 
     Raises:
-      ValidationError: there are none.
+      ValidationError: the weights do not exist.
     """
     try:
         return load()

@@ -44,7 +44,7 @@ class TensorRecord:
 
 @dataclasses.dataclass(frozen=True)
 class PolicyRecord:
-    """How a policy file is driven.
+    """Interface of a policy file.
 
     Attributes:
       inputs, outputs: in the file's order. An input X with an output `next_`X is memory: zeros when an episode begins,
@@ -91,5 +91,5 @@ class PolicyRecord:
 
 
 def memories(inputs: Sequence[str], outputs: Sequence[str]) -> tuple[str, ...]:
-    """Names of the inputs that an output is fed back to."""
+    """Names of the memory inputs, to which an output is fed back."""
     return tuple(name for name in inputs if NEXT + name in outputs)

@@ -1,12 +1,11 @@
-"""How many hulls or ground prisms come within reach of a robot, at most, anywhere that it may be in a bank.
+"""Largest numbers of hulls and ground prisms within reach of a robot at any allowed position of a bank.
 
-In:   `SceneBank`, a reach.
-Out:  a number that no pose exceeds: the slots that an engine needs.
-When: at construction of an engine (milliseconds a scene), and for the report of a set of scenes.
+In:   `SceneBank`, a reach. Out: an upper bound over all poses: the number of slots that an engine needs. When: at
+construction of an engine (milliseconds a scene), and for the report of a set of scenes.
 
-Squares of ground are split into four as long as more boxes come within reach of some point of them than of the densest
-point found so far (branch and bound). Only cells of the bank's grids that list more than there are slots are looked at,
-so that sparse streets cost nothing.
+Branch and bound: squares of ground are split into four as long as more boxes may be within reach of one of their points
+than of the densest point found so far. Only cells of the bank's grids that list more boxes than there are slots are
+considered, so that sparse streets cost nothing.
 """
 
 from typing import NamedTuple
@@ -71,14 +70,14 @@ class _Ground(NamedTuple):
 
 
 def most_objects_in_reach(bank: SceneBank, scene: int, reach: float, at_least: int = 0) -> int:
-    """The most hulls of objects within reach of a point over a scene's traversable ground.
+    """Largest number of object hulls within reach of a point on a scene's traversable ground.
 
-    Height is left out, so that the number holds on any slope, and where the robot leaps or lies. Objects are turned
-    about z alone. Reach is that of the robot's centre and at most the `grid_reach` of the bank.
+    Heights are ignored, so the number holds for any slope and posture. Objects are rotated about z only. The reach is
+    measured from the robot's centre and is at most the `grid_reach` of the bank.
 
     Args:
       reach: m.
-      at_least: returned where no more come within reach, which is found sooner.
+      at_least: lower bound of the result, which makes the search faster.
 
     Returns:
       A bound: 1 or 2 more than there are where that many lie within 11 mm beyond the reach.
@@ -91,7 +90,7 @@ def most_objects_in_reach(bank: SceneBank, scene: int, reach: float, at_least: i
 
 
 def most_prisms_in_reach(bank: SceneBank, scene: int, reach: float, at_least: int = 0) -> int:
-    """As `most_objects_in_reach` for the prisms of the ground."""
+    """Like `most_objects_in_reach`, for ground prisms."""
     box = bank.hull_box[np.maximum(bank.prism_hull[scene], 0)].astype(np.float64)
     centre = bank.prism_position[scene] + box[:, 0]
     boxes = _Boxes(centre[:, :2], box[:, 1, :2], None)

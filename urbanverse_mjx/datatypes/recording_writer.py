@@ -15,20 +15,20 @@ from .scene_graph import Source
 
 _JPEG_QUALITY = 92
 _KINDS = ("rgb", "depth", "masks", "surfaces")
-#: Stands in the folder as long as a recording is not whole: whose images these are.
+#: Marker file in the folder of an incomplete recording.
 _UNFINISHED = ".unfinished-recording"
 
 
 class RecordingWriter:
-    """Writes images as they come; the folder is a recording only once `close` has written `recording.json`.
+    """Writes images frame by frame; the folder is a recording only after `close` has written `recording.json`.
 
     Args:
-      folder: made where it is missing; a recording that stands there is replaced.
+      folder: output folder, which is created if needed; an existing recording is replaced.
       id, source, camera, depth_unit_m: see `Recording`.
       lossless: RGB as PNG instead of JPEG.
 
     Raises:
-      ValidationError: the folder cannot be written, or holds images that are not of a recording.
+      ValidationError: the folder cannot be written, or holds files that do not belong to a recording.
     """
 
     def __init__(

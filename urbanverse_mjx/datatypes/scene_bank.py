@@ -1,7 +1,7 @@
 """`SceneBank`: many compiled scenes as padded arrays with a leading `scene` axis. File: `bank-<hash>.npz`.
 
-It is everything the runtime needs (physics, renderer, environment, evaluation) and it travels alone to a
-GPU machine. All positions are in the scene's world frame (z up, metres), rotations R_world_x.
+It holds all data for physics, rendering, environments and evaluation, so a GPU machine needs no other file. All
+positions are in the scene's world frame (z up, metres), rotations R_world_x.
 
 Sizes: Z scenes, T distinct hulls, V = 32 corners and F = 60 triangles a hull, Q hull instances a scene,
 P ground prisms a scene, N visual slots a scene, E episodes a scene, W waypoints an episode, M meshes,
@@ -22,7 +22,7 @@ from .asset import MAX_HULL_VERTICES
 from .bank_checks import check_bank
 
 SCHEMA = "urbanverse.scene_bank/1"
-#: Purposes of scenes: training; choice of presets, checkpoints and ablations; reports.
+#: Splits of scenes: for training; for the choice of presets, checkpoints and ablations; for reports.
 SPLITS = ("train", "validation", "test")
 MAX_HULL_TRIANGLES = 2 * MAX_HULL_VERTICES - 4
 
@@ -159,7 +159,7 @@ class SceneBank:
 
     @property
     def agents(self) -> dict[str, list[Any]]:
-        """Appearances of moving agents, see `meta`; empty lists in a bank that carries none."""
+        """Appearances of moving agents, see `meta`; empty lists if there are none."""
         return self.meta.get("agents", {"kind": [], "mesh": [], "category": []})
 
     def scenes_of(self, split: str) -> np.ndarray:
@@ -192,7 +192,7 @@ class SceneBank:
         """Reads a bank.
 
         Raises:
-          ValidationError: no such file, one that is damaged, another schema, or arrays that do not fit together.
+          ValidationError: the file does not exist, is damaged, has another schema, or its arrays are inconsistent.
         """
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a scene bank", "build one with `urbanverse scene bank`")
@@ -201,7 +201,7 @@ class SceneBank:
         v.choice(meta.get("schema"), f"{path}: schema", (SCHEMA,))
         names = {f.name for f in dataclasses.fields(SceneBank)} - {"meta"}
         if "slot_mesh" in arrays and not {"slot_movable", "slot_mass"} & set(arrays):
-            # A file from before movable objects existed: no object is movable.
+            # In older files without this array, no object is movable.
             shape = arrays["slot_mesh"].shape
             arrays |= {"slot_movable": np.zeros(shape, np.uint8), "slot_mass": np.zeros(shape, np.float32)}
         if names != set(arrays):

@@ -1,6 +1,6 @@
 """`SimState` and the interfaces of engines and renderers. Arrays are per env; both work alone and under `jax.vmap`.
 
-The shapes are for type checkers and readers: modules that make scenes import this one without loading JAX.
+The shapes are annotations only, so that modules that make scenes import this module without loading JAX.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class AgentMotion(NamedTuple):
 
 
 class Bodies(NamedTuple):
-    """M objects of a scene that can be pushed, wherever they are by now.
+    """Current states of M movable objects of a scene.
 
     Attributes:
       object_index: (M,) i32, object (visual slot) that the body is, -1 = none.
@@ -85,7 +85,7 @@ class Bodies(NamedTuple):
 
 
 class CameraMount(NamedTuple):
-    """How a robot's camera differs from its description.
+    """Offset of a robot's camera from its description.
 
     Attributes:
       offset: (3,) m, added to its position in the body's frame.

@@ -1,4 +1,4 @@
-"""Tables of data that lie as TOML beside the module that uses them."""
+"""Loads TOML data tables stored beside the modules that use them."""
 
 import os
 import pathlib
@@ -7,7 +7,8 @@ from typing import Any
 
 
 def table(module: str | os.PathLike[str]) -> dict[str, Any]:
-    """The file beside a module: `table(__file__)` in `trades.py` is what `trades.toml` holds, arrays as tuples."""
+    """Loads the TOML file beside a module: `table(__file__)` in `trades.py` returns the contents of `trades.toml`, with
+    arrays as tuples."""
     return _fixed(tomllib.loads(pathlib.Path(module).with_suffix(".toml").read_text(encoding="utf-8")))
 
 

@@ -1,4 +1,4 @@
-"""Checks that turn bad input into one sentence: where, what was found, what was needed, what to try.
+"""Validation functions whose errors are one sentence: where, what was found, what was needed, what to try.
 
 Every datatype validates itself when it is made, so one that exists is a valid one. The functions here
 return the checked value in its canonical Python type and raise `ValidationError` otherwise.
@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 MAX_FILE_BYTES = 64 * 2**20
-#: In the names of files that are being written.
+#: Part of the names of temporary files during writing.
 _PART = "-urbanverse-"
 MAX_TEXT = 2_000  # characters: the longest address a browser takes
 
@@ -56,7 +56,7 @@ def text(value: Any, where: str, allow_empty: bool = False) -> str:
 
 
 def identifier(value: Any, where: str) -> str:
-    """The name of a scene: it becomes a folder's name."""
+    """Checks the name of a scene, which is also the name of a folder."""
     text(value, where)
     if not all((c.isascii() and c.isalnum()) or c in "_-" for c in value):
         raise fail(where, show(value), "ASCII letters, digits, '_' and '-' only")
@@ -89,7 +89,7 @@ def number(
     maximum: float | None = None,
     above: float | None = None,
 ) -> float:
-    """A finite number with minimum <= value <= maximum and value > above, as far as these are given."""
+    """Checks for a finite number with minimum <= value <= maximum and value > above, for the given limits."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise fail(where, show(value), "a finite number")
     try:
@@ -137,7 +137,7 @@ def instances(value: Any, where: str, kind: type, minimum: int = 0, maximum: int
 
 
 def named(value: Any, where: str, kind: str) -> str:
-    """How an entry is called in errors: by its id where it has one, else by its place in the list."""
+    """Name of an entry in errors: its id if it has one, otherwise its index in the list."""
     name = value.get("id") if isinstance(value, Mapping) else None
     return f"{kind} {name!r}" if isinstance(name, str) and 0 < len(name) <= 60 else where
 
@@ -185,10 +185,10 @@ def read_json(path: str | os.PathLike[str], kind: str) -> Any:
 
 
 def parse_json(body: bytes, where: str) -> dict[str, Any]:
-    """The JSON object in UTF-8 text that stands inside another file.
+    """Parses a JSON object in UTF-8 text that is part of another file.
 
     Raises:
-      ValidationError: something else.
+      ValidationError: the text is not a JSON object.
     """
     try:
         value = json.loads(body.decode("utf-8"))
@@ -200,7 +200,7 @@ def parse_json(body: bytes, where: str) -> dict[str, Any]:
 
 
 def _text(path: pathlib.Path) -> str:
-    """A file's text; one that ends in .gz is unpacked, up to the same size."""
+    """A file's text; files that end in .gz are decompressed up to the same size limit."""
     if path.suffix != ".gz":
         return path.read_text(encoding="utf-8")
     with gzip.open(path) as file:
@@ -214,7 +214,7 @@ def _text(path: pathlib.Path) -> str:
 
 
 def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A JSON object; the same key twice would silently drop the first value."""
+    """A JSON object without repeated keys, of which the first values would silently be lost."""
     body = dict(pairs)
     if len(body) != len(pairs):
         twice = next(key for key, count in collections.Counter(key for key, _ in pairs).items() if count > 1)
@@ -223,10 +223,10 @@ def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path], Any]) -> pathlib.Path:
-    """Calls `write(temporary_path)` beside `path`, then renames: readers never see half a file.
+    """Calls `write(temporary_path)` beside `path`, then renames the file, so that readers never see partial content.
 
-    The content is on the disk before the name is, and both are when this returns: a power failure leaves the old file
-    or the new one. Partly written files of killed processes in the folder are removed after a day.
+    Content and name are flushed to disk in this order before the function returns, so that a power failure leaves the
+    old or the new file. Partly written files of killed processes in the folder are removed after a day.
     """
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -245,9 +245,9 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
     return path
 
 
-@functools.cache  # once for each folder: listing a large one takes as long as writing a small file
+@functools.cache  # once per folder, because listing a large one takes as long as writing a small file
 def _sweep_parts(folder: pathlib.Path) -> None:
-    """Removes what `write_atomically` left half written in a folder, by its name and of more than a day ago."""
+    """Removes temporary files of `write_atomically` in a folder that are older than a day."""
     for path in folder.glob(f".*{_PART}*"):
         with contextlib.suppress(OSError):
             if (
@@ -258,7 +258,7 @@ def _sweep_parts(folder: pathlib.Path) -> None:
 
 
 def sync(path: pathlib.Path) -> None:
-    """Returns when a file's content, or a folder's entries, are on the disk."""
+    """Flushes a file's content, or a folder's entries, to disk."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -272,7 +272,7 @@ def sync(path: pathlib.Path) -> None:
 
 
 def set_aside(path: str | os.PathLike[str]) -> pathlib.Path:
-    """Renames a file that cannot be used to NAME.bad, or NAME.bad-2 and so on, and returns its new path."""
+    """Renames an invalid file to NAME.bad, or NAME.bad-2 and so on, and returns its new path."""
     path = pathlib.Path(path)
     kept, number = path.with_name(f"{path.name}.bad"), 1
     while kept.exists():
@@ -283,7 +283,7 @@ def set_aside(path: str | os.PathLike[str]) -> pathlib.Path:
 
 
 def write_json(path: str | os.PathLike[str], value: Any) -> pathlib.Path:
-    """Writes JSON; a name that ends in .gz gets it without blanks and packed, the same bytes for the same content."""
+    """Writes JSON; for names that end in .gz, compact and compressed with reproducible bytes."""
     if pathlib.Path(path).suffix == ".gz":
         dense = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode("utf-8")
         packed = gzip.compress(dense, 9, mtime=0)

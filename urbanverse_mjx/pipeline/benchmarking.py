@@ -20,32 +20,33 @@ class BenchmarkOptions:
     """The benchmark, policy and options."""
 
     policy: str = "planner"
-    """zero, random, go_to_goal, planner (which has the whole scene), a policy folder, module:callable, FILE.onnx."""
+    """zero, random, go_to_goal, planner (with full knowledge of the scene), a policy folder, module:callable,
+    FILE.onnx."""
     protocol: Literal["paper", "full"] = "paper"
     """paper: 5 runs over ten scenes; full: every frozen episode of every scene, intervals over scenes."""
     contact: Literal["both", "ends", "goes_on"] = "both"
-    """Whether contact ends an episode, or is counted while the robot goes on."""
+    """Whether contact ends an episode, or is counted while the episode continues."""
     impl: Literal["auto", "jax", "warp"] = "auto"
     """Engine: warp on CUDA, else jax."""
     env_name: str | None = None
-    """Whose robot is driven, e.g. Go2Nav; default: the policy's own, else CocoNav."""
+    """Environment whose robot is driven, e.g. Go2Nav; default: that of the policy, else CocoNav."""
     preset: str = "paper"
-    """Of the environment, where the policy brings none."""
+    """Preset of the environment, for policies without one."""
     dynamic: bool = False
-    """With people and vehicles that move."""
+    """With moving people and vehicles."""
     scenes: int | None = None
-    """Only so many scenes, to try it out."""
+    """Use only the first scenes, up to this number."""
     env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    """Flat dotted keys of the environment's config, such as the robot; the page and the record name them."""
+    """Flat dotted keys of the environment's config, such as the robot; they are listed in the report and the record."""
     at_once: int = 128
-    """Episodes side by side."""
+    """Number of parallel episodes."""
     pictures: bool = True
-    """Draw every scene's routes from above."""
+    """Draw the routes of every scene from above."""
 
 
 @dataclasses.dataclass(frozen=True)
 class BenchmarkRun:
-    """A finished benchmark: its folder, and the page of tables that lies there as `report.md`."""
+    """A finished benchmark: its folder, and the text of its `report.md`."""
 
     folder: pathlib.Path
     page: str

@@ -26,9 +26,9 @@ class PlayOptions:
     policy: pathlib.Path | None = None
     """Policy or run folder for --agent trained."""
     env_name: str | None = None
-    """Whose robot is driven; default: the policy's own, else CocoNav."""
+    """Environment whose robot is driven; default: that of the policy, else CocoNav."""
     preset: str = "cpu"
-    """Of the environment, where no policy brings its own."""
+    """Preset of the environment, for policies without one."""
     bank: pathlib.Path | None = None
     """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
     env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
@@ -48,7 +48,7 @@ class PlayOptions:
     samples: int = 1
     """Rays per pixel along each side."""
     quality: float = 7.0
-    """Of the video, 0 to 10."""
+    """Quality of the video, 0 to 10."""
     html: pathlib.Path | None = None
     """Also write the first episode of the video as one interactive HTML file; not with --fps."""
     quiet: bool = False

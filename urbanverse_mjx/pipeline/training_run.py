@@ -26,22 +26,22 @@ class TrainOptions:
     suffix: str = ""
     """Suffix of a new run folder's name."""
     resume: pathlib.Path | None = None
-    """A run folder to go on with after a kill: environment, configs and seed are those of its config.json, and options
-    that say otherwise are refused, but for --num-timesteps. A training by imitation goes on to the digits of one that
-    never stopped; with Brax PPO the optimizer's state is not restored and running episodes begin again."""
+    """A run folder to continue: environment, configs and seed are those of its config.json, and other values are an
+    error, except for --num-timesteps. Imitation continues bit-equal to an uninterrupted run; with Brax PPO the
+    optimizer state is not restored and running episodes begin again."""
     start_from: pathlib.Path | None = None
-    """A policy or run folder whose networks a new run begins with, e.g. one trained with another robot. For the preset
-    `best` those of the student."""
+    """A policy or run folder with the initial networks of a new run, e.g. of another robot. For the preset `best` they
+    are those of the student."""
     num_episodes: int = 100
-    """Fixed episodes of the final evaluation; 0 = none."""
+    """Number of fixed episodes of the final evaluation; 0 = none."""
     video: bool = True
     """Write an mp4 of a rollout."""
     coordinator: str | None = None
     """Training over several hosts: HOST:PORT of process 0; "auto" under Slurm, Open MPI and Kubernetes."""
     num_processes: int | None = None
-    """How many processes train together (with --coordinator)."""
+    """Number of processes that train together (with --coordinator)."""
     process_id: int | None = None
-    """Which of them this is, from 0 (with --coordinator); only process 0 writes and evaluates."""
+    """Index of this process, from 0 (with --coordinator); only process 0 writes and evaluates."""
 
 
 def train(

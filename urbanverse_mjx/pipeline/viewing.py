@@ -22,17 +22,17 @@ class ViewOptions:
     """Initial contents and address of the page."""
 
     policy: str = "planner"
-    """zero, random, go_to_goal, planner (which has the whole scene), a policy or run folder, or FILE.onnx."""
+    """zero, random, go_to_goal, planner (with full knowledge of the scene), a policy or run folder, or FILE.onnx."""
     env_name: str | None = None
-    """Whose robot is driven; default: the policy's own, else CocoNav."""
+    """Environment whose robot is driven; default: that of the policy, else CocoNav."""
     robots: int = 1
-    """How many drive at once, 1 to 8, each an episode of its own."""
+    """Number of robots, 1 to 8, each with its own episode."""
     people: bool = False
-    """With people and vehicles that move."""
+    """With moving people and vehicles."""
     host: str = "127.0.0.1"
-    """Address that is listened on; 0.0.0.0 lets other machines look, too."""
+    """Address to listen on; 0.0.0.0 allows access from other machines."""
     port: int = 8080
-    """0 takes any free one."""
+    """Port; 0 for any free one."""
     open: bool = True
     """Open the page in a browser."""
 

@@ -1,4 +1,4 @@
-"""Robots as data."""
+"""Robot descriptions: MJCF, drive and gait of each robot."""
 
 from .coco import make_coco
 from .description import load

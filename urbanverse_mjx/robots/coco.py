@@ -4,14 +4,14 @@ In:   the drive.
 Out:  `RobotSpec`: MJCF and the mappings waypoint -> (v, omega) -> wheel commands.
 When: once, at construction; the mappings run under jit.
 
-The two drives are the two readings of the public sources (docs/sources/reference_systems.md b.5): the paper drives COCO
-as a differential robot by (v, omega), the authors' asset steers its front axle by at most 20 degrees.
+There are two drives because the public sources differ (docs/sources/reference_systems.md b.5): in the paper, COCO is a
+differential robot with commands (v, omega); the authors' asset steers its front axle by at most 20 degrees.
 
-* `differential`: the two wheels of a side turn at the speed of that side. Four gripping tyres could only turn by
-  skidding, with a yaw rate that depends on load, heading and pushed objects. The paper's model is kinematic, so the
-  front tyres slide freely on the ground (condim 1, ideal omni wheels) and the rear pair decides: the robot turns about
-  the middle of its rear axle.
-* `ackermann`: the front axle turns as a whole; every wheel gets the speed of its own path, so that no tyre scrubs.
+* `differential`: the two wheels of a side turn at the speed of that side. With friction on all four tyres, the robot
+  could only turn by skidding, with a yaw rate that depends on load, heading and pushed objects. The paper's model is
+  kinematic, so the front tyres slide freely on the ground (condim 1, ideal omni wheels), and the robot turns about the
+  centre of its rear axle.
+* `ackermann`: the front axle turns as a whole; every wheel gets the speed of its own path, so that no tyre slips.
 """
 
 import math
@@ -35,8 +35,8 @@ STEP_HEIGHT = 0.02  # m, tests/robots/test_coco_drive.py drives both robots over
 
 def _differential(command: Any) -> Any:
     speed, yaw_rate = command[0], command[1]
-    # In a bend the inertia of the mass ahead of the rear axle pulls the axle sideways and forward. A servo holds a
-    # torque only by a difference of speed, which is fed forward: (m/s) per N on one rear wheel.
+    # In a curve, the inertia of the mass in front of the rear axle pulls the axle sideways and forward. A servo
+    # produces a torque only by a speed error, which is fed forward: (m/s) per N on one rear wheel.
     give = body.WHEEL_RADIUS**2 / body.make_servo("differential").wheel
     arm = body.TOTAL_MASS * (body.CENTRE_X - body.REAR_AXLE_X)
     half = 0.5 * body.TRACK * yaw_rate + give * arm * speed * yaw_rate / body.TRACK
@@ -46,7 +46,7 @@ def _differential(command: Any) -> Any:
 
 def _ackermann(command: Any) -> Any:
     speed, yaw_rate = command[0], command[1]
-    # At rest the wheels do not turn: the angle is then only kept on its side.
+    # At rest the wheels do not turn, and only the sign of the angle is kept.
     angle = jnp.arctan2(body.WHEELBASE * yaw_rate, jnp.maximum(speed, STANDSTILL))
     angle = jnp.clip(angle, -body.MAX_STEER, body.MAX_STEER)
     turn = speed * jnp.tan(angle) / body.WHEELBASE
@@ -56,13 +56,13 @@ def _ackermann(command: Any) -> Any:
 
 
 def clip_command(velocity: Any) -> Any:
-    """(2,) (v m/s, omega rad/s) clipped to the robot's range: it never drives backwards."""
+    """(2,) (v m/s, omega rad/s) clipped to the robot's range, which does not include driving backwards."""
     return clip_velocity(velocity, MAX_SPEED, MAX_YAW_RATE)
 
 
 def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any]:
-    """`pd_velocity` of this robot: a waypoint 1 m ahead means 2 m/s, and one behind a turn on the spot with the
-    differential drive."""
+    """`pd_velocity` of this robot: a waypoint 1 m ahead means 2 m/s; one behind the robot means a turn on the spot with
+    the differential drive."""
     return pd_velocity(waypoint, control_period, MAX_SPEED, MAX_YAW_RATE)
 
 
@@ -85,7 +85,7 @@ def make_coco(drive: Drive = "differential") -> RobotSpec:
     the front axle (rad).
 
     Raises:
-      ValidationError: no such drive.
+      ValidationError: the drive is unknown.
     """
     v.choice(drive, "make_coco.drive", get_args(Drive))
     convert = _differential if drive == "differential" else _ackermann
@@ -102,7 +102,7 @@ def make_coco(drive: Drive = "differential") -> RobotSpec:
         physics_timestep=PHYSICS_TIMESTEP,
         command=lambda velocity: convert(clip_command(velocity)),
         waypoint_to_velocity=waypoint_to_velocity,
-        # The circle that a turn on the spot sweeps on the ground: the farthest wheel seen from base_link.
+        # Radius of the circle of a turn on the spot: the distance of the farthest wheel from base_link.
         planner_radius=math.hypot(body.REAR_AXLE_X, body.WHEEL_Y) + body.WHEEL_RADIUS,
         planner_height=PLANNER_HEIGHT,
         step_height=STEP_HEIGHT,

@@ -39,8 +39,8 @@ BODY_FRICTION = 0.6
 MAX_STEER = math.radians(20.053522)  # range_deg
 STEER_EFFORT = 64.0  # N m, effort_limit
 
-#: s. coco2play_kinematics.speed_time_constant_s is 0.2: 10 m/s² at a full start, more than tyres can pass on, so they
-#: would spin at every start and the rear wheels hop at the physics rate. At 0.3 s they hardly do.
+#: s. coco2play_kinematics.speed_time_constant_s is 0.2, i.e. 10 m/s² at a full start, which exceeds the tyres'
+#: friction: they would spin, and the rear wheels would hop at the physics rate. At 0.3 s they hardly do.
 SPEED_LAG = 0.3
 
 # --- Camera (coco.json, urbansim_camera) ---
@@ -48,7 +48,7 @@ CAMERA_POSITION = (0.51, 0.0, 0.015)  # pos_in_base
 CAMERA_FOVY_DEG = 90.96  # static_env.vfov_deg; 122.1 across at 16:9
 
 # --- Choices without a public source ---
-#: m, how far the tyres sink into flat ground at rest under MuJoCo's default contact (tests/robots/test_coco.py).
+#: m, penetration of the tyres into flat ground at rest with MuJoCo's default contact (tests/robots/test_coco.py).
 TYRE_DENT = 0.0003
 #: Height of base_link above flat ground at rest.
 SPAWN_HEIGHT = WHEEL_RADIUS - WHEEL_Z - TYRE_DENT
@@ -81,10 +81,10 @@ class Servo:
 def make_servo(drive: str) -> Servo:
     """Gains that follow a speed command with the lag `SPEED_LAG`.
 
-    coco.json gives wheel gains that exclude each other, 1e6 (USD) and 0.3 (UrbanSim, with commands a hundred times too
-    fast), so the gain follows from the lag: moving inertia seen by the wheels that grip / (their number * lag). The
-    price is that a slope of 1:8 takes 0.3 m/s off the speed. The steering gain is a choice: with the front wheels'
-    servos resisting, the axle turns with a lag of 0.1 s.
+    coco.json has contradictory wheel gains, 1e6 (USD) and 0.3 (UrbanSim, with commands a hundred times too fast), so
+    the gain is computed from the lag: moving inertia at the wheels with friction / (their number * lag). A slope of 1:8
+    then reduces the speed by 0.3 m/s. The steering gain is chosen so that the axle turns with a lag of 0.1 s against
+    the front wheels' servos.
     """
     gripping = 2 if drive == "differential" else 4
     inertia = TOTAL_MASS * WHEEL_RADIUS**2 + gripping * WHEEL_INERTIA
@@ -108,7 +108,7 @@ def rounded_box(half: tuple[float, float, float], radius: float, steps: int = 6)
     rows, cols = len(polar), len(azimuth)
     p, a = np.meshgrid(polar, azimuth, indexing="ij")
     unit = np.stack([np.sin(p) * np.cos(a), np.sin(p) * np.sin(a), np.cos(p)], axis=-1)
-    # The first and last ring stand for the flat lid and floor: all azimuths, slightly apart, so that signs are known.
+    # The first and last ring are the flat lid and floor, with a small radius so that signs are defined.
     upper = np.where(np.arange(rows) < rows // 2, 1.0, -1.0)
     side = np.stack([np.sign(np.cos(a)), np.sign(np.sin(a)), np.broadcast_to(upper[:, None], a.shape)], -1)
     vertices = (unit * radius + side * inner).reshape(-1, 3)
@@ -144,7 +144,7 @@ def _mesh(name: str, vertices: np.ndarray, faces: np.ndarray) -> str:
 
 
 def _wheel(name: str, position: tuple[float, float, float], gain: float, omni: bool = False) -> str:
-    # The higher priority makes the wheel's own condim count, whatever the ground brings.
+    # With the higher priority, the wheel's condim is used regardless of the ground.
     contact = 'condim="1" priority="1"' if omni else f'friction="{TYRE_FRICTION} 0.005 0.0001"'
     return f"""
       <body name="{name}_wheel_link" pos="{_numbers(np.array(position))}">
@@ -196,7 +196,7 @@ def _body_geoms() -> str:
 
 
 def _seen_meshes() -> str:
-    """The shell, a lid a little above it and a dark visor with the cameras in front."""
+    """Visual meshes: the shell, a lid slightly above it, and a dark visor with the cameras in front."""
     shell_v, shell_f = shell_mesh()
     lid_v = (shell_v - (0, 0, SHELL_Z)) * 1.012 + (0, 0, SHELL_Z)
     lid_v[:, 2] = np.maximum(lid_v[:, 2], SHELL_Z + 0.075)

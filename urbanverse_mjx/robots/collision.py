@@ -1,7 +1,7 @@
-"""Collision shapes of a robot's MJCF that are no spheres, replaced by spheres.
+"""Replaces the collision shapes of a robot's MJCF by spheres.
 
-In:   an `MjSpec` with boxes, capsules, cylinders, ellipsoids or meshes that collide. Out:  the same with spheres in
-their place, and the fits: `Fit`. When: once, at construction.
+In: an `MjSpec` with colliding boxes, capsules, cylinders, ellipsoids or meshes. Out: the spec with spheres instead, and
+the fits: `Fit`. When: once, at construction.
 """
 
 import dataclasses
@@ -22,7 +22,7 @@ _TYPES = {
     mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
     mujoco.mjtGeom.mjGEOM_MESH: "mesh",
 }
-#: Corners of the circles of cylinders and capsules: 48 miss a circle of 0.2 m by 0.4 mm.
+#: Corners of the circles of cylinders and capsules; 48 corners approximate a circle of 0.2 m within 0.4 mm.
 _CORNERS = 48
 #: Groups of geoms: visual, and collision only.
 _SEEN, _COLLIDES = 2, 3
@@ -55,25 +55,25 @@ def replace_by_spheres(
 ) -> tuple[tuple[str, ...], tuple[Fit, ...]]:
     """Replaces every colliding geom of `spec` other than spheres.
 
-    A foot on a body that turns about a hinge is a wheel, and becomes one with the same rolling radius; so does a foot
-    that is a cylinder or capsule, about its own axis. Other feet keep their lowest height. The shapes no longer
-    collide; where the MJCF has no visual geoms, they become the visual ones.
+    A foot on a body that turns about a hinge is a wheel and is replaced by one with the same rolling radius, as is a
+    foot that is a cylinder or capsule, about its own axis. Other feet keep their lowest height. The shapes no longer
+    collide; if the MJCF has no visual geoms, they become the visual ones.
 
     Args:
-      model: what `spec` compiles to.
+      model: the compiled `spec`.
       feet: names of the geoms that may touch the ground.
-      where: begins an error.
+      where: prefix of error messages.
 
     Returns:
-      the feet, those replaced by their spheres; the fits.
+      the names of the feet, with replaced ones as their spheres; the fits.
 
     Raises:
-      ValidationError: a shape that has no inside, such as a plane or a height field.
+      ValidationError: a shape has no interior, such as a plane or a height field.
     """
     solid = [g for g in spec.geoms if g.contype or g.conaffinity]
     others = [g for g in solid if g.type != mujoco.mjtGeom.mjGEOM_SPHERE]
     seen = any(g.group == _SEEN for g in spec.geoms)
-    # Numbers change as soon as a geom is added: all is read before.
+    # Ids change when a geom is added, so everything is read before.
     fits: list[Fit] = []
     for geom in others:
         where_geom = f"{where}.mjcf: geom {geom.name!r}"
@@ -118,8 +118,8 @@ def _moved(made: Cover, frame: tuple[np.ndarray, np.ndarray]) -> Cover:
 
 
 def _axle(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray] | None:
-    """Axis (3,) and anchor (3,) m, in the body's frame, about which a foot is round: the one hinge that its body turns
-    about, or its own where it is a cylinder or capsule; None of other feet."""
+    """Axis (3,) and anchor (3,) m of a wheel in the body's frame: the single hinge of its body, or the own axis of a
+    cylinder or capsule; None for other feet."""
     body = int(model.geom_bodyid[geom])
     joints = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
     if len(joints) == 1 and model.jnt_type[joints[0]] == mujoco.mjtJoint.mjJNT_HINGE:
@@ -132,7 +132,7 @@ def _axle(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray] | N
 
 
 def _standing(made: Cover, points: np.ndarray, model: mujoco.MjModel, body: int) -> Cover:
-    """A foot's cover moved so that its lowest point is that of the foot, in the robot's first position."""
+    """Moves a foot's cover so that its lowest point is that of the foot in the robot's initial pose."""
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
     mujoco.mj_kinematics(model, data)

@@ -1,8 +1,7 @@
-"""Robots as data: an MJCF and a short description beside it, from this package or from anywhere.
+"""Loads robots from an MJCF and a description file.
 
-In:   a folder with robot.json, or that file; or the name of a robot that comes with the package in this form.
-Out:  `RobotSpec`.
-When: once, at construction.
+In: a folder with robot.json, or that file; or the name of a robot that ships with the package in this form. Out:
+`RobotSpec`. When: once, at construction.
 
 docs/tutorials/own_robot.md describes the file and the requirements on the MJCF.
 """
@@ -26,7 +25,7 @@ from .wheel_drive import WheelDrive
 
 SCHEMA = "urbanverse.robot/1"
 FILE = "robot.json"
-#: Robots of this form that come with the package, each a folder beside this file.
+#: Robots in this form that ship with the package, each a folder beside this file.
 SHIPPED = ("wheelchair",)
 _REQUIRED = ("schema", "name", "mjcf", "root_body", "camera", "feet", "max_speed", "max_yaw_rate", "drive", "planner")
 _OPTIONAL = ("spawn_height", "circumradius", "fit")
@@ -34,10 +33,10 @@ Command = Callable[[Any], Any]
 
 
 def load(source: str | os.PathLike[str]) -> RobotSpec:
-    """The robot that a description describes.
+    """Loads a robot from its description.
 
     Args:
-      source: its folder, its robot.json, or one of `SHIPPED`.
+      source: folder of the robot, its robot.json, or one of `SHIPPED`.
 
     Raises:
       ValidationError: the description or its MJCF is incomplete or invalid.
@@ -46,10 +45,10 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
 
 
 def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit, ...]]:
-    """`load`, and the fits with spheres of each collision shape of the MJCF other than spheres.
+    """`load`, and the sphere fits of the collision shapes that are not spheres.
 
     Raises:
-      ValidationError: as `load`.
+      ValidationError: see `load`.
     """
     path = _file_of(source)
     body = v.mapping(v.read_json(path, "robot"), str(path), _REQUIRED, _OPTIONAL)
@@ -111,7 +110,7 @@ def _waypoint_to_velocity(waypoint: Any, control_period: float, max_speed: float
 def _read_mjcf(
     path: pathlib.Path, where: str, feet: tuple[str, ...], options: FitOptions
 ) -> tuple[mujoco.MjSpec, tuple[str, ...], tuple[Fit, ...]]:
-    """The robot alone, its files named by absolute paths; its spheres collide with the world, not with each other.
+    """Reads the robot's MJCF, with absolute paths of files; its spheres collide with the world, not with each other.
 
     Returns:
       also the feet, and the fits, see `replace_by_spheres`.
@@ -139,7 +138,7 @@ def _read_mjcf(
     for geom in spec.geoms:
         if geom.contype or geom.conaffinity:
             geom.contype, geom.conaffinity = 0, 1
-    # Engines drop visual geoms; their mass must be kept.
+    # Engines remove visual geoms, but their mass must be kept.
     for link in list(spec.bodies)[1:]:
         same = model.body(link.name) if link.name else model.body(link.id)
         link.explicitinertial = True
@@ -160,7 +159,7 @@ def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) ->
 
 
 def at_rest(model: mujoco.MjModel) -> mujoco.MjData:
-    """The first keyframe, or where the MJCF puts each body."""
+    """The first keyframe, or the initial pose of the MJCF."""
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
     mujoco.mj_kinematics(model, data)
@@ -168,14 +167,13 @@ def at_rest(model: mujoco.MjModel) -> mujoco.MjData:
 
 
 def standing_height(model: mujoco.MjModel, root: int, feet: Sequence[int]) -> float:
-    """m, the root's origin above level ground that the lowest foot just touches."""
+    """m, height of the root's origin when the lowest foot just touches level ground."""
     data = at_rest(model)
     return float(data.xpos[root, 2] - min(data.geom_xpos[g, 2] - model.geom_size[g, 0] for g in feet))
 
 
 def reach(model: mujoco.MjModel, root: int) -> float:
-    """m, a bound on the distance of any collision point from the root's origin, in any position of the joints: links
-    stretched out, turned about joints that need not lie at their origins, slid to their ends."""
+    """m, upper bound on the distance of any collision point from the root's origin over all joint positions."""
     farthest = 0.0
     for g in np.flatnonzero(model.geom_conaffinity):
         length, point, body = float(model.geom_size[g, 0]), model.geom_pos[g].copy(), int(model.geom_bodyid[g])
@@ -188,7 +186,7 @@ def reach(model: mujoco.MjModel, root: int) -> float:
                     slides = model.jnt_type[j] == mujoco.mjtJoint.mjJNT_SLIDE
                     ends = np.abs(model.jnt_range[j]).max() if slides else 2.0 * np.linalg.norm(model.jnt_pos[j])
                     length += float(ends)
-            else:  # fixed to what carries it
+            else:  # fixed to its parent
                 turned = np.zeros(3)
                 mujoco.mju_rotVecQuat(turned, point, model.body_quat[body])
                 point = model.body_pos[body] + turned
@@ -197,7 +195,7 @@ def reach(model: mujoco.MjModel, root: int) -> float:
     return farthest
 
 
-# From body velocity to actuators.
+# Body velocity to actuator commands.
 
 
 def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: str) -> Command:

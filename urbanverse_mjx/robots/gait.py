@@ -1,10 +1,10 @@
-"""A gait: the small network from a legged robot's proprioception and a velocity command to joint angles.
+"""A gait: a small network that maps a legged robot's proprioception and a velocity command to joint angles.
 
 In: sensor readings, a command. Out:  joint angles for position servos. When: 50 times a second, inside jit (xp =
 jax.numpy) or on the host (xp = numpy).
 
-The walking task, the evaluation of gaits, and the navigation task on top of it all use the functions of this file, so
-an observation has one definition.
+The locomotion task, the evaluation of gaits, and the navigation task use these functions, so that the observation has
+one definition.
 """
 
 import dataclasses
@@ -24,7 +24,7 @@ RATE_UNIT, JOINT_RATE_UNIT = 0.25, 0.05
 
 
 def sensor_frame(xp: Any, angular: Any, gravity: Any, bend: Any, joint_speed: Any, command: Any, action: Any) -> Any:
-    """(..., 9 + 3 J) one control step of a gait's observation.
+    """(..., 9 + 3 J), one control step of a gait's observation.
 
     Args:
       xp: numpy or jax.numpy.
@@ -39,7 +39,7 @@ def sensor_frame(xp: Any, angular: Any, gravity: Any, bend: Any, joint_speed: An
 
 
 def felt_gravity(xp: Any, quaternion: Any) -> Any:
-    """(..., 3) the direction of gravity in a body turned by unit quaternions (..., 4) wxyz."""
+    """(..., 3), direction of gravity in the frame of a body with orientation (..., 4) wxyz."""
     w, x, y, z = (quaternion[..., i] for i in range(4))
     return xp.stack([2.0 * (w * y - x * z), -2.0 * (w * x + y * z), 2.0 * (x * x + y * y) - 1.0], -1)
 
@@ -54,7 +54,7 @@ class Gait:
       scale: (J,) rad, offset of a joint from there for an action of 1.
       history: control steps of its observation.
       control_dt: s.
-      meta: robot, and its training (command, seed, steps, versions).
+      meta: metadata: robot and training (command, seed, steps, versions).
     """
 
     kernels: tuple[np.ndarray, ...]
@@ -80,7 +80,7 @@ class Gait:
         return xp.tanh(x @ self.kernels[-1] + self.biases[-1])
 
     def target(self, action: Any) -> Any:
-        """(..., J) rad that an action asks of the servos."""
+        """(..., J) rad, servo targets for an action."""
         return self.stand + self.scale * action
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -96,7 +96,7 @@ class Gait:
         """Reads a gait file.
 
         Raises:
-          ValidationError: no such file, a damaged one, or no gait in it.
+          ValidationError: the file does not exist, is damaged, or is not a gait.
         """
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a gait", "export one with `urbanverse export-gait`")

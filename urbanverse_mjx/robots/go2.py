@@ -2,8 +2,8 @@
 
 In: none; a gait file. Out:  `RobotSpec`; `Gait`. When: once, at construction.
 
-Its actuators take joint angles. A policy (`envs.joystick`), its gait, gives the angles for walking; navigation commands
-the gait by a body velocity (`simulation.gait_engine`).
+Its actuators take joint angles. A locomotion policy (`envs.joystick`), the gait, computes these angles; navigation
+commands the gait by a body velocity (`simulation.gait_engine`).
 """
 
 import functools
@@ -17,31 +17,32 @@ from .gait import Gait
 from .go2_menagerie import make_menagerie_mjcf
 from .waypoint import gait_command, pd_velocity
 
-#: m/s, rad/s: the commands that `Go2Joystick` trains.
+#: m/s, rad/s: limits of the commands in the training of `Go2Joystick`.
 MAX_SPEED, MAX_YAW_RATE = 1.0, 1.0
-#: m. Half the stance's diagonal plus a foot: radius of a turn on the spot.
+#: m, radius of a turn on the spot: half the stance's diagonal plus a foot.
 PLANNER_RADIUS = math.hypot(body.HIP_X, body.HIP_Y + body.HIP_TO_THIGH) + body.FOOT_RADIUS
-PLANNER_HEIGHT = 0.5  # m, published_spec_typical.standing_size_m 0.4 and a swing of the trunk
+PLANNER_HEIGHT = 0.5  # m, published_spec_typical.standing_size_m 0.4 plus the motion of the trunk
 STEP_HEIGHT = 0.16  # m, published_spec_typical.step_height_m (go2.json, second hand)
 
 
 def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any]:
-    """`pd_velocity` of this robot: a waypoint 1 m ahead means 1 m/s. It could go sideways as well, but then a waypoint
-    would mean something else than to a robot on wheels."""
+    """`pd_velocity` of this robot: a waypoint 1 m ahead means 1 m/s. The robot could also move sideways, but then a
+    waypoint would have another meaning than for wheeled robots."""
     return pd_velocity(waypoint, control_period, MAX_SPEED, MAX_YAW_RATE)
 
 
 def load_gait(path: str | pathlib.Path | None = None) -> Gait:
-    """The gait of a file, or the one that comes with the package.
+    """Loads the gait of a file, or the one that ships with the package.
 
     Raises:
-      ValidationError: no such file, or no gait in it.
+      ValidationError: the file does not exist or is not a gait.
     """
     return Gait.load(path or pathlib.Path(__file__).parent / "go2_gait.npz")
 
 
 def circumradius() -> float:
-    """m, bound on the distance of any collision point from the trunk's origin: the hip's, and the leg stretched out."""
+    """m, upper bound on the distance of any collision point from the trunk's origin: that of the hip plus the length of
+    the leg."""
     hip = math.hypot(body.HIP_X, body.HIP_Y + body.HIP_TO_THIGH)
     return hip + body.THIGH_LENGTH + body.CALF_LENGTH + body.FOOT_RADIUS
 
@@ -50,10 +51,10 @@ def make_go2(menagerie: str | pathlib.Path | None = None) -> RobotSpec:
     """The Go2. Actuators: joint angles (rad) in the order of `go2_body.JOINT_NAMES`; its `command` is for a gait.
 
     Args:
-      menagerie: folder unitree_go2 of mujoco_menagerie, whose masses, limits and meshes take the place of ours.
+      menagerie: folder unitree_go2 of mujoco_menagerie, whose masses, limits and meshes replace the built-in ones.
 
     Raises:
-      ValidationError: no such model there.
+      ValidationError: the folder does not contain this model.
     """
     return RobotSpec(
         name="go2",

@@ -90,8 +90,8 @@ PHYSICS_TIMESTEP = 0.005
 #: m, the trunk's origin above flat ground at rest in the standing pose: the rear feet's 0.325 and the front ones'
 #: 0.3346 (go2.json, standing_height_derived), the hips turned out by 0.1 rad.
 SPAWN_HEIGHT = 0.33
-#: 5 mm before the head's foremost point (`go2_appearance`, the lamp), looking ahead and 10 degrees down. go2.json has
-#: no camera: place and view are ours.
+#: 5 mm in front of the head's foremost point (`go2_appearance`, the lamp), pitched down by 10 degrees. go2.json has no
+#: camera, so its pose is chosen here.
 CAMERA_POSITION, CAMERA_PITCH_DOWN, CAMERA_FOVY_DEG = (0.352, 0.0, 0.0), 0.1745, 70.0
 
 
@@ -108,7 +108,7 @@ def _numbers(*values: float) -> str:
 
 
 def _inertial(link: Link, front: float = 1.0, left: float = 1.0) -> str:
-    """A mirrored axis turns the sign of its coordinate, and of the products of inertia that hold it once."""
+    """Mirroring an axis changes the sign of its coordinate, and of the products of inertia that contain it once."""
     (x, y, z), (xx, yy, zz, xy, xz, yz) = link.centre, link.inertia
     products = (xy * front * left, xz * front, yz * left)
     return (
@@ -159,7 +159,7 @@ def _leg(leg: str) -> str:
 def _actuator(leg: str, joint: str) -> str:
     motor, name = MOTORS[joint], f"{leg}_{joint}"
     span = motor.front if LEGS[leg][0] > 0 else motor.rear
-    # The damping is the joint's: so all engines integrate it the same way.
+    # Damping is a joint property, so that all engines integrate it in the same way.
     return (
         f'<general name="{name}" joint="{name}_joint" biastype="affine" gainprm="{STIFFNESS}" '
         f'biasprm="0 -{STIFFNESS} 0" ctrlrange="{_numbers(*span)}" forcerange="-{motor.torque} {motor.torque}"/>'

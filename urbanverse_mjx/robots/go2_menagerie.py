@@ -1,12 +1,13 @@
-"""MuJoCo Menagerie's Go2 instead of our own parameters and shapes, from a copy on disk.
+"""Builds the Go2 with the parameters and shapes of MuJoCo Menagerie from a local copy.
 
 In:   a folder `unitree_go2` of mujoco_menagerie, with go2.xml and assets/.
 Out:  MJCF text like `go2_body.make_mjcf`.
 When: once, at construction.
 
-It supplies masses, inertias and positions of all links, joint ranges, torque limits, rotor inertias and the visual
-meshes. Collision spheres, servos, standing pose and camera stay ours: engines support spheres alone, and a gait was
-trained with these servos. Joints have no dry friction (menagerie 0.2 N m), for which engines have no rows.
+Menagerie provides masses, inertias and positions of all links, joint ranges, torque limits, rotor inertias and visual
+meshes. Collision spheres, servos, standing pose and camera are the built-in ones, because engines support only spheres,
+and the gait was trained with these servos. Joints have no dry friction (menagerie 0.2 N m), which the engines do not
+support.
 """
 
 import pathlib
@@ -21,10 +22,10 @@ FILE = "go2.xml"
 
 
 def make_menagerie_mjcf(folder: str | pathlib.Path) -> str:
-    """MJCF text of the robot; it names the mesh files by absolute paths.
+    """MJCF text of the robot, with absolute paths of mesh files.
 
     Raises:
-      ValidationError: no go2.xml there, or one without the Go2's links and joints.
+      ValidationError: there is no go2.xml, or it lacks the Go2's links and joints.
     """
     path = pathlib.Path(folder).absolute() / FILE
     if not path.is_file():

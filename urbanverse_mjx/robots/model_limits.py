@@ -1,8 +1,7 @@
-"""Size of the model that a robot's MJCF describes, checked before MuJoCo builds it: a few bytes can require all of the
-memory.
+"""Checks the size of a robot's model before MuJoCo compiles it, because a small MJCF can require all memory.
 
-Counted are elements that multiply others (`replicate`, `composite`, `flexcomp`) and images and height fields by their
-sizes, in the file and in those that it includes.
+It counts elements including those made by `replicate`, `composite` and `flexcomp`, and the sizes of images and height
+fields, in the file and in included files.
 """
 
 import contextlib
@@ -13,9 +12,9 @@ from collections.abc import Iterator
 
 from ..datatypes import validation as v
 
-#: Elements that a robot may have; the Go2 has 100.
+#: Largest number of elements of a robot; the Go2 has 100.
 MAX_ELEMENTS = 20_000
-#: Pixels of a texture, and points of a height field.
+#: Largest number of pixels of a texture and of points of a height field.
 MAX_PIXELS = 64 * 10**6
 _MAX_DEPTH = 20
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -26,21 +25,21 @@ _GRIDS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 
 
 def check_size(path: pathlib.Path, where: str) -> None:
-    """Whether an MJCF asks for no more than a robot needs.
+    """Checks that an MJCF does not exceed the limits.
 
     Args:
       path: an existing file; MuJoCo reports one that is not XML.
-      where: of the field that names it, in messages.
+      where: field that names the file, for messages.
 
     Raises:
-      ValidationError: it asks for more, or includes itself.
+      ValidationError: the MJCF exceeds a limit, or includes itself.
     """
     if (elements := _elements(path, where, 0)) > MAX_ELEMENTS:
         raise v.fail(where, f"{path}, which makes {elements} elements", f"at most {MAX_ELEMENTS}", "simplify the robot")
 
 
 def _elements(path: pathlib.Path, where: str, depth: int) -> int:
-    """How many elements a file makes."""
+    """Number of elements that a file makes."""
     if depth > _MAX_DEPTH:
         raise v.fail(where, f"{path}, included {depth} files deep", f"at most {_MAX_DEPTH}", "does it include itself?")
     try:
@@ -61,7 +60,7 @@ def _elements(path: pathlib.Path, where: str, depth: int) -> int:
 
 
 def _all_below(root: ET.Element, times: int) -> Iterator[tuple[ET.Element, int]]:
-    """Every element, and how often it is made. Iterative: a file may be nested deeper than Python's stack."""
+    """Yields every element and its multiplicity. Iterative, because a file may be nested deeper than Python's stack."""
     waiting = [(root, times)]
     while waiting:
         element, times = waiting.pop()
@@ -81,7 +80,7 @@ def _check_grid(element: ET.Element, path: pathlib.Path, where: str) -> None:
 
 
 def _check_images(element: ET.Element, folders: set[pathlib.Path], where: str) -> None:
-    """Whether the PNG files that an element names have no more pixels than a robot needs."""
+    """Checks the number of pixels of the PNG files of an element."""
     for key, name in element.items():
         for folder in folders if key.startswith("file") and name.lower().endswith(".png") else ():
             with contextlib.suppress(OSError), (folder / name).open("rb") as file:

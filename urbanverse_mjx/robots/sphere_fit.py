@@ -1,10 +1,10 @@
-"""Convex shapes covered by few spheres, with the largest error of the cover.
+"""Covers convex shapes by few spheres and measures the largest error.
 
-The engines find contacts between spheres and hulls alone, so other collision shapes of a robot are covered. MuJoCo
-collides meshes as their convex hulls: every shape here is convex. For centres c_i at depths d_i below the surface the
-gap G = max over surface points p of min_i (|p - c_i| - d_i) is what radii d_i leave uncovered; radii d_i + G / 2 stand
-out of the shape by at most G / 2 and leave at most G / 2 uncovered. Centres are chosen greedily (set cover) for the
-smallest G within a budget.
+The engines support only contacts between spheres and hulls, so other collision shapes of a robot are covered by
+spheres. MuJoCo collides meshes as their convex hulls, so every shape here is convex. For centres c_i at depths d_i
+below the surface, radii d_i leave a gap G = max over surface points p of min_i (|p - c_i| - d_i); radii d_i + G / 2
+protrude from the shape by at most G / 2 and leave a gap of at most G / 2. Centres are chosen greedily (set cover) for
+the smallest G within a budget.
 """
 
 import dataclasses
@@ -17,7 +17,7 @@ from scipy.spatial.distance import cdist
 
 from ..datatypes import validation as v
 
-#: Points of a shape's longest side between which centres are tried, and samples of its surface.
+#: Candidate centres and surface samples along a shape's longest side.
 _CENTRES_PER_SIDE, _SAMPLES_PER_SIDE = 13, 20
 #: Samples along the longest side on which the error of a finished cover is measured.
 _ERROR_SAMPLES = 80
@@ -26,7 +26,7 @@ _HALVINGS = 7
 
 @dataclasses.dataclass(frozen=True)
 class FitOptions:
-    """tolerance: m, covers that err by no more are good enough; spheres: at most so many for one shape."""
+    """Options of the fit: tolerance, m, sufficient accuracy; spheres, largest number of spheres per shape."""
 
     tolerance: float = 0.02
     spheres: int = 16
@@ -43,8 +43,8 @@ class Cover:
     Attributes:
       centre: (k, 3) m.
       radius: (k,) m.
-      protrudes: m, by how much a sphere stands out of the shape at most.
-      falls_short: m, how far a point of the surface lies outside all spheres at most.
+      protrudes: m, largest protrusion of a sphere from the shape.
+      falls_short: m, largest distance of a surface point outside all spheres.
     """
 
     centre: np.ndarray
@@ -54,7 +54,7 @@ class Cover:
 
     @property
     def error(self) -> float:
-        """m, the larger of both."""
+        """m, the larger of both errors."""
         return max(self.protrudes, self.falls_short)
 
 
@@ -62,7 +62,7 @@ def cover(points: np.ndarray, options: FitOptions | None = None) -> Cover:
     """Spheres that cover the convex hull of (n, 3) points in m, in its frame, whose axes should be those of the shape.
 
     Raises:
-      ValidationError: points that enclose no volume.
+      ValidationError: the points enclose no volume.
     """
     points = np.ascontiguousarray(points, np.float64)
     return _cover(points.tobytes(), options or FitOptions())
@@ -70,7 +70,7 @@ def cover(points: np.ndarray, options: FitOptions | None = None) -> Cover:
 
 @functools.lru_cache(maxsize=64)
 def _cover(data: bytes, options: FitOptions) -> Cover:
-    """`cover` of the bytes of (n, 3) f64: a robot is built several times in a process."""
+    """`cover` of the bytes of (n, 3) f64, cached because a robot is built several times in a process."""
     points = np.frombuffer(data).reshape(-1, 3)
     if len(points) < 4 or np.linalg.matrix_rank(points - points.mean(0), tol=1e-6) < 3:
         raise v.fail("collision shape", "points that enclose no volume", "a solid", "give it a thickness")
@@ -111,7 +111,7 @@ def _surface(points: np.ndarray, hull: ConvexHull, count: int) -> np.ndarray:
     """(n, 3) points of the hull's surface, no farther apart than a `count`th of its longest side; corners included."""
     longest = np.ptp(points, axis=0).max() / count
     vertices = trimesh.remesh.subdivide_to_size(points, hull.simplices, longest, max_iter=30)[0]
-    # One point in each cell of half that size: hulls of many small triangles have far more than are needed.
+    # One point per cell of half that size, because hulls of many small triangles have more points than needed.
     cell = np.round(vertices / (longest / 2)).astype(np.int64)
     _, first = np.unique(cell, axis=0, return_index=True)
     corners = points[hull.vertices]
@@ -153,7 +153,7 @@ def _greedy(covers: np.ndarray, most: int) -> np.ndarray | None:
 
 
 def wheel(points: np.ndarray, axis: np.ndarray, anchor: np.ndarray) -> Cover:
-    """Spheres that roll as a shape does that turns about an axis: centred on it, as large as the shape's reach from it.
+    """Spheres for a shape that rolls about an axis: centred on the axis, with the radius of the shape.
 
     Args:
       points: (n, 3) m of the shape.
@@ -168,7 +168,7 @@ def wheel(points: np.ndarray, axis: np.ndarray, anchor: np.ndarray) -> Cover:
     at = low + (high - low) * (np.arange(count) + 0.5) / count
     centre = anchor + at[:, None] * axis
     hull = ConvexHull(points)
-    # Of a sphere the point farthest from the shape lies on the axis, or on its rim, where it is half as wide.
+    # The point of a sphere that is farthest from the shape lies on the axis or on the wheel's rim.
     ball = trimesh.creation.icosphere(subdivisions=3, radius=radius).vertices
     out = (centre[:, None] + ball[None]).reshape(-1, 3)
     fine = _surface(np.asarray(points, np.float64), hull, _ERROR_SAMPLES)

@@ -1,4 +1,4 @@
-"""How a robot stands on level ground: clearance of parts other than feet, and the limit of tipping over.
+"""Computes a robot's stance on level ground: clearance of parts other than feet, and the limit of tipping over.
 
 In:   `RobotSpec`. Out:  `Stance`. When: when a robot is described; simulation does not need it.
 """
@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull, QhullError
 from ..datatypes import RobotSpec
 from .description import at_rest
 
-#: m; feet at most this much above the lowest one carry the robot.
+#: m; feet within this height of the lowest one support the robot.
 _SUPPORT_HEIGHT = 0.01
 _GRAVITY = 9.81
 
@@ -22,10 +22,11 @@ class Stance:
     """A robot at rest.
 
     Attributes:
-      clearance: m, of the lowest collision sphere other than feet above the ground; below 0 it hits the ground at once.
-        None where every collision sphere is a foot.
-      margin: m, of the centre of mass inside the area between the feet, seen from above; below 0 the robot falls over.
-      height: m, of the centre of mass above the ground.
+      clearance: m, height of the lowest collision sphere other than feet above the ground; if negative, it has contact
+        immediately. None if every collision sphere is a foot.
+      margin: m, distance of the centre of mass from the border of the support polygon; if negative, the robot falls
+        over.
+      height: m, height of the centre of mass above the ground.
     """
 
     clearance: float | None
@@ -58,7 +59,8 @@ def stance(robot: RobotSpec) -> Stance:
 
 
 def _inside(corners: np.ndarray, point: np.ndarray) -> float:
-    """m, of a point inside the convex hull of (n, 2) corners; negative outside, or where they lie on a line."""
+    """m, distance of a point inside the convex hull of (n, 2) corners from its border; negative outside, or if the
+    corners are collinear."""
     try:
         planes = ConvexHull(corners).equations
     except (QhullError, ValueError):  # fewer than three, or all on a line

@@ -1,4 +1,4 @@
-"""The ideal PD controller of the paper, which all robots share: a waypoint becomes a body velocity.
+"""The ideal PD controller of the paper, which converts a waypoint to a body velocity for all robots.
 
 In:   a waypoint in the body frame.
 Out:  (v, omega).
@@ -10,7 +10,7 @@ from typing import Any
 import jax.numpy as jnp
 
 WAYPOINT_REACH = 1.0  # m, design section 4: the action's range is [-1, 1] m
-#: A waypoint nearer than this (m) is "here": stand still.
+#: m; the robot stands still for a waypoint nearer than this.
 STANDSTILL = 1e-3
 
 
@@ -27,11 +27,11 @@ def gait_command(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
 
 
 def pd_velocity(waypoint: Any, control_period: float, max_speed: float, max_yaw_rate: float) -> tuple[Any, Any]:
-    """Reach the waypoint, and face it, within one horizon.
+    """Body velocity that reaches and faces the waypoint within one horizon.
 
     The horizon is the time to a waypoint at full reach at full speed, so a waypoint 1 m ahead means full speed at every
-    control rate; it is never shorter than the control period, which would overshoot. A waypoint beside or behind the
-    robot gives no speed and a turn at full rate: on the spot where the robot can.
+    control rate; it is never shorter than the control period, which would overshoot. For a waypoint beside or behind
+    the robot, the speed is 0 and the yaw rate is the largest.
 
     Args:
       waypoint: (2,) m, x forward and y left, in the body frame.

@@ -1,4 +1,4 @@
-"""From a body velocity to wheel speeds, for robots that are described by a file.
+"""Converts a body velocity to wheel speeds, for robots that are described by a file.
 
 In:   (v, omega).
 Out:  actuator commands.
@@ -16,15 +16,15 @@ from .waypoint import STANDSTILL, clip_velocity
 
 @dataclasses.dataclass(frozen=True)
 class WheelDrive:
-    """Two sides of wheels about the middle of their axle; with an axle in front that steers, they only follow it.
+    """Drive with two sides of wheels about the centre of their axle, or with a steered front axle.
 
     Attributes:
-      left, right: numbers of the actuators of both sides, which take wheel speeds (rad/s).
+      left, right: indices of the actuators of both sides, which take wheel speeds (rad/s).
       wheel_radius: m.
       track: m between the sides.
       size: number of all actuators.
       max_speed: m/s, max_yaw_rate: rad/s.
-      steer: number of the actuator that takes the front axle's angle (rad); None = the sides alone turn the robot.
+      steer: index of the actuator that takes the front axle's angle (rad); None for a differential drive.
       wheelbase: m between the axles.
       max_steer: rad.
     """
@@ -45,7 +45,7 @@ class WheelDrive:
         speed, yaw_rate = clip_velocity(velocity, self.max_speed, self.max_yaw_rate)
         told = jnp.zeros(self.size)
         if self.steer is not None:
-            # At rest the wheels do not turn: the angle is then only kept on its side.
+            # At rest the wheels do not turn, and only the sign of the angle is kept.
             angle = jnp.arctan2(self.wheelbase * yaw_rate, jnp.maximum(speed, STANDSTILL))
             angle = jnp.clip(angle, -self.max_steer, self.max_steer)
             told, yaw_rate = told.at[self.steer].set(angle), speed * jnp.tan(angle) / self.wheelbase
