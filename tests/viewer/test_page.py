@@ -1,6 +1,5 @@
 """The page in a real browser: it opens, its buttons work, and closing a browser does not stop the viewer."""
 
-import dataclasses
 import io
 import pathlib
 import threading
@@ -12,30 +11,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.support.box_machine import box_machine
 from tests.support.browser import browser
-from tests.support.unicycle import UnicycleEngine, unicycle_robot
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.envs import NavEnv, registry
-from urbanverse_mjx.evaluation.agents import BASELINES
-from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viewer.page import Page
 from urbanverse_mjx.viewer.recording import html_recording, start_server
-from urbanverse_mjx.viewer.session import Driver, Machine, Session
+from urbanverse_mjx.viewer.session import Machine, Session
 from urbanverse_mjx.viewer.street import StreetMeshes
-
-#: A box with a camera, moved by the kinematic engine, which compiles fast.
-_BOX = """<mujoco><worldbody><body name="base" pos="0 0 0.3"><freejoint/>
-<geom type="box" size="0.4 0.3 0.2" group="2" rgba="0.9 0.1 0.1 1"/>
-<camera name="front" pos="0.4 0 0.1" xyaxes="0 -1 0 0 0 1" fovy="60"/></body></worldbody></mujoco>"""
 
 
 @pytest.fixture(scope="module")
 def machine(small_bank: SceneBank) -> Machine:
-    robot = dataclasses.replace(unicycle_robot(), mjcf=_BOX, root_body="base", camera="front")
-    config = registry.with_overrides(registry.get_default_config("CocoNav", "cpu"), {"scenes": "all"})
-    engine = UnicycleEngine(robot, config.ctrl_dt)
-    env = NavEnv(config, small_bank, robot, engine, Renderer(small_bank, robot, 18, 32, shading="matte"))
-    return Machine(env, Driver("go_to_goal", BASELINES["go_to_goal"]))
+    return box_machine(small_bank)
 
 
 class Streets:

@@ -9,7 +9,7 @@ import tomllib
 #: Modules of packages that are also published under other names, such as `opencv-python`.
 _MODULES = {"opencv-python-headless": "cv2"}
 #: Packages that are only needed to make or show scenes and videos, not to train and evaluate with a bank.
-MAKERS = frozenset({"coacd", "imageio-ffmpeg", "pycolmap", "usd-core", "viser"})
+MAKERS = frozenset({"coacd", "imageio-ffmpeg", "pycolmap", "usd-core", "viser", "websockets"})
 
 
 def declared() -> list[str]:

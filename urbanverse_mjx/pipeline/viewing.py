@@ -35,6 +35,8 @@ class ViewOptions:
     """Port; 0 for any free one."""
     open: bool = True
     """Open the page in a browser."""
+    give_back_after: float = 2.0
+    """Seconds without a key after which the policy drives again; 0: only by the key T."""
 
 
 class _Choices:
@@ -88,24 +90,24 @@ def view(
     """
     import webbrowser
 
+    from ..viewer.front import served
     from ..viewer.page import Page
-    from ..viewer.recording import start_server, stop_server
+    from ..viewer.teleop import Teleop
 
     options = options or ViewOptions()
     v.integer(options.port, "--port", 0, 65535)
     v.integer(options.robots, "--robots", 1, 8)
+    v.number(options.give_back_after, "--give-back-after", 0.0, 60.0)
     settings.use_compilation_cache()
     scenes = ViewScenes([scene] if scene is not None else [])
     choices = _Choices(scenes, options.env_name)
+    teleop = Teleop(options.give_back_after)
     # Started first, so that a port in use is detected before loading scenes.
-    server = start_server(options.host, options.port)
-    try:
+    with served(options.host, options.port, teleop) as (server, front):
         name = scenes.first[0] if scenes.first else scenes.names[0]
-        page = Page(server, choices, name, options.policy, options.robots, options.people)
-        address = f"http://{'127.0.0.1' if options.host == '0.0.0.0' else options.host}:{server.get_port()}"
-        on_ready(address)
+        page = Page(server, choices, name, options.policy, options.robots, options.people, teleop)
+        front.state = lambda: page.state
+        on_ready(front.address)
         if options.open:
-            webbrowser.open(address)
+            webbrowser.open(front.address)
         page.run(until)
-    finally:
-        stop_server(server)

@@ -17,6 +17,7 @@ from .recording import html_recording, set_initial_view
 from .session import Machine, Session
 from .stage import LAYERS, Stage, chase_view
 from .street import StreetMeshes
+from .teleop import Command, Teleop, status
 
 #: Views of the camera: where it is put while an episode runs.
 VIEWS = ("behind the robot", "from above", "free")
@@ -24,6 +25,8 @@ SPEEDS = ("1x", "2x", "4x", "as fast as possible")
 _FACTOR = {"1x": 1.0, "2x": 2.0, "4x": 4.0}
 _IDLE = 0.02  # s
 _HIGH = 28.0  # m, of the view from above
+#: The policy that stands still.
+NOBODY = "zero"
 #: px, at least, of the robot's camera on the page.
 _WIDTH = 320
 _COMPILING = "compiling the first step: up to half a minute; later ones take it from the cache"
@@ -64,6 +67,7 @@ class Page:
       scene, policy: shown first.
       robots: how many drive at once.
       people: whether the street is full of them.
+      teleop: by which a person takes over the robot shown; nobody can without it.
     """
 
     def __init__(
@@ -74,12 +78,15 @@ class Page:
         policy: str,
         robots: int = 1,
         people: bool = False,
+        teleop: Teleop | None = None,
     ) -> None:
-        self._server, self._choices = server, choices
+        self._server, self._choices, self._teleop = server, choices, teleop or Teleop()
         self._orders: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._stopped = False
+        self._stopped = self._held = False
         self.playing = False
         self.index = 0
+        #: For the page's lower edge, see `teleop.html`.
+        self.state: dict[str, Any] = {}
         self._machine, self._row = choices.open(scene, 0, policy, people)
         self.session: Session
         self.stage: Stage
@@ -93,13 +100,15 @@ class Page:
         late = time.monotonic()
         while not (self._stopped or until()):
             self._obey()
+            command = self._command()
             # The simulation pauses while no browser is connected.
             if not self.playing or not self._server.get_clients():
                 time.sleep(_IDLE)
                 late = time.monotonic()
                 continue
-            self._tick()
-            factor = _FACTOR.get(self._speed.value)
+            self._tick(command)
+            # A person drives in real time.
+            factor = _FACTOR.get(self._speed.value) if command is None else 1.0
             if factor is not None:
                 late = max(late + self._machine.env.dt / factor, time.monotonic() - 0.5)
                 time.sleep(max(0.0, late - time.monotonic()))
@@ -120,7 +129,39 @@ class Page:
                 self._pause()
                 self._say(f"**{error}**")
 
-    def _tick(self) -> None:
+    def _command(self) -> Command | None:
+        """What a person commands now; taking over starts the simulation, and giving back to nobody stops it."""
+        if self.session.over:
+            self._teleop.give_back()
+        command = self._teleop.command(time.monotonic())
+        if (command is not None) != self._held:
+            self._held = command is not None
+            if self._held:
+                self._go(len(self.session) - 1)
+                self._run()
+            elif not self._held and self._machine.driver.name == NOBODY:
+                self._pause()
+            self._tell()
+        return command
+
+    def _tell(self) -> None:
+        """Puts together what the page's lower edge shows."""
+        session = self.session
+        name = session.machine.driver.name
+        policy = "nobody" if name == NOBODY else name
+        who, note = f"{policy} drives", ""
+        if session.over:
+            who, note = "the episode has ended", ""
+        elif not self.playing:
+            who, note = "paused", "W drives" if name == NOBODY else f"W takes over from {policy}"
+        self.state = {
+            "mode": "hand" if self._held else "policy",
+            "who": "you drive" if self._held else who,
+            "note": "" if self._held else note,
+            **status(self._teleop, session.by_hand(self.index, self._robot()), self._machine.env.dt),
+        }
+
+    def _tick(self, command: Command | None = None) -> None:
         """One frame on: one that was driven before, or a new one."""
         if self.index == len(self.session) - 1:
             if self.session.over:
@@ -129,7 +170,11 @@ class Page:
             try:
                 if len(self.session) == 1:
                     self._say(_COMPILING)
-                self.session.step()
+                    self.session.compile()
+                    # A key that was pressed long ago.
+                    self._teleop.forget()
+                self.session.step({} if command is None else {self._robot(): self._machine.action_of(command)})
+                self._teleop.applied(time.monotonic())
             except ValidationError as error:
                 self._pause()
                 self._say(f"**{error}**")
@@ -171,6 +216,7 @@ class Page:
         outcome = session.outcome(self.index, robot)
         done = float(np.asarray(nav.route_done)[robot] / max(float(np.asarray(nav.route_length)[robot]), 1e-6))
         how = "under way" if outcome is None else OUTCOMES[outcome]
+        self._tell()
         self._say(f"{seconds:.1f} s · {away:.1f} m to the goal · {100 * done:.0f} % of the route · **{how}**")
 
     def _say(self, text: str) -> None:
@@ -183,7 +229,6 @@ class Page:
 
     def _begin(self) -> None:
         """A new session of the choice; the page shows its first frame."""
-        self._pause()
         bank = self._machine.env.bank
         number = int(bank.num_episodes[self._row])
         self._episode.max = max(1, number - 1)
@@ -200,6 +245,7 @@ class Page:
         for layer, box in self._layers.items():
             self.stage.switch(layer, box.value, 0)
         set_initial_view(self._server, self.session)
+        self._pause()
         self._go(0)
 
     def _open(self) -> None:
@@ -212,12 +258,18 @@ class Page:
         self._begin()
 
     def _pause(self) -> None:
-        self.playing = False
+        self.playing, self._held = False, False
+        self._teleop.give_back()
         self._play.label = "Play"
+        self._tell()
+
+    def _run(self) -> None:
+        self.playing = True
+        self._play.label = "Pause"
+        self._tell()
 
     def _toggle(self) -> None:
-        self.playing = not self.playing
-        self._play.label = "Pause" if self.playing else "Play"
+        (self._pause if self.playing else self._run)()
 
     def _step(self) -> None:
         self._pause()
@@ -260,6 +312,8 @@ class Page:
             self._time = gui.add_slider("frame", 0, 1, 1, 0, hint="Step of the drive so far; Play continues from here.")
             self._speed = gui.add_dropdown("speed", SPEEDS)
             self._view = gui.add_dropdown("view", VIEWS)
+            hint = "Seconds without a key after which the policy drives again; 0: only by T."
+            self._after = gui.add_number("give back after", self._teleop.give_back_after, min=0, max=60, hint=hint)
         with gui.add_folder("Robot's camera"):
             self._sees = gui.add_checkbox("shown", True)
             self._image = gui.add_image(np.zeros((9, 16, 3), np.uint8))
@@ -286,6 +340,7 @@ class Page:
         self._order(self._restart, self._begin)
         self._order(self._time, lambda: self._scrub(int(self._time.value)))
         self._order(self._view, self._look)
+        self._order(self._after, lambda: setattr(self._teleop, "give_back_after", float(self._after.value)))
         self._order(self._sees, self._look)
         self._order(self._which, lambda: self._go(self.index))
         self._order(self._opener, self._open)

@@ -56,6 +56,17 @@ def start_server(host: str, port: int) -> viser.ViserServer:
     Raises:
       ValidationError: the port is in use, or not ours to take. (viser itself would take the next one.)
     """
+    port = free_port(host, port)
+    with contextlib.redirect_stdout(io.StringIO()):
+        return viser.ViserServer(host=host, port=port, verbose=False)
+
+
+def free_port(host: str, port: int) -> int:
+    """The port, or for 0 a free one.
+
+    Raises:
+      ValidationError: the port is in use, or not ours to take.
+    """
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -65,9 +76,7 @@ def start_server(host: str, port: int) -> viser.ViserServer:
                 f"--port: found {port} on {host} taken ({error.strerror}), needed a free one; choose another, or 0 for "
                 "any."
             ) from error
-        port = probe.getsockname()[1]
-    with contextlib.redirect_stdout(io.StringIO()):
-        return viser.ViserServer(host=host, port=port, verbose=False)
+        return probe.getsockname()[1]
 
 
 def stop_server(server: viser.ViserServer) -> None:

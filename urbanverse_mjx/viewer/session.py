@@ -15,7 +15,9 @@ import numpy as np
 from ..datatypes import RESULTS, AgentMotion, ValidationError
 from ..envs import NavEnv, NavState
 from ..evaluation.agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, answer, told
+from ..evaluation.planner import waypoint_of
 from ..evaluation.rollouts import EpisodeSet
+from .teleop import Command
 
 IMAGE = "pixels/front"
 
@@ -42,11 +44,13 @@ class Frame(NamedTuple):
       nav: their states, leading axis n.
       action: (n, A) that led to this frame; 0 in the first one.
       by_hand: (n,) bool, whether a person chose it.
+      reward: (n,) of the step that led to this frame; 0 in the first one.
     """
 
     nav: NavState
     action: np.ndarray
     by_hand: np.ndarray
+    reward: np.ndarray
 
 
 class Machine:
@@ -73,16 +77,33 @@ class Machine:
             return None
         return np.asarray(self._image(nav))[..., :3]
 
+    def action_of(self, command: Command) -> np.ndarray:
+        """(2,) in [-1, 1]: the action by which the robot drives as a person commands, as near as it can.
+
+        Raises:
+          ValidationError: actions of this environment are commands of joints.
+        """
+        robot, mode = self.env.robot, self.env.config.action_mode
+        if mode == "waypoint":
+            speed, turn = command.speed * robot.max_speed, command.turn * robot.max_yaw_rate
+            return np.array(waypoint_of(speed, turn, robot.max_speed, self.env.dt), np.float32)
+        if mode == "velocity":
+            return np.array([2.0 * command.speed - 1.0, command.turn], np.float32)
+        raise ValidationError(
+            f"config.action_mode: found {mode!r}, needed 'waypoint' or 'velocity' for a robot that is driven by hand."
+        )
+
     def _act(self, nav: NavState, memory: Any, known: Any, key: jax.Array) -> tuple[jax.Array, Any, jax.Array]:
         """The action of one robot, its memory and its next key; keys go as those of `Rollout`."""
         key, now = jax.random.split(key)
         action, memory = answer(self.driver.agent, nav, self.env.observe(nav), known, memory, now)  # type: ignore[arg-type]
         return action, memory, key
 
-    def _advance(self, nav: NavState, action: jax.Array) -> NavState:
-        """One control step; an ended episode stands still as it ended."""
-        new, *_ = self.env.advance(nav, action)
-        return jax.tree.map(lambda a, b: jnp.where(nav.result == 0, a, b), new, nav)
+    def _advance(self, nav: NavState, action: jax.Array) -> tuple[NavState, jax.Array]:
+        """One control step and its reward; an ended episode stands still as it ended."""
+        new, reward, _, _ = self.env.advance(nav, action)
+        running = nav.result == 0
+        return jax.tree.map(lambda a, b: jnp.where(running, a, b), new, nav), jnp.where(running, reward, 0.0)
 
     def _agents(self, nav: NavState) -> AgentMotion | None:
         if self.env.dynamic is None or nav.crowd is None:
@@ -131,7 +152,7 @@ class Session:
         nothing = np.zeros((count, machine.env.action_size), np.float32)
         self.frames: list[Frame] = []
         self._root_positions: list[np.ndarray] = []
-        self._keep(Frame(nav, nothing, np.zeros(count, bool)))
+        self._keep(Frame(nav, nothing, np.zeros(count, bool), np.zeros(count, np.float32)))
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -144,6 +165,13 @@ class Session:
     def over(self) -> bool:
         """Whether every robot's episode has ended."""
         return bool((np.asarray(self.frames[-1].nav.result) != 0).all())
+
+    def compile(self) -> None:
+        """Compiles a step, where no session of this machine has; nothing moves."""
+        nav = self.frames[0].nav
+        if not self.machine.driver.outside:
+            self.machine.act(nav, self._memory, self._known, self._key)
+        self.machine.advance(nav, jnp.zeros((self.num_robots, self.machine.env.action_size)))
 
     def step(self, by_hand: dict[int, np.ndarray] | None = None) -> Frame:
         """One control step of all robots; ended ones stand still.
@@ -160,8 +188,8 @@ class Session:
         chosen = np.zeros(self.num_robots, bool)
         for robot, value in (by_hand or {}).items():
             action[robot], chosen[robot] = value, True
-        new = self.machine.advance(nav, jnp.asarray(action))
-        frame = Frame(new, action, chosen)
+        new, reward = self.machine.advance(nav, jnp.asarray(action))
+        frame = Frame(new, action, chosen, np.asarray(reward))
         self._keep(frame)
         return frame
 
@@ -195,6 +223,10 @@ class Session:
         """Where the moving agents around a robot are in a frame, fields (A, ...); None in a street without any."""
         found = self.machine.agents(self.frames[index].nav)
         return None if found is None else AgentMotion(*(np.asarray(x)[robot] for x in found))
+
+    def by_hand(self, index: int, robot: int = 0) -> np.ndarray:
+        """(index,) bool: which steps up to a frame a person drove."""
+        return np.array([frame.by_hand[robot] for frame in self.frames[1 : index + 1]], bool)
 
     def path(self, index: int, robot: int = 0) -> np.ndarray:
         """(index + 1, 3) m, where a robot has been up to a frame."""

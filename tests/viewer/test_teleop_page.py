@@ -1,0 +1,197 @@
+"""Driving by hand in a real browser: keys, a gamepad, and a browser that falls silent or leaves."""
+
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from websockets.sync.client import connect
+
+from tests.support.box_machine import box_machine
+from tests.support.browser import browser
+from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.viewer.front import Front, served
+from urbanverse_mjx.viewer.page import Page
+from urbanverse_mjx.viewer.session import Machine
+from urbanverse_mjx.viewer.teleop import Teleop
+
+pytestmark = pytest.mark.slow
+#: A gamepad as the browser's interface describes it; `window.pad` is set by the test.
+_GAMEPAD = """
+window.pad = null;
+const button = (pressed) => ({pressed, touched: pressed, value: +pressed});
+const gamepad = () => ({
+  id: "Pad (STANDARD)", index: 1, connected: true, mapping: "standard", timestamp: performance.now(),
+  axes: window.pad.axes, buttons: window.pad.buttons.map(button),
+});
+navigator.getGamepads = () => [null, window.pad && gamepad()];
+"""
+
+
+class Streets:
+    """The box streets, without a choice."""
+
+    policies = ("go_to_goal",)
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine, self.scenes = machine, machine.env.bank.scene_ids
+
+    def cousins(self, scene: str) -> int:
+        del scene
+        return 1
+
+    def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
+        del cousin, policy, people
+        return self.machine, self.scenes.index(scene)
+
+
+@pytest.fixture(scope="module")
+def driven(small_bank: SceneBank) -> Iterator[tuple[Page, Teleop, Front, Any]]:
+    """A page that runs in a thread, and a browser's tab with it."""
+    teleop, streets = Teleop(give_back_after=1.5), Streets(box_machine(small_bank))
+    with served("127.0.0.1", 0, teleop) as (server, front):
+        page = Page(server, streets, streets.scenes[0], "go_to_goal", teleop=teleop)
+        front.state = lambda: page.state
+        thread = threading.Thread(target=page.run, daemon=True)
+        thread.start()
+        try:
+            with browser() as chromium:
+                tab = chromium.new_page(viewport={"width": 1200, "height": 800})
+                tab.add_init_script(_GAMEPAD)
+                tab.goto(front.address)
+                tab.frame_locator("#viser").get_by_role("button", name="Play").wait_for(timeout=120_000)
+                yield page, teleop, front, tab
+        finally:
+            page.stop()
+            thread.join(30.0)
+    assert not thread.is_alive()
+
+
+@pytest.fixture(autouse=True)
+def begun_again(driven: tuple[Page, Teleop, Front, Any]) -> None:
+    page, tab = driven[0], driven[3]
+    before = page.session
+    tab.frame_locator("#viser").get_by_role("button", name="Begin again").click()
+    wait(lambda: page.session is not before)
+    begun = threading.Event()
+    page._orders.put(begun.set)
+    wait(begun.is_set)
+
+
+def wait(until: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not until():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def speeds(page: Page) -> np.ndarray:
+    """(T, 2) m/s, rad/s of all steps."""
+    velocities = np.array([np.asarray(f.nav.sim.qvel)[0] for f in page.session.frames[1:]])
+    return np.stack([np.linalg.norm(velocities[:, :2], axis=1), velocities[:, 5]], 1)
+
+
+def test_keys_take_over_drive_stop_and_give_back(driven: tuple[Page, Teleop, Front, Any]) -> None:
+    page, teleop, _, tab = driven
+    tab.frame_locator("#viser").get_by_role("button", name="Play").click()
+    wait(lambda: len(page.session) > 3)
+    assert not page.session.by_hand(3).any()
+    # The focus is in viser's frame since the click.
+    tab.keyboard.down("w")
+    tab.keyboard.down("a")
+    wait(lambda: page.session.frames[-1].by_hand[0] and abs(speeds(page)[-1, 1] - 1.0) < 1e-3)
+    assert speeds(page)[-1, 0] == pytest.approx(2.0, abs=0.02)
+    tab.get_by_text("you drive").wait_for(timeout=60_000)
+    tab.keyboard.up("a")
+    tab.keyboard.up("w")
+    wait(lambda: bool(speeds(page)[-1, 0] < 1e-6))
+    assert page.session.frames[-1].by_hand[0]
+    wait(lambda: not page.session.frames[-1].by_hand[0])
+    assert not teleop.held
+    tab.get_by_text("go_to_goal drives").wait_for(timeout=60_000)
+    tab.keyboard.press("t")
+    wait(lambda: bool(page.session.frames[-1].by_hand[0]))
+    assert speeds(page)[-1, 0] < 1e-6
+    tab.keyboard.press("t")
+    wait(lambda: not page.session.frames[-1].by_hand[0])
+    wait(lambda: page.state["interventions"] == 2)
+    by_hand = page.session.by_hand(len(page.session) - 1)
+    assert page.state["seconds"] == pytest.approx(by_hand.sum() * 0.2, abs=0.21)
+    latency = teleop.latency
+    assert latency is not None
+    # A control step and its computation; from the browser's clock to this one's.
+    assert 0.0 < latency < 5.0
+    tab.get_by_text("2 interventions").wait_for(timeout=60_000)
+
+
+def test_letters_in_a_text_field_are_letters(driven: tuple[Page, Teleop, Front, Any]) -> None:
+    teleop, tab = driven[1], driven[3]
+    frame = tab.frame_locator("#viser")
+    field = frame.locator("label", has_text="or a file").locator("xpath=ancestor::div[.//input][1]//input")
+    field.click()
+    tab.keyboard.type("wasd")
+    assert field.input_value() == "wasd"
+    time.sleep(0.5)
+    assert not teleop.held
+    field.fill("")
+    field.press("Tab")
+
+
+def test_a_gamepad_takes_over_by_its_button_and_drives_by_its_stick(driven: tuple[Page, Teleop, Front, Any]) -> None:
+    page, teleop, _, tab = driven
+
+    def hold(x: float, y: float, button: bool = False) -> None:
+        tab.evaluate("pad => { window.pad = pad; }", {"axes": [x, y, 0, 0], "buttons": [button, False]})
+
+    hold(0.0, -1.0)
+    tab.get_by_text("Pad: left stick drives").wait_for(timeout=60_000)
+    time.sleep(0.3)
+    assert not teleop.held
+    hold(0.0, -1.0, button=True)
+    wait(lambda: len(page.session) > 1 and bool(speeds(page)[-1, 0] > 1.9))
+    hold(0.6, -0.05)
+    wait(lambda: bool(speeds(page)[-1, 1] < -0.1))
+    # To the right, at the share beyond the dead zone; the drift ahead is within it.
+    assert speeds(page)[-1] == pytest.approx([0.0, -(0.6 - 0.15) / 0.85], abs=0.03)
+    hold(0.0, 0.0, button=True)
+    wait(lambda: not teleop.held)
+    hold(0.0, 0.0)
+    tab.evaluate("window.pad = null")
+
+
+def test_a_browser_that_falls_silent_stops_the_robot(driven: tuple[Page, Teleop, Front, Any]) -> None:
+    """Its connection stays open; the tab that shows the page drives nothing."""
+    page, teleop, front, _ = driven
+    held = json.dumps({"keys": ["KeyW"], "axes": [], "buttons": []})
+    with connect(front.address.replace("http", "ws") + "/drive", proxy=None) as socket:
+        wait(lambda: socket.send(held) is None and len(page.session) >= 4, 30.0)
+        last, driven_steps = time.monotonic(), len(page.session)
+        wait(lambda: bool(speeds(page)[-1, 0] < 1e-6))
+        # A step of 0.2 s that has begun ends, and another may begin within 0.1 s.
+        assert (speeds(page)[driven_steps - 1 :, 0] > 1e-6).sum() <= 2
+        assert teleop.held
+        wait(lambda: not teleop.held)
+        assert time.monotonic() - last > 1.4
+
+
+def test_a_browser_that_leaves_stops_the_robot_and_the_drive_goes_on_when_it_is_back(
+    driven: tuple[Page, Teleop, Front, Any],
+) -> None:
+    page, teleop, front, tab = driven
+    tab.keyboard.down("ArrowUp")
+    wait(lambda: len(page.session) > 3)
+    tab.goto("about:blank")
+    before = len(page.session)
+    wait(lambda: not teleop.held)
+    steps = len(page.session)
+    assert (speeds(page)[before - 1 :, 0] > 1e-6).sum() <= 2
+    time.sleep(1.0)
+    assert len(page.session) == steps
+    tab.goto(front.address)
+    tab.frame_locator("#viser").get_by_role("button", name="Begin again").wait_for(timeout=120_000)
+    tab.keyboard.down("ArrowUp")
+    wait(lambda: len(page.session) > steps)
+    tab.keyboard.up("ArrowUp")

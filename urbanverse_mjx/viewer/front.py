@@ -1,0 +1,234 @@
+"""One port for people: a page that holds viser's page, and a socket for what is pressed in it.
+
+viser's client reports no held keys, releases or gamepads. The page here has viser's as a frame of the same origin, so
+that it receives the frame's key events, too; viser's own server is behind it, on a port of this machine.
+
+In:   requests and sockets of browsers.
+Out:  `Inputs` for a `Teleop`.
+When: while a page is open; all in a thread of its own.
+"""
+
+import asyncio
+import contextlib
+import http
+import itertools
+import json
+import logging
+import pathlib
+import threading
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import viser
+from websockets.asyncio.client import connect
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
+from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
+
+from ..datatypes import ValidationError
+from .recording import free_port, private_server
+from .teleop import Inputs, Teleop
+
+#: Paths of viser's page and of the socket for keys.
+FRAME, DRIVE = "/viser", "/drive"
+_PAGE = pathlib.Path(__file__).with_name("teleop.html")
+_LARGEST = 50 * 2**20  # bytes of a message; viser's own limit
+#: s between two states that a browser is told, and between two measurements of its delay.
+_TELL_EVERY, _PING_EVERY = 0.1, 2.0
+_FORWARDED = ("Content-Type", "Content-Encoding")
+
+
+class Front:
+    """Serves the page on a port until `stop` is called.
+
+    Args:
+      host, port: 0 takes a free one.
+      behind: viser's port on this machine.
+      teleop: takes what is pressed.
+      state: what the page shows, as a JSON object; called often, from a thread.
+
+    Raises:
+      ValidationError: the port is in use.
+    """
+
+    def __init__(
+        self, host: str, port: int, behind: int, teleop: Teleop, state: Callable[[], dict[str, Any]] = dict
+    ) -> None:
+        self.port = free_port(host, port)
+        self.state = state
+        self._host, self._behind, self._teleop = host, behind, teleop
+        self._page = _PAGE.read_bytes()
+        self._numbers = itertools.count()
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        try:
+            self._server: Server = asyncio.run_coroutine_threadsafe(self._open(), self._loop).result()
+        except OSError as error:  # taken since it was found free
+            self._end()
+            raise ValidationError(f"--port: found {self.port} on {host} taken, needed a free one.") from error
+
+    @property
+    def address(self) -> str:
+        """Where a browser of this machine finds the page."""
+        return f"http://{'127.0.0.1' if self._host == '0.0.0.0' else self._host}:{self.port}"
+
+    def stop(self) -> None:
+        """Closes all connections and the port."""
+
+        async def close() -> None:
+            self._server.close()
+            await self._server.wait_closed()
+
+        with contextlib.suppress(TimeoutError):
+            asyncio.run_coroutine_threadsafe(close(), self._loop).result(5.0)
+        self._end()
+
+    def _end(self) -> None:
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(5.0)
+        if not self._thread.is_alive():
+            self._loop.close()
+
+    async def _open(self) -> Server:
+        return await serve(
+            self._socket,
+            self._host,
+            self.port,
+            process_request=self._answer,
+            select_subprotocol=_viser_protocol,
+            compression=None,
+            max_size=_LARGEST,
+            ping_interval=_PING_EVERY,
+            close_timeout=1.0,
+            logger=_log(),
+        )
+
+    async def _answer(self, _: ServerConnection, request: Request) -> Response | None:
+        """The page, or a file of viser's; None for sockets."""
+        if request.headers.get("Upgrade", "").lower() == "websocket":
+            return None
+        path = request.path.partition("?")[0]
+        if path == "/":
+            return _response(http.HTTPStatus.OK, self._page, {"Content-Type": "text/html; charset=utf-8"})
+        if path == FRAME or path.startswith(f"{FRAME}/"):
+            return await asyncio.to_thread(self._of_viser, path.removeprefix(FRAME) or "/", request)
+        return _response(http.HTTPStatus.NOT_FOUND, b"not found", {"Content-Type": "text/plain"})
+
+    def _of_viser(self, path: str, request: Request) -> Response:
+        accepted = {"Accept-Encoding": request.headers.get("Accept-Encoding", "identity")}
+        asked = urllib.request.Request(f"http://127.0.0.1:{self._behind}{path}", headers=accepted)
+        # No proxy of the environment stands between two ports of one machine.
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+        try:
+            with opener.open(asked, timeout=10.0) as answer:
+                kept = {name: answer.headers[name] for name in _FORWARDED if name in answer.headers}
+                return _response(http.HTTPStatus.OK, answer.read(), kept)
+        except urllib.error.HTTPError as error:
+            return _response(http.HTTPStatus(error.code), b"not found", {"Content-Type": "text/plain"})
+        except OSError:
+            return _response(http.HTTPStatus.BAD_GATEWAY, b"the viewer has ended", {"Content-Type": "text/plain"})
+
+    async def _socket(self, browser: ServerConnection) -> None:
+        path = browser.request.path.partition("?")[0] if browser.request is not None else ""
+        with contextlib.suppress(ConnectionClosed):
+            if path == DRIVE:
+                await self._drive(browser)
+            elif path.rstrip("/") == FRAME:
+                await self._relay(browser)
+            else:
+                await browser.close(1008, f"found no {path[:60]}")
+
+    async def _drive(self, browser: ServerConnection) -> None:
+        """Takes a browser's inputs until it leaves, and tells it the state."""
+        number = next(self._numbers)
+        telling = asyncio.create_task(self._tell(browser))
+        try:
+            async for message in browser:
+                # Half of the round trip that the pings measure.
+                self._teleop.receive(number, Inputs.parse(message), time.monotonic(), 0.5 * browser.latency)
+        except ValidationError as error:
+            await browser.close(1003, str(error)[:120])
+        finally:
+            telling.cancel()
+            self._teleop.leave(number)
+
+    async def _tell(self, browser: ServerConnection) -> None:
+        told = None
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                state = json.dumps(self.state())
+                if state != told:
+                    await browser.send(state)
+                    told = state
+                await asyncio.sleep(_TELL_EVERY)
+
+    async def _relay(self, browser: ServerConnection) -> None:
+        """Hands messages between a browser and viser, both directions, until one of them leaves."""
+        protocols = None if browser.subprotocol is None else [browser.subprotocol]
+        try:
+            inner = await connect(
+                f"ws://127.0.0.1:{self._behind}",
+                subprotocols=protocols,
+                max_size=_LARGEST,
+                compression=None,
+                ping_interval=None,
+                proxy=None,
+                close_timeout=1.0,
+            )
+        except (OSError, InvalidHandshake):
+            await browser.close(1001, "the viewer has ended")
+            return
+        async with inner:
+            directions = [asyncio.create_task(_pass_on(*pair)) for pair in ((browser, inner), (inner, browser))]
+            await asyncio.wait(directions, return_when=asyncio.FIRST_COMPLETED)
+            for direction in directions:
+                direction.cancel()
+        if inner.close_code is not None and inner.close_code >= 1002:
+            # Such as viser's answer to a client of another version.
+            code = inner.close_code if inner.close_code not in (1005, 1006, 1015) else 1001
+            await browser.close(code, inner.close_reason or "")
+
+
+def _log() -> logging.Logger:
+    """The log of connections, without those that a browser opened in advance and never used."""
+    log = logging.getLogger(__name__)
+    log.addFilter(lambda record: record.getMessage() != "opening handshake failed")
+    return log
+
+
+@contextlib.contextmanager
+def served(host: str, port: int, teleop: Teleop) -> Iterator[tuple[viser.ViserServer, Front]]:
+    """viser's server, and the page before it.
+
+    Raises:
+      ValidationError: the port is in use.
+    """
+    port = free_port(host, port)
+    with private_server() as server:
+        front = Front(host, port, server.get_port(), teleop)
+        try:
+            yield server, front
+        finally:
+            front.stop()
+
+
+async def _pass_on(source: Any, target: Any) -> None:
+    with contextlib.suppress(ConnectionClosed):
+        async for message in source:
+            await target.send(message)
+
+
+def _viser_protocol(_: ServerConnection, offered: Any) -> Subprotocol | None:
+    """The first one offered: viser's client names its version so, and viser checks it."""
+    return next(iter(offered), None)
+
+
+def _response(status: http.HTTPStatus, body: bytes, headers: dict[str, str]) -> Response:
+    given = {**headers, "Content-Length": str(len(body)), "Cache-Control": "no-cache"}
+    return Response(status.value, status.phrase, Headers(given), body)
