@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .. import table_arguments
 from ..datatypes import RESULTS, AgentMotion, EpisodeResult, ValidationError
 from ..envs import NavEnv, NavState
 from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, answer, told
@@ -123,7 +124,7 @@ class Rollout:
     def __init__(self, env: NavEnv, chunk: int = 20, hold: int = 1):
         self.env = env
         self._chunk, self._hold = chunk, hold
-        self._begin = jax.jit(jax.vmap(env.begin_at))
+        self._begin = table_arguments.jit(jax.vmap(env.begin_at))
 
     def run(
         self,
@@ -173,8 +174,8 @@ class Rollout:
           ValidationError: its actions are not finite or not (n, 2).
         """
         nav, tally = self._start(episodes, 1)
-        observe, places = jax.jit(jax.vmap(self.env.observe)), jax.jit(self._places)
-        advance = jax.jit(jax.vmap(self._advance))
+        observe, places = table_arguments.jit(jax.vmap(self.env.observe)), table_arguments.jit(self._places)
+        advance = table_arguments.jit(jax.vmap(self._advance))
         seen = []
         if isinstance(agent, Beginning):
             agent.begin(len(episodes))
@@ -250,7 +251,7 @@ class Rollout:
             carry, poses = jax.lax.scan(step, (nav, tally), None, length=self._chunk)
             return carry, jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), poses)
 
-        return jax.jit(chunk)
+        return table_arguments.jit(chunk)
 
     def _results(self, name: str, nav: NavState, tally: _Tally, episodes: EpisodeSet) -> list[EpisodeResult]:
         steps, result, length = np.asarray(nav.steps), np.asarray(nav.result), np.asarray(nav.route_length)

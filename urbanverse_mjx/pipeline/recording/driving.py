@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ... import table_arguments
 from ...datatypes import RESULTS, SceneBank
 from ...datatypes import validation as v
 from ...evaluation.agents import Beginning, Privileged, Recurrent, answer, told
@@ -160,10 +161,10 @@ class BatchDrive:
 
     def __init__(self, machine: "Machine") -> None:
         self._env, self._driver = machine.env, machine.driver
-        self._begin = jax.jit(jax.vmap(self._env.begin_at))
-        self._observe = jax.jit(jax.vmap(self._env.observe))
-        self._step = jax.jit(jax.vmap(self._advance))
-        self._chunk = jax.jit(self._scan)
+        self._begin = table_arguments.jit(jax.vmap(self._env.begin_at))
+        self._observe = table_arguments.jit(jax.vmap(self._env.observe))
+        self._step = table_arguments.jit(jax.vmap(self._advance))
+        self._chunk = table_arguments.jit(self._scan)
         self._replace = jax.jit(_replaced)
 
     def run(self, episodes: EpisodeSet, num_envs: int) -> Iterator[list[Driven]]:

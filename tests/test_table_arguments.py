@@ -1,0 +1,41 @@
+"""`table_arguments.jit` computes what `jax.jit` computes, without the tables in the compiled program."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from urbanverse_mjx import table_arguments
+
+TABLE = jnp.asarray(np.random.default_rng(0).normal(size=(300, 200)).astype(np.float32))
+OFFSETS = np.arange(40_000.0, dtype=np.float32)
+SMALL = jnp.arange(3.0)
+
+
+def looked_up(place: dict[str, jax.Array], key: jax.Array) -> dict[str, jax.Array]:
+    def step(carry: jax.Array, _: None) -> tuple[jax.Array, jax.Array]:
+        row = jnp.clip(carry.astype(jnp.int32), 0, 299)
+        return carry + TABLE[row, 0] + SMALL[1], jnp.asarray(OFFSETS)[row]
+
+    end, seen = jax.lax.scan(step, place["x"] + jax.random.uniform(key), None, length=5)
+    return {"end": end, "seen": seen}
+
+
+def test_it_equals_jit_for_every_shape_of_its_arguments() -> None:
+    ours, theirs = table_arguments.jit(jax.vmap(looked_up)), jax.jit(jax.vmap(looked_up))
+    for n in (4, 4, 7):
+        keys, place = jax.random.split(jax.random.key(n), n), {"x": 20.0 * jnp.arange(float(n))}
+        found, needed = ours(place, keys), theirs(place, keys)
+        jax.tree.map(np.testing.assert_array_equal, found, needed)
+
+
+def test_a_large_table_is_no_part_of_the_program_and_a_later_call_traces_nothing() -> None:
+    traced: list[int] = []
+
+    def function(x: jax.Array) -> jax.Array:
+        traced.append(1)
+        return x + TABLE.sum() + SMALL
+
+    ours = table_arguments.jit(function)
+    np.testing.assert_allclose(ours(jnp.ones(3)) - ours(jnp.zeros(3)), 1.0, rtol=1e-5)
+    assert len(traced) == 1
+    assert [x.nbytes for x in table_arguments._Program(function, (jnp.ones(3),)).tables] == [TABLE.nbytes]
