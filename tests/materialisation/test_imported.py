@@ -2,7 +2,6 @@
 
 import json
 import pathlib
-import shutil
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from trimesh.exchange import stl
 from tests.support.box_bank import street_regions
 from urbanverse_mjx.assets import build_mesh, imported_index
 from urbanverse_mjx.assets.importing.run import Options, import_folder
-from urbanverse_mjx.assets.records.store import ensure_store, store_path
 from urbanverse_mjx.assets.selection.matching import Matcher
 from urbanverse_mjx.assets.selection.search import ObjectLibrary, full_library, library
 from urbanverse_mjx.cli.main import main
@@ -27,11 +25,8 @@ Both = tuple[ObjectLibrary, ObjectLibrary, AssetRecord]
 def both(tmp_path_factory: pytest.TempPathFactory):
     """(catalogue, catalogue with an imported storage box, the box's record)."""
     plain = library()  # in the tests' cache
-    built = ensure_store()
     patch = pytest.MonkeyPatch()
     patch.setenv("URBANVERSE_CACHE", str(tmp_path_factory.mktemp("cache")))
-    store_path().parent.mkdir(parents=True)
-    shutil.copyfile(built, store_path())  # making it again takes 10 s
     assert full_library() is plain
     folder = tmp_path_factory.mktemp("files")
     body = trimesh.creation.box((0.613, 0.371, 0.293))

@@ -71,7 +71,7 @@ def use(env: NavEnv, monkeypatch: pytest.MonkeyPatch) -> None:
         return Machine(env, Driver(policy, BASELINES[policy]))
 
     monkeypatch.setattr(drivers, "load_machine", load)
-    monkeypatch.setattr("urbanverse_mjx.pipeline.banks.chosen_bank", lambda *_: env.bank)
+    monkeypatch.setattr("urbanverse_mjx.pipeline.training_run.bank_of", lambda *_: env.bank)
 
 
 def table_of(folder: pathlib.Path) -> dict[str, list[Any]]:
@@ -302,7 +302,7 @@ def test_wrong_options_are_one_sentence_and_leave_no_folder(
     options: list[str],
     message: str,
 ) -> None:
-    monkeypatch.setattr("urbanverse_mjx.pipeline.banks.chosen_bank", lambda *_: small_bank)
+    monkeypatch.setattr("urbanverse_mjx.pipeline.training_run.bank_of", lambda *_: small_bank)
     assert cli.main(["record", "--out", str(tmp_path / "new"), "--quiet", *options]) == 2
     said = capsys.readouterr()
     assert said.err.count("\n") == 1

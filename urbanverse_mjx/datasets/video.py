@@ -127,3 +127,19 @@ def count_frames(path: pathlib.Path) -> int:
         said = (done.stderr.strip().splitlines() or ["no video in it"])[-1]
         raise ValidationError(f"{path}: found a file that ffmpeg cannot read ({said}), needed a video.")
     return int(numbers[-1])
+
+
+def read_frames(path: pathlib.Path, count: int, height: int, width: int) -> np.ndarray:
+    """The first `count` frames of a video as (count, height, width, 3) u8; another size is averaged by area.
+
+    Raises:
+      ValidationError: ffmpeg cannot read it, or it has fewer frames.
+    """
+    form = ("-vf", f"scale={width}:{height}:flags=area", "-frames:v", str(count), "-f", "rawvideo", "-pix_fmt", "rgb24")
+    command = _ffmpeg("-i", str(path), "-map", "0:v:0", *form, "pipe:1")
+    done = subprocess.run(command, capture_output=True, check=False)
+    found = len(done.stdout) // (height * width * 3)
+    if done.returncode != 0 or found < count:
+        reason = (done.stderr.decode(errors="replace").strip().splitlines() or [f"{found} frames"])[-1]
+        raise ValidationError(f"{path}: found a video of which ffmpeg reads {reason}, needed {count} frames.")
+    return np.frombuffer(done.stdout, np.uint8).reshape(found, height, width, 3)[:count]

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from ..training.run import TrainingResult
 
 
+#: Steps that behaviour cloning reads by default, each of a small dataset many times.
+_CLONED_STEPS = 1_000_000
+
+
 @dataclasses.dataclass(frozen=True)
 class TrainOptions:
     """Folder, start, evaluation and processes of a run."""
@@ -32,6 +36,9 @@ class TrainOptions:
     start_from: pathlib.Path | None = None
     """A policy or run folder with the initial networks of a new run, e.g. of another robot. For the preset `best` they
     are those of the student."""
+    demonstrations: pathlib.Path | None = None
+    """A dataset of `urbanverse record` whose actions the policy imitates (behaviour cloning) instead of a teacher's;
+    for the presets `quick` and `best`."""
     num_episodes: int = 100
     """Number of fixed episodes of the final evaluation; 0 = none."""
     video: bool = True
@@ -61,13 +68,18 @@ def train(
     Raises:
       ValidationError: a name or key is unknown, or the request differs from the record of the resumed run.
     """
+    from ..datatypes import ValidationError
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
 
     request, options = request or RunRequest(), options or TrainOptions()
     if options.coordinator is not None:
         join_processes(options.coordinator, options.num_processes, options.process_id)
+    if options.demonstrations is not None and options.resume is not None:
+        raise ValidationError("--demonstrations: found it together with --resume, needed one of them.")
     configs = configs_of(request) if options.resume is None else resumed_configs(options.resume, request)
+    if options.demonstrations is not None:
+        configs = (*configs[:2], _cloning_config(configs[2], request, options))
     with _folder(configs[0], options) as folder:
         try:
             return _train(*configs, folder, options, quiet)
@@ -112,10 +124,11 @@ def _train(
 
     begin = time.monotonic()
     imitates, in_stages = ppo.get("algorithm") == "dagger", "teacher" in ppo
+    source = ppo.get("demonstrations")
     if imitates and not in_stages and options.start_from is not None:
         raise ValidationError(
-            f"preset {config.preset!r}: found --start-from, needed none: it imitates a scripted controller from random "
-            "weights; take another preset."
+            f"preset {config.preset!r}: found --start-from, needed none: it imitates from random weights; take another "
+            "preset."
         )
     if imitates and options.coordinator is not None:
         raise ValidationError(
@@ -130,6 +143,8 @@ def _train(
     built = time.monotonic()
     if in_stages:
         result = _teach_and_imitate(name, env, ppo, folder, options, quiet)
+    elif source is not None:
+        result = _clone(name, env, ppo, folder, pathlib.Path(source), options.resume is not None, quiet)
     elif imitates:
         result = _imitate(name, env, ppo, folder, options.resume is not None, quiet)
     else:
@@ -158,6 +173,44 @@ def _train(
         },
         "folder": str(folder),
     }
+
+
+def _cloning_config(config: Any, request: "RunRequest", options: TrainOptions) -> Any:
+    """Returns the imitation part of a preset's training config, with the dataset's path in it.
+
+    Raises:
+      ValidationError: the preset has no student.
+    """
+    from ml_collections import ConfigDict
+
+    from ..datatypes import ValidationError
+
+    if config.get("algorithm") != "dagger":
+        raise ValidationError(
+            "--demonstrations: found a preset that trains by Brax PPO, needed one that trains by imitation: quick or "
+            "best."
+        )
+    assert options.demonstrations is not None
+    other_stages = ("teacher", "finetune", "shares", "validation_episodes")
+    own = {k: x for k, x in config.to_dict().items() if k not in other_stages}
+    own["demonstrations"] = str(options.demonstrations.absolute())
+    # A small dataset is read many times anyway.
+    defaults = {"epochs": 1, "num_timesteps": _CLONED_STEPS}
+    own |= {k: x for k, x in defaults.items() if k not in request.ppo}
+    return ConfigDict(own).lock()
+
+
+def _clone(
+    name: str, env: Any, config: Any, folder: pathlib.Path, source: pathlib.Path, resume: bool, quiet: bool
+) -> "TrainingResult":
+    """Trains a student that imitates recorded episodes."""
+    from ..training.cloning import Cloning
+    from ..training.imitation import fit
+    from .demonstrations import load_demonstrations
+
+    data = load_demonstrations(source, env)
+    _say(f"{int(data.begins.sum()):,} episodes with {len(data.begins):,} steps in {source}", quiet)
+    return fit(name, env, config, folder, Cloning(data, config), resume, quiet)
 
 
 def _imitate(name: str, env: Any, config: Any, folder: pathlib.Path, resume: bool, quiet: bool) -> "TrainingResult":

@@ -1,4 +1,4 @@
-"""Imitation learning in a run folder: `dagger.Dagger` with logs, policies and exact resumption."""
+"""Imitation learning in a run folder: `Dagger` or `Cloning` with logs, policies and exact resumption."""
 
 import pathlib
 from typing import Any
@@ -7,6 +7,7 @@ from ml_collections import ConfigDict
 
 from ..datatypes import ValidationError
 from ..envs import wrap_for_training
+from .cloning import Cloning
 from .dagger import Dagger, Teacher
 from .iterative import Iterations
 from .policy import PolicySpec, latest_policy, save_student
@@ -39,8 +40,21 @@ def distil(
       ValidationError: the folder is in use, there is no run to resume or it is complete, or a resumed run has another
         configuration.
     """
-    folder = folder.absolute()
     learner = Dagger(wrap_for_training(env, env.config.episode_length), teacher, config)
+    return fit(environment, env, config, folder, learner, resume, quiet)
+
+
+def fit(
+    environment: str,
+    env: Any,
+    config: ConfigDict,
+    folder: pathlib.Path,
+    learner: Dagger | Cloning,
+    resume: bool = False,
+    quiet: bool = False,
+) -> TrainingResult:
+    """Iterates a learner whose states hold the parameters of a student; arguments and errors as of `distil`."""
+    folder = folder.absolute()
     each, total = learner.steps_per_iteration, int(config.num_timesteps)
 
     def save(actor: Any, steps: int) -> pathlib.Path:

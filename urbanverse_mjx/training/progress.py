@@ -10,6 +10,9 @@ from tensorboardX import SummaryWriter
 
 from ..progress import Progress
 
+#: What behaviour cloning reports in place of episodes.
+_ERROR = "training/error"
+
 
 class TrainingLog:
     """Writes the metrics of Brax's progress callbacks to logs and the progress bar.
@@ -38,11 +41,12 @@ class TrainingLog:
         return values[len(values) // 2] if values else 0.0
 
     def __call__(self, step: int, metrics: Mapping[str, Any]) -> None:
-        """`progress_fn` of `ppo.train`: episode metrics from inside an epoch, or totals after one."""
+        """`progress_fn` of `ppo.train`: episode metrics from inside an epoch, or totals after one; or what a learner
+        that iterates reports."""
         done = self._start + int(step)
         now = time.monotonic()
         values = {name: float(value) for name, value in metrics.items()}
-        inside = any(name.startswith("episode/") for name in values)
+        inside = _ERROR in values or any(name.startswith("episode/") for name in values)
         if inside:
             values = {_tidy(name): value for name, value in values.items()}
             if self._last is not None and done > self._last[1]:
@@ -69,6 +73,8 @@ def _how_it_goes(values: Mapping[str, float]) -> str:
         known = {"success": "success", "hit": "hit", "route": "route_completion"}
         keys = {word: f"episode/{key}" for word, key in known.items()}
         return ", ".join(f"{word} {values[key]:.0%}" for word, key in keys.items() if key in values)
+    if _ERROR in values:
+        return f"mean error of actions {values[_ERROR]:.3f}"
     return f"return {values.get('episode/sum_reward', 0.0):.2f}, length {values.get('episode/length', 0.0):.0f}"
 
 

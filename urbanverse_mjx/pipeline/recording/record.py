@@ -147,10 +147,10 @@ def _prepared(
 ) -> tuple["NavEnv", Any, np.ndarray, dict[str, "Feature"]]:
     """The environment, its policy, the scenes' rows of the bank, and the dataset's features."""
     from ...envs.navigation.scenarios import select_scenes
-    from ..banks import chosen_bank
     from ..drivers import load_machine
+    from ..training_run import bank_of
 
-    bank = chosen_bank(options.bank, options.quiet)
+    bank = bank_of(options.env_name or "CocoNav", options.quiet, options.preset, options.bank)
     scenes = np.asarray(select_scenes(bank, options.scenes))
     machine = load_machine(options.policy, bank, options.people, options.env_name, options.preset, None)
     env = machine.env
