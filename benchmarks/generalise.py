@@ -129,11 +129,15 @@ class StudentTraining:
         from urbanverse_mjx.training import sequences
 
         best: list[Any] = [-1.0, None]
+        judged: set[int] = set()
 
         def actor_of(state: Any) -> Any:
             return state.params["actor"] if name == "finetune" else state.params
 
         def validate(number: int, state: Any) -> None:
+            if number in judged:
+                return
+            judged.add(number)
             rates = self.rates(actor_of(state))
             mean = sum(rates.values()) / len(rates)
             if mean > best[0]:
