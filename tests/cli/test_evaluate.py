@@ -17,7 +17,7 @@ from urbanverse_mjx.cli.evaluate import main as evaluate
 from urbanverse_mjx.cli.train import main as train
 from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimState, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
-from urbanverse_mjx.pipeline import banks, evaluation, quick_bank
+from urbanverse_mjx.pipeline import banks, evaluation, quick_bank, training_run
 from urbanverse_mjx.pipeline.evaluation import SHOWN, evaluate_policy
 from urbanverse_mjx.pipeline.rollout_video import random_draw
 from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
@@ -189,6 +189,31 @@ def test_a_policy_is_evaluated_on_the_streets_of_its_preset(
     monkeypatch.setattr(evaluation, "evaluate_policy", lambda _, bank, *__, **___: used.append(bank) or {})
     assert evaluate([str(folder), "--quiet"]) == 0
     assert used == ["quick streets" if preset == "quick" else "shipped streets"]
+
+
+def test_reports_of_other_settings_stay(
+    untrained: pathlib.Path, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`evaluate RUN --dynamic` after `evaluate RUN`: both reports are needed for the comparison."""
+    monkeypatch.setattr(training_run, "bank_of", lambda *_: small_bank)
+    folders: list[pathlib.Path] = []
+    monkeypatch.setattr(evaluation, "evaluate_policy", lambda _, __, folder, *___, **____: folders.append(folder) or {})
+    run = str(untrained)
+    for options in ([], ["--dynamic"], ["--env-name", "Go2Nav"], ["--scenes", "all,x"], ["--bank", "a/mine.npz"]):
+        assert evaluate([run, *options, "--quiet"]) == 0
+        assert evaluate(["planner", *options, "--quiet"]) == 0
+    assert folders[:4] == [
+        untrained / "evaluation",
+        pathlib.Path("runs/evaluate-planner"),
+        untrained / "evaluation-dynamic",
+        pathlib.Path("runs/evaluate-planner-dynamic"),
+    ]
+    for value in ("1", "2"):
+        evaluate(["planner", "--playground-config-overrides", f'{{"episode_length": {value}}}', "--quiet"])
+    evaluate(["planner", "--seed", "3", "--quiet"])
+    evaluate(["planner", "--preset", "cpu", "--quiet"])
+    assert len(set(folders)) == len(folders)
+    assert all(folder.name.startswith(("evaluation", "evaluate-planner")) for folder in folders)
 
 
 def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:

@@ -3,7 +3,9 @@
 import dataclasses
 import json
 import pathlib
+import re
 import sys
+import zlib
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -19,7 +21,8 @@ class EvaluateArgs:
     """Evaluate a policy on fixed episodes: one JSON line, and report.md, report.json and episodes.csv in a folder."""
 
     policy: Annotated[str, tyro.conf.Positional]
-    """A policy folder, a run folder (for its policy with the most steps), or zero, random, go_to_goal or planner."""
+    """A policy folder, a run folder (for its policy with the most steps), or zero, random, go_to_goal or planner. A
+    trained one is compared with three others: untrained, go_to_goal, and itself with its camera covered."""
     scenes: str = "test"
     """test, train, all, or scene ids separated by commas."""
     dynamic: bool = False
@@ -37,7 +40,8 @@ class EvaluateArgs:
     num_episodes: int = 100
     seed: int = 0
     out: pathlib.Path | None = None
-    """Folder of the report; default: beside the policy, runs/evaluate-NAME for scripted policies."""
+    """Folder of the report; default: evaluation in the policy's folder, runs/evaluate-NAME for scripted policies, with
+    the settings that differ from the defaults, such as evaluation-dynamic. An older report there is replaced."""
     video: bool = True
     """Write an mp4 of three episodes drawn at random with --seed, with their results."""
     quiet: bool = False
@@ -52,11 +56,11 @@ def main(argv: Sequence[str]) -> int:
 
     v.integer(args.num_episodes, "--num-episodes", 1)
     if args.policy in SCRIPTED:
-        policy, out = args.policy, pathlib.Path("runs") / f"evaluate-{args.policy}"
+        policy, out = args.policy, pathlib.Path("runs") / f"evaluate-{args.policy}{_settings(args)}"
         environment, preset = args.env_name or "CocoNav", args.preset
     elif pathlib.Path(args.policy).is_dir():
         policy = latest_policy(pathlib.Path(args.policy))
-        out = policy / "evaluation"
+        out = policy / f"evaluation{_settings(args)}"
         spec = PolicySpec.load(policy)
         environment, preset = args.env_name or spec.environment, spec.env_config.get("preset")
     else:
@@ -71,3 +75,15 @@ def main(argv: Sequence[str]) -> int:
         print(f"report: {out / 'report.md'}", file=sys.stderr)
     print(json.dumps({**summary, "folder": str(out)}))
     return 0
+
+
+def _settings(args: EvaluateArgs) -> str:
+    """Names the settings that differ from the defaults, for the folder, so that reports of other settings stay."""
+    chosen = [args.env_name, args.bank and args.bank.stem, args.scenes if args.scenes != "test" else None]
+    chosen += [args.preset if args.preset != "paper" else None, f"seed{args.seed}" if args.seed else None]
+    if args.env_overrides:
+        text = json.dumps(dict(args.env_overrides), sort_keys=True)
+        chosen.append(f"overrides{zlib.crc32(text.encode()):08x}")
+    chosen.append("dynamic" if args.dynamic else None)
+    words = "".join(f"-{word}" for word in chosen if word)
+    return re.sub(r"[^\w.-]+", "_", words)[:120]
