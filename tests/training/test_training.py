@@ -14,8 +14,8 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
-from urbanverse_mjx.training import brax_compat
-from urbanverse_mjx.training.config import batch_shape, default_ppo_config
+from urbanverse_mjx.training import brax_compat, run
+from urbanverse_mjx.training.config import batch_shape, default_ppo_config, steps_trained
 from urbanverse_mjx.training.policy import (
     export_actor,
     initial_params,
@@ -24,6 +24,7 @@ from urbanverse_mjx.training.policy import (
     load_policy,
     make_policy_function,
 )
+from urbanverse_mjx.training.progress import TrainingLog
 from urbanverse_mjx.training.run import train
 
 CPU_REWARDS = {
@@ -56,6 +57,11 @@ def test_batch_shape_divides_or_says_why() -> None:
         batch_shape(with_overrides(default_ppo_config(), {"num_envs": 50}))
     with pytest.raises(ValidationError, match="minibatch"):
         batch_shape(with_overrides(default_ppo_config(), {"minibatch": 500}))
+
+
+@pytest.mark.parametrize(("asked", "trained"), [(1, 16_384), (16_384, 16_384), (20_000, 32_768)])
+def test_whole_rollouts_are_trained_before_each_checkpoint(asked: int, trained: int) -> None:
+    assert steps_trained(default_ppo_config("cpu"), asked) == trained
 
 
 def test_papers_table() -> None:
@@ -118,15 +124,18 @@ def test_trains_stops_resumes_and_loads(begun: pathlib.Path, small_bank: SceneBa
 
 
 def test_starts_from_another_policy_with_a_new_critic(
-    begun: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path
+    begun: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
-    ppo = with_overrides(default_ppo_config("cpu"), {**SMALL, "num_timesteps": 2048, "num_checkpoints": 1})
+    ppo = with_overrides(default_ppo_config("cpu"), {**SMALL, "num_timesteps": 1500, "num_checkpoints": 1})
     actor = export_actor(begun, tmp_path / "actor")
     # With a learning rate of 0 the parameters do not change.
     still = with_overrides(ppo, {"learning_rate": 0.0, "learning_rate_schedule": "NONE", "seed": 7})
+    totals: list[int] = []
+    monkeypatch.setattr(run, "TrainingLog", lambda *given: totals.append(given[1]) or TrainingLog(*given))
     second = train("Go2Nav", env, still, tmp_path / "second", quiet=True, start_from=actor)
     assert second.policy is not None
+    assert [second.steps] == totals == [2048], "progress counts to the steps that Brax trains, not to those asked for"
     before, after = (load_params(latest_policy(folder)) for folder in (begun, tmp_path / "second"))
     jax.tree.map(np.testing.assert_array_equal, before[1], after[1])
     critics = zip(jax.tree.leaves(before[2]), jax.tree.leaves(after[2]), strict=True)

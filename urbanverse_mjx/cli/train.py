@@ -26,7 +26,8 @@ class TrainArgs(TrainOptions):
     hundreds of streets: --bank), cpu (PPO on a laptop), fast (PPO on a GPU), paper and urbansim_v0_1; to walk: cpu (the
     default) and fast."""
     num_timesteps: int | None = None
-    """Total env-steps; default: that of the preset."""
+    """Total env-steps; default: that of the preset. Brax PPO rounds it up to whole rollouts (num_envs x unroll_length),
+    equally many before each of the preset's checkpoints: with `cpu` to a multiple of 8 x 2,048 steps."""
     num_envs: int | None = None
     """Number of parallel envs; default: that of the preset."""
     seed: int | None = None

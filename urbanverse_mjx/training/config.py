@@ -91,3 +91,15 @@ def batch_shape(config: ConfigDict) -> tuple[int, int]:
             f"ppo.num_envs: found {config.num_envs}, needed a multiple of minibatch / unroll_length = {sequences}."
         )
     return sequences, config.num_envs // sequences
+
+
+def steps_trained(config: ConfigDict, steps: int) -> int:
+    """Computes the env-steps that Brax trains for `steps`, rounded up: whole rollouts (num_envs x unroll_length), at
+    least one before each checkpoint, and as many before each.
+
+    Raises:
+      ValidationError: the sizes do not divide.
+    """
+    batch_size, num_minibatches = batch_shape(config)
+    each = batch_size * num_minibatches * config.unroll_length * max(config.num_checkpoints, 1)
+    return -(-steps // each) * each

@@ -12,7 +12,7 @@ from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from .brax_compat import load_ppo
-from .config import brax_arguments
+from .config import brax_arguments, steps_trained
 from .policy import PolicySpec, latest_policy, load_compatible, load_params, network_factory, save_policy
 from .progress import TrainingLog
 from .record import begin_segment, check_scenes
@@ -120,7 +120,8 @@ def train(
     if writes:
         folder.mkdir(parents=True, exist_ok=True)
         record.save(folder)
-    log = TrainingLog(folder, total, start, quiet) if writes else None
+    end = start + steps_trained(ppo_config, total - start)
+    log = TrainingLog(folder, end, start, quiet) if writes else None
     begin = time.monotonic()
     try:
         ppo.train(
