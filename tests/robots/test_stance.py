@@ -10,6 +10,7 @@ import pytest
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.robots.description import load
 from urbanverse_mjx.robots.stance import stance
+from urbanverse_mjx.robots.start import start
 
 #: Two wheels behind and a caster in front; the centre of mass 0.05 m before the wheels and 0.3 m above the ground.
 BODY = """
@@ -68,3 +69,66 @@ def test_the_command_says_it(tmp_path: pathlib.Path, capsys: pytest.CaptureFixtu
     assert lines[1].endswith("tips over at 1.6 m/s²")
     said = json.loads(lines[-1])
     assert (said["clearance"], said["tips_at"]) == (0.07, 1.64)
+
+
+def rover(folder: pathlib.Path, gain: float, centre: float = 0.05, drop: float = 0.0) -> pathlib.Path:
+    """Two driven wheels, a caster in front and a box as its body, on which the robot falls backwards."""
+    (folder / "r.xml").write_text(f"""
+<mujoco>
+  <option integrator="Euler" cone="pyramidal" timestep="0.005"/>
+  <worldbody>
+    <body name="base" pos="0 0 0.11">
+      <freejoint/>
+      <inertial pos="{centre} 0 0.02" mass="18" diaginertia="0.3 0.5 0.6"/>
+      <camera name="front" pos="0.3 0 0.25"/>
+      <geom name="rear" size="0.05" pos="-0.25 0 {0.03 - drop}"/>
+      <geom name="caster" size="0.05" pos="0.22 0 -0.06" condim="1" priority="1"/>
+      <body name="l" pos="0 0.22 0">
+        <joint name="lj" axis="0 1 0" damping="{gain}" armature="0.02"/>
+        <geom name="left" size="0.11" mass="1"/>
+      </body>
+      <body name="r" pos="0 -0.22 0">
+        <joint name="rj" axis="0 1 0" damping="{gain}" armature="0.02"/>
+        <geom name="right" size="0.11" mass="1"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <general name="lm" joint="lj" gainprm="{gain}"/>
+    <general name="rm" joint="rj" gainprm="{gain}"/>
+  </actuator>
+</mujoco>""")
+    drive = {"kind": "differential", "left": ["lm"], "right": ["rm"], "wheel_radius": 0.11, "track": 0.44}
+    said = {"schema": "urbanverse.robot/1", "name": "r", "mjcf": "r.xml", "root_body": "base", "camera": "front"}
+    said |= {"feet": ["left", "right", "caster"], "max_speed": 1.2, "max_yaw_rate": 1.0, "drive": drive}
+    said |= {"planner": {"radius": 0.4, "height": 0.5, "step": 0.02}}
+    (folder / "robot.json").write_text(json.dumps(said))
+    return folder
+
+
+def test_strong_motors_tip_a_robot_over_that_weak_ones_do_not(tmp_path: pathlib.Path) -> None:
+    """Both have the same stance; what differs is the acceleration that their motors give."""
+    assert stance(load(rover(tmp_path, 2.0))).tips_at == stance(load(rover(tmp_path, 1.0))).tips_at
+    strong = start(load(rover(tmp_path, 2.0)))
+    assert strong is not None
+    assert strong.touches == "rear"
+    assert 0.05 < strong.after < 1.0
+    for settings in ({"gain": 1.0}, {"gain": 2.0, "centre": 0.08}):
+        weak = start(load(rover(tmp_path, **settings)))
+        assert weak is not None
+        assert weak.touches is None, settings
+    low = start(load(rover(tmp_path, 1.0, drop=0.12)))
+    assert (low and low.touches, low and low.after) == ("rear", 0.0)
+    assert start(load(written(tmp_path))) is None, "a robot with a gait does not start by its wheels"
+
+
+def test_the_command_says_that_it_falls_over(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["robot", str(rover(tmp_path, 2.0))]) == 0
+    out = capsys.readouterr().out
+    assert "rear touches the ground after 0." in out
+    assert "halve the gain" in out
+    assert json.loads(out.splitlines()[-1])["start_touches"] == "rear"
+    assert main(["robot", "wheelchair"]) == 0
+    out = capsys.readouterr().out
+    assert "only its feet touch the ground" in out
+    assert json.loads(out.splitlines()[-1])["start_touches"] is None

@@ -15,7 +15,7 @@ from ..datatypes import validation as v
 @dataclasses.dataclass(frozen=True)
 class RobotArgs:
     """Read a robot; prints a line for each collision shape that is replaced by spheres, with the largest error of the
-    fit, the robot's stance, and one JSON line."""
+    fit, the robot's stance, whether it falls over when it starts, and one JSON line."""
 
     source: Annotated[str, tyro.conf.Positional]
     """A robot.json, its folder, or wheelchair."""
@@ -28,6 +28,7 @@ def main(argv: Sequence[str]) -> int:
     args = tyro.cli(RobotArgs, args=list(argv), prog="urbanverse robot")
     from ..robots.description import load_with_fits
     from ..robots.stance import stance
+    from ..robots.start import start
 
     robot, fits = load_with_fits(args.source)
     for fit in fits:
@@ -42,14 +43,30 @@ def main(argv: Sequence[str]) -> int:
         f"centre of mass: {stands.margin:.3f} m inside the feet, {stands.height:.3f} m high; tips over at "
         f"{stands.tips_at:.1f} m/s²\n"
     )
+    starts = start(robot)
+    if starts is not None:
+        sys.stdout.write(f"starts at full speed on level ground: {_outcome(starts)}\n")
     if args.picture is not None:
         _draw(args.picture, robot, fits)
     worst = max((fit.cover.error for fit in fits), default=0.0)
     said: dict[str, Any] = {"robot": robot.name, "fitted": len(fits), "largest_error": round(worst, 4)}
     said |= {"spawn_height": round(robot.spawn_height, 4), "circumradius": round(robot.circumradius, 4)}
     said |= {"clearance": stands.clearance and round(stands.clearance, 4), "tips_at": round(stands.tips_at, 2)}
+    if starts is not None:
+        said |= {"start_touches": starts.touches, "start_after": starts.after if starts.touches else None}
     print(json.dumps(said | {"feet": list(robot.foot_geoms)}))
     return 0
+
+
+def _outcome(starts: Any) -> str:
+    if starts.touches is None:
+        return "only its feet touch the ground"
+    if not starts.after:
+        return f"{starts.touches} touches the ground at rest; raise it, or name it as one of the feet"
+    return (
+        f"{starts.touches} touches the ground after {starts.after:.2f} s; halve the gain of the motors and the damping "
+        "of their joints, or move the centre of mass farther inside the feet"
+    )
 
 
 def _draw(path: pathlib.Path, robot: Any, fits: Any) -> None:
