@@ -1,8 +1,9 @@
-"""`--bank` and `--playground-config-overrides` mean the same to train, evaluate, play and benchmark."""
+"""`--bank` and `--playground-config-overrides` mean the same to every command that drives."""
 
 import dataclasses
 import pathlib
 import time
+import types
 from typing import Any
 
 import pytest
@@ -13,11 +14,15 @@ from urbanverse_mjx import progress
 from urbanverse_mjx.cli.benchmark import BenchmarkArgs
 from urbanverse_mjx.cli.evaluate import EvaluateArgs
 from urbanverse_mjx.cli.play import PlayArgs
+from urbanverse_mjx.cli.record import RecordArgs
 from urbanverse_mjx.cli.train import TrainArgs
+from urbanverse_mjx.cli.view import ViewArgs
 from urbanverse_mjx.datatypes import BenchmarkReport, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
+from urbanverse_mjx.evaluation import BASELINES
 from urbanverse_mjx.evaluation.frozen import freeze
 from urbanverse_mjx.pipeline import BenchmarkOptions, PlayOptions, benchmark, evaluate_policy, play, rollout_video
+from urbanverse_mjx.pipeline.drivers import load_machine
 
 OVERRIDES = {"robot": "/robots/tug", "sim_dt": 0.005}
 WORDS = ["--bank", "a/bank.npz", "--playground-config-overrides", '{"robot": "/robots/tug", "sim_dt": 0.005}']
@@ -44,7 +49,14 @@ def bank(small_bank: SceneBank, tmp_path: pathlib.Path) -> pathlib.Path:
 
 
 @pytest.mark.parametrize(
-    ("kind", "first"), [(TrainArgs, []), (EvaluateArgs, ["zero"]), (PlayArgs, []), (BenchmarkArgs, ["shipped"])]
+    ("kind", "first"),
+    [
+        (TrainArgs, []),
+        (EvaluateArgs, ["zero"]),
+        (PlayArgs, []),
+        (BenchmarkArgs, ["shipped"]),
+        (RecordArgs, ["--out", "x"]),
+    ],
 )
 def test_every_command_reads_them(kind: Any, first: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     args = tyro.cli(kind, args=[*first, *WORDS])
@@ -54,6 +66,58 @@ def test_every_command_reads_them(kind: Any, first: list[str], capsys: pytest.Ca
     with pytest.raises(SystemExit):
         tyro.cli(kind, args=[*first, "--playground-config-overrides", "{"])
     assert "which is not JSON" in capsys.readouterr().err
+
+
+def test_people_and_a_robot_of_ones_own_in_a_page_and_a_dataset() -> None:
+    """`view` has no --bank: its scene may be one; what evaluate calls --dynamic is there, too."""
+    for kind, first in ((ViewArgs, []), (RecordArgs, ["--out", "x"])):
+        args = tyro.cli(kind, args=[*first, *WORDS[2:], "--dynamic"])
+        assert (args.env_overrides, args.people) == (OVERRIDES, True)
+        assert tyro.cli(kind, args=[*first, "--people"]).people
+        assert not tyro.cli(kind, args=[*first, "--no-people"]).people
+    assert tyro.cli(PlayArgs, args=["--dynamic"]).dynamic
+
+
+@pytest.mark.parametrize("policy", ["planner", "folder", "file.onnx"])
+def test_a_page_and_a_dataset_drive_by_a_changed_config(
+    policy: str,
+    small_bank: SceneBank,
+    loads: list[Any],
+    tmp_path: pathlib.Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    trained = registry.get_default_config("CocoNav", "cpu").to_dict()
+    spec = types.SimpleNamespace(environment="CocoNav", env_config=trained)
+    monkeypatch.setattr("urbanverse_mjx.training.policy.latest_policy", lambda folder: folder)
+    monkeypatch.setattr("urbanverse_mjx.training.policy.load_policy", lambda _: (None, spec))
+    file = types.SimpleNamespace(record=spec)
+    monkeypatch.setattr("urbanverse_mjx.evaluation.onnx_policy.load_onnx", lambda _: file)
+    if policy == "folder":
+        policy = str(tmp_path)
+    load_machine(policy, small_bank, overrides=OVERRIDES)
+    load_machine(policy, small_bank)
+    (changed, _), (plain, _) = loads
+    assert (changed.robot, changed.sim_dt) == ("/robots/tug", 0.005)
+    assert (plain.robot, plain.sim_dt) == (trained["robot"], trained["sim_dt"])
+
+
+def test_play_drives_the_policy_that_it_is_given(
+    bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not go_to_goal, its default, without a word; and among people where it is asked to."""
+    monkeypatch.setattr(rollout_video, "write_episodes", lambda *_, **__: None)
+    spec = types.SimpleNamespace(
+        environment="CocoNav", env_config=registry.get_default_config("CocoNav", "cpu").to_dict()
+    )
+    monkeypatch.setattr("urbanverse_mjx.training.policy.load_policy", lambda _: (BASELINES["zero"], spec))
+    options = PlayOptions(policy=tmp_path, bank=bank, scenes="all")
+    done = play(tmp_path / "a.mp4", options)
+    assert {r["agent"] for r in done["results"]} == {"trained"}
+    with pytest.raises(ValidationError, match="--policy: found it beside --agent planner, needed one of them"):
+        play(tmp_path / "a.mp4", dataclasses.replace(options, agent="planner"))
+    for chosen in (dataclasses.replace(options, dynamic=True), PlayOptions(bank=bank, scenes="all", dynamic=True)):
+        play(tmp_path / "a.mp4", chosen)
+    assert [config.scenario for config, _ in loads] == ["static", "dynamic", "dynamic"]
 
 
 @pytest.mark.parametrize("agent", ["go_to_goal", "planner"])

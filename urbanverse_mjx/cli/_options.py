@@ -56,6 +56,8 @@ EnvOverrides = Annotated[
         str_from_instance=lambda value: [json.dumps(dict(value))],
     ),
 ]
+#: Type of the option `--people`, which other commands call `--dynamic`.
+Crowded = Annotated[bool, tyro.conf.arg(aliases=["--dynamic"])]
 #: Type of an option `--size HEIGHTxWIDTH`: (height, width) in pixels.
 ImageSize = Annotated[
     tuple[int, int],

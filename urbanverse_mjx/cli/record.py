@@ -11,7 +11,7 @@ from tyro.constructors import PrimitiveConstructorSpec
 
 from .. import pipeline
 from ..pipeline.recording.record import RecordOptions
-from ._options import ImageSize
+from ._options import Crowded, EnvOverrides, ImageSize
 
 _Sensors = Annotated[
     tuple[str, ...],
@@ -36,6 +36,10 @@ class RecordArgs(RecordOptions):
     """Of the images, in pixels, whatever the policy sees."""
     sensors: _Sensors = ()
     """Besides colour: depth, semantic, instance, or segmentation for the last two; separated by commas."""
+    people: Crowded = False
+    """Streets full of people and vehicles that move."""
+    env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
+    """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
 
 
 def main(argv: Sequence[str]) -> int:

@@ -9,6 +9,7 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.viewing import ViewOptions
+from ._options import Crowded, EnvOverrides
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -17,6 +18,10 @@ class ViewArgs(ViewOptions):
 
     scene: Annotated[str | None, tyro.conf.Positional] = None
     """A shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank's .npz."""
+    people: Crowded = False
+    """With moving people and vehicles."""
+    env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
+    """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
 
 
 def main(argv: Sequence[str]) -> int:

@@ -1,6 +1,7 @@
 """Loads a policy by name or file together with its environment, for viewers and recorders."""
 
 import pathlib
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..datatypes import SceneBank, ValidationError
@@ -19,6 +20,7 @@ def load_machine(
     env_name: str | None = None,
     preset: str = "cpu",
     image_size: tuple[int, int] | None = IMAGE_SIZE,
+    overrides: Mapping[str, Any] | None = None,
 ) -> "Machine":
     """Makes an environment over all scenes of a bank, without randomisation, and loads the policy.
 
@@ -29,6 +31,7 @@ def load_machine(
         policies.
       preset: preset of the environment, for policies without one.
       image_size: (height, width) in pixels of the camera image for policies without images; None for no image.
+      overrides: flat dotted keys of the environment's config, over those of the policy or preset.
 
     Raises:
       ValidationError: the policy does not exist, or has another task.
@@ -38,12 +41,14 @@ def load_machine(
     from ..evaluation.planner import Planner
     from ..viewer.session import Driver, Machine
 
+    overrides = overrides or {}
     if policy in BASELINES or policy == "planner":
-        env = registry.load_nav_env(env_name or "CocoNav", _fresh_config(env_name, people, preset, image_size), bank)
+        config = registry.with_overrides(_fresh_config(env_name, people, preset, image_size), overrides)
+        env = registry.load_nav_env(env_name or "CocoNav", config, bank)
         return Machine(env, Driver(policy, Planner(env) if policy == "planner" else BASELINES[policy]))
     path = pathlib.Path(policy).expanduser()
     if policy.endswith(".onnx"):
-        return _onnx_machine(path, bank, people, env_name, preset, image_size)
+        return _onnx_machine(path, bank, people, env_name, preset, image_size, overrides)
     if not path.is_dir():
         known = ", ".join((*BASELINES, "planner"))
         raise ValidationError(f"--policy: found {policy!r}, needed one of {known}, a policy folder or an ONNX file.")
@@ -52,6 +57,7 @@ def load_machine(
     folder = latest_policy(path)
     agent, spec = load_policy(folder)
     name, config = _trained_config(spec.environment, spec.env_config, people, env_name)
+    config = registry.with_overrides(config, overrides)
     return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, agent))
 
 
@@ -62,6 +68,7 @@ def _onnx_machine(
     env_name: str | None,
     preset: str,
     image_size: tuple[int, int] | None,
+    overrides: Mapping[str, Any],
 ) -> "Machine":
     from ..envs import registry
     from ..evaluation.external import PROPRIO
@@ -75,6 +82,7 @@ def _onnx_machine(
         size = policy.size or (image_size or IMAGE_SIZE if policy.sees else image_size)
         name, config = env_name or "CocoNav", _fresh_config(env_name, people, preset, size)
         config = registry.with_overrides(config, {"observations.proprio": PROPRIO in policy.observations})
+    config = registry.with_overrides(config, overrides)
     return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, policy, outside=True))
 
 

@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 class PlayOptions:
     """Policy, scenes and contents of the video."""
 
-    agent: str = "go_to_goal"
-    """zero, random, go_to_goal, planner, or trained (needs --policy)."""
+    agent: str | None = None
+    """zero, random, go_to_goal, planner, or trained (needs --policy); default: trained where there is a --policy, else
+    go_to_goal."""
     policy: pathlib.Path | None = None
-    """Policy or run folder for --agent trained."""
+    """Policy or run folder of the agent `trained`."""
     env_name: str | None = None
     """Environment whose robot is driven; default: that of the policy, else CocoNav."""
     preset: str = "cpu"
@@ -33,6 +34,8 @@ class PlayOptions:
     """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
     env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     """Flat dotted keys of the environment's config, such as the robot."""
+    dynamic: bool = False
+    """With moving people and vehicles."""
     scenes: str = "test"
     num_episodes: int = 2
     """Number of episodes; all are in the video except with --only-successes and --shown."""
@@ -75,7 +78,8 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     options = options or PlayOptions()
     if options.shown is not None:
         v.integer(options.shown, "--shown", 1)
-    agent, name, config = _chosen(options)
+    who = options.agent or ("go_to_goal" if options.policy is None else "trained")
+    agent, name, config = _chosen(who, options)
     config = registry.with_overrides(config, options.env_overrides)
     hold = _steps_held(options.fps, config.ctrl_dt)
     if options.html is not None and hold > 1:
@@ -88,7 +92,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     episodes = fixed_episodes(env, options.num_episodes, options.seed)
     with Progress(options.quiet) as progress:
         report = progress.task("driving", len(episodes), unit="episodes")
-        results, poses = Rollout(env, hold=hold).run({options.agent: agent}, episodes, lambda ended, _: report(ended))
+        results, poses = Rollout(env, hold=hold).run({who: agent}, episodes, lambda ended, _: report(ended))
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
     if not shown:
         raise ValidationError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
@@ -98,7 +102,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
         progress.task("drawing", len(shown), unit="episodes")
         write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, **style)
     if options.html is not None:
-        _write_html(options.html, env, options.agent, agent, episodes, shown[0])
+        _write_html(options.html, env, who, agent, episodes, shown[0])
     return {"video": str(out), "results": [r.to_json() for r in results]}
 
 
@@ -116,17 +120,19 @@ def _write_html(path: pathlib.Path, env: "NavEnv", name: str, agent: Any, episod
     v.write_atomically(path, lambda temporary: temporary.write_text(page, encoding="utf-8"))
 
 
-def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "ConfigDict"]:
+def _chosen(who: str, options: PlayOptions) -> tuple["Agent | Privileged | None", str, "ConfigDict"]:
     """Makes the agent (None for the planner, which needs the environment), the environment and its config.
 
     Raises:
       ValidationError: the agent or policy does not exist, or the environment is not a navigation task.
     """
     from ..envs import registry
-    from ..envs.navigation.draws import OFF
     from ..evaluation import BASELINES
+    from .evaluation import evaluation_config
 
-    if options.agent in (*BASELINES, "planner"):
+    if who in (*BASELINES, "planner"):
+        if options.policy is not None:
+            raise ValidationError(f"--policy: found it beside --agent {who}, needed one of them.")
         name = options.env_name or "CocoNav"
         config = registry.get_default_config(name, options.preset)
         if "goal_mode" not in config:
@@ -136,9 +142,11 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
             )
         # Scripted agents need no images, so they run without a renderer.
         config = registry.with_overrides(config, {"scenes": options.scenes, "vision": False})
-        return BASELINES.get(options.agent), name, config
-    if options.agent != "trained":
-        raise ValidationError(f"--agent: found {options.agent!r}, needed trained, planner, {', '.join(BASELINES)}.")
+        if options.dynamic:
+            config = registry.with_overrides(config, {"scenario": "dynamic"})
+        return BASELINES.get(who), name, config
+    if who != "trained":
+        raise ValidationError(f"--agent: found {who!r}, needed trained, planner, {', '.join(BASELINES)}.")
     if options.policy is None:
         raise ValidationError("--policy: found nothing, needed a policy or run folder for --agent trained.")
     from ml_collections import ConfigDict
@@ -149,7 +157,7 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
     name, config = options.env_name or spec.environment, ConfigDict(spec.env_config)
     if name != spec.environment:
         config = registry.same_task(config, name)
-    return agent, name, registry.with_overrides(config, {"scenes": options.scenes, "randomization": OFF})
+    return agent, name, evaluation_config(name, config.to_dict(), options.scenes, options.dynamic)
 
 
 def _steps_held(fps: float | None, control_period: float) -> int:

@@ -2,8 +2,8 @@
 
 import dataclasses
 import pathlib
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from .. import settings
 from ..datatypes import validation as v
@@ -29,6 +29,8 @@ class ViewOptions:
     """Number of robots, 1 to 8, each with its own episode."""
     people: bool = False
     """With moving people and vehicles."""
+    env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    """Flat dotted keys of the environment's config, such as the robot."""
     host: str = "127.0.0.1"
     """Address to listen on; 0.0.0.0 allows access from other machines."""
     port: int = 8080
@@ -42,8 +44,8 @@ class ViewOptions:
 class _Choices:
     """The scenes and policies that the page offers."""
 
-    def __init__(self, scenes: ViewScenes, env_name: str | None) -> None:
-        self._scenes, self._env_name = scenes, env_name
+    def __init__(self, scenes: ViewScenes, env_name: str | None, overrides: Mapping[str, Any]) -> None:
+        self._scenes, self._env_name, self._overrides = scenes, env_name, overrides
         self._machines: dict[tuple[int, str, bool], Machine] = {}
 
     @property
@@ -67,7 +69,7 @@ class _Choices:
         if key not in self._machines:
             while len(self._machines) >= _KEPT:
                 self._machines.pop(next(iter(self._machines)))
-            self._machines[key] = load_machine(policy, bank, people, self._env_name)
+            self._machines[key] = load_machine(policy, bank, people, self._env_name, overrides=self._overrides)
         return self._machines[key], row
 
 
@@ -100,7 +102,7 @@ def view(
     v.number(options.give_back_after, "--give-back-after", 0.0, 60.0)
     settings.use_compilation_cache()
     scenes = ViewScenes([scene] if scene is not None else [])
-    choices = _Choices(scenes, options.env_name)
+    choices = _Choices(scenes, options.env_name, options.env_overrides)
     teleop = Teleop(options.give_back_after)
     # Started first, so that a port in use is detected before loading scenes.
     with served(options.host, options.port, teleop) as (server, front):

@@ -5,6 +5,7 @@ import dataclasses
 import os
 import pathlib
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -45,6 +46,8 @@ class RecordOptions:
     """train, test, validation, all, or scene ids separated by commas."""
     people: bool = False
     """Streets full of people and vehicles that move."""
+    env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    """Flat dotted keys of the environment's config, such as the robot."""
     num_envs: int = 16
     """Episodes that are driven at the same time."""
     size: tuple[int, int] = (135, 240)
@@ -152,7 +155,8 @@ def _prepared(
 
     bank = bank_of(options.env_name or "CocoNav", options.quiet, options.preset, options.bank)
     scenes = np.asarray(select_scenes(bank, options.scenes))
-    machine = load_machine(options.policy, bank, options.people, options.env_name, options.preset, None)
+    where = (bank, options.people, options.env_name, options.preset)
+    machine = load_machine(options.policy, *where, None, options.env_overrides)
     env = machine.env
     rate = 1.0 / env.dt
     if abs(rate - round(rate)) > 1e-6:
