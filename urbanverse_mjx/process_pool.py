@@ -1,7 +1,7 @@
-"""Worker processes that end with the process that started them.
+"""Worker processes that exit when their parent process exits.
 
-The workers of a `ProcessPoolExecutor` wait for work on a pipe whose other end they hold themselves, so the workers of a
-killed process (SIGKILL) wait for ever. Every pool and every process that this package starts watches its parent.
+The workers of a `ProcessPoolExecutor` hold both ends of the pipe on which they wait for work, so they wait forever if
+their parent is killed (SIGKILL). Every pool and process that this package starts therefore watches its parent.
 """
 
 import concurrent.futures
@@ -13,12 +13,12 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-#: s between two checks of the parent's id, where the operating system gives no notice of its end.
+#: s between two checks of the parent's id, on operating systems that do not signal its exit.
 _INTERVAL = 0.5
 
 
 def end_with_parent(parent: int | None = None) -> None:
-    """Ends this process, with status 1, as soon as its parent has ended, however that happened.
+    """Exits this process with status 1 as soon as its parent has exited for any reason.
 
     Args:
       parent: id of the process that started this one; None in a process that `multiprocessing` started.
@@ -41,12 +41,12 @@ def end_with_parent(parent: int | None = None) -> None:
 def worker_pool(
     workers: int, niceness: int = 0, initializer: Callable[..., object] | None = None, initargs: tuple[Any, ...] = ()
 ) -> concurrent.futures.ProcessPoolExecutor:
-    """A pool of processes that end with this one.
+    """Returns a pool of processes that exit with this one.
 
     They are spawned, not forked: JAX and MuJoCo may already run threads here.
 
     Args:
-      niceness: added to that of this process, so that others on the machine go first.
+      niceness: added to this process's niceness, so that other processes on the machine have priority.
       initializer: called with `initargs` in each process before its first task.
     """
     context = multiprocessing.get_context("spawn")
@@ -64,15 +64,15 @@ def _begin(niceness: int, initializer: Callable[..., object] | None, initargs: t
 def results_as_completed(
     function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], workers: int
 ) -> Iterator[tuple[int, Any]]:
-    """Calls `function(*task)` for every task, in as many processes as asked for but no more than there are tasks.
+    """Calls `function(*task)` for every task, in at most `workers` processes and no more than there are tasks.
 
     With one worker the work runs in this process.
 
     Yields:
-      (number of the task, its result), as they end.
+      (index of the task, its result), in order of completion.
 
     Raises:
-      Exception: that of a task; tasks that have not begun are then dropped.
+      Exception: a task failed; tasks that have not begun are dropped.
     """
     workers = min(workers, len(tasks))
     if workers <= 1:

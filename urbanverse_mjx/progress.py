@@ -1,4 +1,4 @@
-"""How far long work is, on standard error: bars in a terminal, a line every few seconds elsewhere."""
+"""Progress reports on standard error: bars in a terminal, a line every few seconds elsewhere."""
 
 import sys
 import threading
@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, ProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-#: s between two lines where standard error is no terminal: a log without output for longer looks like a hang.
+#: s between two lines if standard error is not a terminal; a log without output for longer looks like a hang.
 LINE_EVERY = 10.0
 
 #: Takes the amount done and the total, if known.
@@ -19,7 +19,7 @@ Report = Callable[..., None]
 
 
 class _Count(ProgressColumn):
-    """How much of how much, with thousands parted: "1,024/204,800"."""
+    """Column with the amount done and the total, with thousands separators: "1,024/204,800"."""
 
     def render(self, task: rich.progress.Task) -> Text:
         return Text(_count(task))
@@ -34,8 +34,8 @@ def _count(task: rich.progress.Task) -> str:
 class Progress:
     """Progress of one task or several, as a context manager.
 
-    Where standard error is no terminal, every `LINE_EVERY` seconds a line reports the task that began last, with or
-    without progress; shorter work prints no line.
+    If standard error is not a terminal, a line reports the most recently begun task every `LINE_EVERY` seconds, with or
+    without progress; shorter work prints nothing.
 
     Args:
       quiet: print no progress.
@@ -59,7 +59,7 @@ class Progress:
         self._thread: threading.Thread | None = None
 
     def start(self) -> "Progress":
-        """Begins to show, as entering a block does; `stop` ends it."""
+        """Begins the display, like entering the context; `stop` ends it."""
         self._bars.start()
         if self._lines:
             self._thread = threading.Thread(target=self._write_lines, name="progress", daemon=True)
@@ -73,14 +73,14 @@ class Progress:
         self.stop()
 
     def stop(self) -> None:
-        """Ends all tasks, as leaving the block does."""
+        """Ends all tasks, like leaving the context."""
         self._ended.set()
         if self._thread is not None:
             self._thread.join()
         self._bars.stop()
 
     def task(self, name: str, total: float | None = None, done: float = 0, unit: str = "", note: str = "") -> Report:
-        """Begins a task; the function returned takes (done, total=None, note=None), where None keeps the value."""
+        """Begins a task; returns a function of (done, total=None, note=None), where None keeps the previous value."""
         task = self._bars.add_task(name, total=total, unit=unit, note=note)
         self._bars.update(task, completed=done)
         self._tasks[task] = time.monotonic()
@@ -93,7 +93,7 @@ class Progress:
         return report
 
     def print(self, text: str) -> None:
-        """Writes a line of the work's own above the bars."""
+        """Prints a line above the bars."""
         self._bars.console.print(text, highlight=False, markup=False, soft_wrap=True)
 
     def _write_lines(self) -> None:
@@ -105,6 +105,6 @@ class Progress:
 
 
 def _line(task: rich.progress.Task, seconds: float) -> str:
-    """Task, count, seconds and note: "training: 1,024/204,800 steps, 35 s, 310 steps/s"."""
+    """Returns task, count, seconds and note: "training: 1,024/204,800 steps, 35 s, 310 steps/s"."""
     note = f", {task.fields['note']}" if task.fields["note"] else ""
     return f"{task.description}: {_count(task)}, {seconds:.0f} s{note}\n"

@@ -1,18 +1,15 @@
-"""The one place that reads the environment: where caches and data lie, and how many threads to use.
+"""Settings from environment variables: folders of caches and data, number of threads. No other module reads variables.
 
-| variable | meaning | default |
-| --- | --- | --- |
-| `URBANVERSE_CACHE` | folder for what commands build (banks, meshes, kernels) | `$XDG_CACHE_HOME/urbanverse_mjx` |
-| `XDG_CACHE_HOME` | folder of all caches | `~/.cache` |
-| `URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it |
-| `URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it |
-| `URBANVERSE_PROTOCOL_ROOT` | the frozen benchmarks | `benchmarks/protocols/` beside the package, else inside it |
-| `URBANVERSE_BANK` | the scene bank that environments load | the shipped streets, in the cache |
-| `URBANVERSE_VISION_URL` | OpenAI-compatible endpoint that describes imported assets, up to `/v1` | none: priors |
-| `URBANVERSE_VISION_KEY` | its key, if it needs one | none |
-| `URBANVERSE_VISION_MODEL` | its model | none: needed with the address |
-| `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use |
-| `JAX_COMPILATION_CACHE_DIR` | where commands keep what JAX compiled; "" for nowhere | `jax/` in the cache folder |
+| variable | meaning | default | | --- | --- | --- | | `URBANVERSE_CACHE` | folder of built files (banks, meshes,
+kernels) | `$XDG_CACHE_HOME/urbanverse_mjx` | | `XDG_CACHE_HOME` | folder of all caches | `~/.cache` | |
+`URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it | |
+`URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it | |
+`URBANVERSE_PROTOCOL_ROOT` | the frozen benchmarks | `benchmarks/protocols/` beside the package, else inside it | |
+`URBANVERSE_BANK` | the scene bank that environments load | the shipped streets, in the cache | |
+`URBANVERSE_VISION_URL` | OpenAI-compatible endpoint that describes imported assets, up to `/v1` | none: priors | |
+`URBANVERSE_VISION_KEY` | its key, if it needs one | none | | `URBANVERSE_VISION_MODEL` | its model | none: needed with
+the address | | `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use | |
+`JAX_COMPILATION_CACHE_DIR` | where commands keep what JAX compiled; "" for nowhere | `jax/` in the cache folder |
 """
 
 import dataclasses
@@ -27,7 +24,7 @@ from typing import Any
 from . import versions
 
 _PACKAGE = pathlib.Path(__file__).resolve().parent
-#: Libraries whose results a bank holds.
+#: Libraries whose versions are part of a bank's key, because they compute its contents.
 _BANK_LIBRARIES = ("numpy", "scipy", "shapely", "mujoco", "jax")
 
 
@@ -43,8 +40,8 @@ def cache_dir(*parts: str) -> pathlib.Path:
 
 
 def use_compilation_cache() -> pathlib.Path:
-    """Lets JAX keep compiled programs in the cache folder, at most 4 GiB of it, and read it in later processes. Call it
-    before JAX is imported; values of the environment have priority.
+    """Lets JAX keep compiled programs in the cache folder, at most 4 GiB, and reuse them in later processes. Call it
+    before JAX is imported; environment variables have priority.
 
     Returns:
       the folder that JAX uses.
@@ -55,7 +52,7 @@ def use_compilation_cache() -> pathlib.Path:
 
 
 def asset_root() -> pathlib.Path:
-    """Folder of the asset index.
+    """Returns the folder of the asset index.
 
     Raises:
       ValidationError: the folder named by `URBANVERSE_ASSET_ROOT`, or the one that belongs to the package, is not
@@ -65,13 +62,13 @@ def asset_root() -> pathlib.Path:
 
 
 def imported_assets() -> pathlib.Path:
-    """Folder of the assets that this user imported, in the cache. It is not created here."""
+    """Returns the folder of the user's imported assets, in the cache, without creating it."""
     return cache_dir("assets", "imported")
 
 
 @dataclasses.dataclass(frozen=True)
 class VisionEndpoint:
-    """Where images are sent to be described; `key` is empty where the endpoint needs none."""
+    """Endpoint of the vision model that describes images; `key` is empty if the endpoint needs none."""
 
     url: str
     model: str
@@ -79,10 +76,10 @@ class VisionEndpoint:
 
 
 def vision_endpoint() -> VisionEndpoint | None:
-    """The endpoint that the environment names, or None: without an address nothing is sent.
+    """Returns the endpoint from the environment variables, or None; without an address nothing is sent.
 
     Raises:
-      ValidationError: an address that is not http or https, or no model beside it.
+      ValidationError: the address is not http or https, or no model is set.
     """
     url = os.environ.get("URBANVERSE_VISION_URL", "").strip().rstrip("/")
     if not url:
@@ -96,7 +93,7 @@ def vision_endpoint() -> VisionEndpoint | None:
 
 
 def scene_root() -> pathlib.Path:
-    """Folder of the shipped scenes.
+    """Returns the folder of the shipped scenes.
 
     Raises:
       ValidationError: the folder named by `URBANVERSE_SCENE_ROOT`, or the one that belongs to the package, is not
@@ -106,7 +103,7 @@ def scene_root() -> pathlib.Path:
 
 
 def protocol_root() -> pathlib.Path:
-    """Folder of the frozen benchmarks.
+    """Returns the folder of the frozen benchmarks.
 
     Raises:
       ValidationError: the folder named by `URBANVERSE_PROTOCOL_ROOT`, or the one that belongs to the package, is not
@@ -116,23 +113,23 @@ def protocol_root() -> pathlib.Path:
 
 
 def chosen_bank_path() -> pathlib.Path | None:
-    """The bank file that `URBANVERSE_BANK` names, or None."""
+    """Returns the bank file of `URBANVERSE_BANK`, or None."""
     own = os.environ.get("URBANVERSE_BANK")
     return pathlib.Path(own).expanduser().absolute() if own else None
 
 
 def default_bank_path() -> pathlib.Path:
-    """File of the bank that environments load: what `URBANVERSE_BANK` names, else `shipped_bank_path`."""
+    """Returns the bank file that environments load: `URBANVERSE_BANK` if set, else `shipped_bank_path`."""
     return chosen_bank_path() or shipped_bank_path()
 
 
 def shipped_bank_path() -> pathlib.Path:
-    """File in the cache of the bank of the shipped scenes, named by its key.
+    """Returns the cache file of the bank of the shipped scenes, named by its key.
 
     Raises:
-      ValidationError: the shipped scenes or the asset index are not there.
+      ValidationError: the shipped scenes or the asset index are missing.
     """
-    # Of the scenes the shipped streets alone: the library's sets lie a folder deeper.
+    # Only the shipped streets; the library's sets are one folder deeper.
     root = scene_root()
     files = sorted(p for pattern in ("splits.json", "*/graph.json") for p in root.glob(pattern) if p.is_file())
     return _bank_path("bank", [[p.relative_to(root).as_posix(), _file_digest(p)] for p in files])
@@ -141,12 +138,12 @@ def shipped_bank_path() -> pathlib.Path:
 def user_bank_path(
     graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int = 0, cousins: int = 1
 ) -> pathlib.Path:
-    """File in the cache of a bank of other scene graphs, or of the shipped ones with another seed.
+    """Returns the cache file of a bank of other scene graphs, or of the shipped ones with another seed.
 
-    The name begins with another word than that of the shipped scenes: it never takes their place.
+    Its prefix differs from that of the shipped scenes' bank, which it therefore never replaces.
 
     Raises:
-      ValidationError: a graph that is not a file, or no asset index.
+      ValidationError: a graph is not a file, or the asset index is missing.
     """
     for path in graphs:
         if not path.is_file():
@@ -156,27 +153,29 @@ def user_bank_path(
 
 
 def quick_bank_path(graphs: dict[str, str]) -> pathlib.Path:
-    """File in the cache of the shipped streets' bank with more scenes; graphs: the content hash of each one's graph."""
+    """Returns the cache file of a bank of the shipped streets and further scenes; graphs: content hash of each scene's
+    graph."""
     return _bank_path("quick", {"shipped": bank_key(shipped_bank_path()), "graphs": graphs})
 
 
 def bank_key(path: pathlib.Path) -> str:
-    """The key in the name of a bank in the cache; the bank holds it too (`SceneBank.meta["key"]`)."""
+    """Returns the key in the name of a cached bank, which is also stored in the bank (`SceneBank.meta["key"]`)."""
     return path.stem.rpartition("-")[2]
 
 
 def terrain_bank_path(seed: int = 0, levels: int = 10) -> pathlib.Path:
-    """File of the terrain that robots learn to walk on; the name changes with its options and its code's version."""
+    """Returns the cache file of the terrain for learning to walk; the name depends on its options and its code's
+    version."""
     parts = {"seed": seed, "levels": levels, "code": versions.of("scenes")}
     return cache_dir("banks", f"terrain-{_digest(parts)}.npz")
 
 
 def _bank_path(prefix: str, scenes: Any) -> pathlib.Path:
-    """A file in the cache named by everything that a bank is made of: a stale bank is never found.
+    """Returns a cache file whose name is a hash of all inputs of a bank, so that a stale bank is never found.
 
     Args:
-      prefix: beginning of the name.
-      scenes: JSON value with the graphs, by the digests of their files, and their options.
+      prefix: prefix of the name.
+      scenes: JSON value with the digests of the graphs' files, and their options.
     """
     libraries = {name: _version(name) for name in _BANK_LIBRARIES}
     parts = {"scenes": scenes, "code": versions.of("bank"), "libraries": libraries, "assets": assets_digest()}
@@ -184,7 +183,7 @@ def _bank_path(prefix: str, scenes: Any) -> pathlib.Path:
 
 
 def assets_digest() -> str:
-    """16 hexadecimal digits over the names and bytes of all files of the asset index.
+    """Returns a digest (16 hexadecimal digits) of the names and bytes of all files of the asset index.
 
     Raises:
       ValidationError: see `asset_root`.
@@ -195,7 +194,7 @@ def assets_digest() -> str:
 
 
 def _digest(parts: Any) -> str:
-    """16 hexadecimal digits over a JSON value."""
+    """Returns a digest (16 hexadecimal digits) of a JSON value."""
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 
 
@@ -211,14 +210,14 @@ def _version(package: str) -> str:
 
 
 def num_threads() -> int:
-    """Worker threads to use on the CPU, at least 1.
+    """Returns the number of worker threads on the CPU, at least 1.
 
     Raises:
-      ValidationError: `URBANVERSE_THREADS` is no whole number from 1 to 1024.
+      ValidationError: `URBANVERSE_THREADS` is not a whole number from 1 to 1024.
     """
     text = os.environ.get("URBANVERSE_THREADS", "").strip()
     if not text:
-        # The cores of this process's affinity mask: fewer than os.cpu_count() inside most containers.
+        # The affinity mask of this process has fewer cores than os.cpu_count() in most containers.
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1024):
         raise _fail("URBANVERSE_THREADS", repr(text), "a whole number from 1 to 1024", "unset it to use every core")
@@ -232,7 +231,7 @@ def _data_root(name: str, variable: str) -> pathlib.Path:
         if not path.is_dir():
             raise _fail(variable, str(path), "an existing folder", "unset it to use the shipped data")
         return path
-    # A clone keeps the data beside the package; a wheel carries it inside (pyproject.toml, force-include).
+    # In a clone the data is beside the package, in a wheel inside it (pyproject.toml, force-include).
     beside, inside = _PACKAGE.parent / name, _PACKAGE / "_data" / name
     for path in (beside, inside):
         if path.is_dir() and (path == inside or (_PACKAGE.parent / "pyproject.toml").is_file()):
@@ -241,7 +240,7 @@ def _data_root(name: str, variable: str) -> pathlib.Path:
 
 
 def _fail(where: str, found: str, needed: str, hint: str) -> ValueError:
-    # Imported late: the datatypes need numpy, and `urbanverse doctor` reads settings where numpy may be missing.
+    # Imported here because the datatypes need numpy, and `urbanverse doctor` reads settings even if numpy is missing.
     from .datatypes.validation import fail
 
     return fail(where, found, needed, hint)

@@ -1,9 +1,9 @@
-"""Version numbers of the code that makes what caches hold.
+"""Version numbers of the code that produces cached data.
 
-A key in a cache is a hash of data (graphs, tables, options, versions of libraries) and of these numbers, never of
-source text: an edited comment invalidates no cache. A test compares the modules behind each number with stored digests
-of their syntax trees and fails at every change of code; the developer then raises the number or confirms that the
-change has no effect (`tests/project/test_versions.py`).
+A cache key is a hash of data (graphs, tables, options, versions of libraries) and of these numbers, never of source
+text, so an edited comment invalidates no cache. A test compares the modules of each number with stored digests of their
+syntax trees and fails at every change of code; the developer then raises the number or confirms that the change does
+not affect results (`tests/project/test_versions.py`).
 """
 
 import dataclasses
@@ -12,13 +12,13 @@ from collections.abc import Mapping
 
 @dataclasses.dataclass(frozen=True)
 class Code:
-    """The code behind one version number.
+    """The modules covered by one version number.
 
     Attributes:
-      version: raised whenever these modules make anything else of the same input.
+      version: raised whenever these modules produce different results for the same input.
       modules: names below `urbanverse_mjx`; a package stands for all modules and data below it.
-      uses: names of the code whose results these modules are made from, or which they call.
-      apart: modules below `modules` that have no part in the results.
+      uses: names of entries whose code these modules call or whose results they read.
+      apart: modules below `modules` that do not affect the results.
     """
 
     version: int
@@ -32,7 +32,7 @@ def _below(package: str, *names: str) -> tuple[str, ...]:
 
 
 CODE: Mapping[str, Code] = {
-    # The base of all other versions.
+    # All other versions depend on it.
     "datatypes": Code(1, ("datatypes", "geometry")),
     # Base meshes, by recipe and variant.
     "meshes": Code(
@@ -45,7 +45,7 @@ CODE: Mapping[str, Code] = {
         ),
         ("datatypes",),
     ),
-    # The records of all assets, their hulls, and the scaling of instances.
+    # Records of all assets, their hulls, and the scaling of instances.
     "catalogue": Code(
         1,
         (
@@ -55,14 +55,14 @@ CODE: Mapping[str, Code] = {
         ),
         ("meshes",),
     ),
-    # Ground materials and skies, and the numbers by which they are compared.
+    # Ground materials and skies with their descriptors.
     "appearances": Code(
         1,
         ("assets.appearances", "assets.selection.descriptors"),
         ("catalogue",),
     ),
     "thumbnails": Code(1, _below("assets.previews", "gallery", "thumbnails"), ("catalogue",)),
-    # Layouts; the number stands in their hashes.
+    # Layouts; the number is part of their hashes.
     "cousins": Code(
         3,
         (
@@ -83,7 +83,7 @@ CODE: Mapping[str, Code] = {
     ),
     "bank": Code(1, ("pipeline.banks",), ("scenes",)),
     "rendering": Code(1, _below("simulation", "rendering", "warp_bridge"), ("datatypes",)),
-    # Images and numbers on the page of scenes.
+    # Images and numbers on the gallery page of scenes.
     "cards": Code(2, _below("viz", "graphs", "images", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.
     "perception": Code(
@@ -109,25 +109,25 @@ CODE: Mapping[str, Code] = {
         ),
         ("cousins", "rendering"),
     ),
-    # The stages of a run; the code that each calls has numbers of its own.
+    # Stages of a run; the code that they call has its own versions.
     "generation": Code(2, ("pipeline.generation.stages",), ("bank", "distillation", "perception", "report")),
-    # The scenes of the library.
+    # Scenes of the library.
     "library": Code(1, ("pipeline.library.building",), ("bank",)),
-    # The user's assets from files.
+    # Assets imported from the user's files.
     "imports": Code(1, ("assets.importing", "assets.collision"), ("catalogue", "thumbnails")),
-    # Where the agents of a scene may go, and how far a robot is from what surrounds it.
+    # Walkable and drivable cells of agents, and distance fields around the robot.
     "crowds": Code(1, ("crowds", "envs.navigation.dynamic_tables"), ("datatypes",)),
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),
-    # Blocks after the statistics of a city; the number seeds them.
+    # City blocks; the number is part of their seed.
     "blocks": Code(1, ("citygen.city_blocks", *_below("citygen", "catalogue", "clearance", "section")), ("cousins",)),
 }
 
 
 def of(*names: str) -> dict[str, int]:
-    """The versions of some code and of all that it uses, by name: which a key holds instead of that code.
+    """Returns the versions of some code and of all code that it uses, by name, for use in cache keys.
 
     Raises:
-      KeyError: no code of that name.
+      KeyError: no entry has this name.
     """
     found: dict[str, int] = {}
     waiting = list(names)

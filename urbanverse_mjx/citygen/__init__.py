@@ -1,8 +1,9 @@
-"""Streets made by rule and by hand: each builder returns a `SceneGraph` like one distilled from a video.
+"""Builders of synthetic scenes, procedural and hand-made; each returns a `SceneGraph` like one distilled from a video.
 
-One folder for each set of scenes: `shipped_streets`, `procedural_streets`, `procedural_places`, `city_blocks` (the
-streets that are filmed for UrbanVerse-160 and AutoBench), `craftbench` and `validation_streets`. `canvas` is what the
-last two and the places are composed with; streets of one section use `composer`, `section` and `pieces`.
+Each set of scenes has its own folder: `shipped_streets`, `procedural_streets`, `procedural_places`, `city_blocks` (the
+streets of which videos are rendered for UrbanVerse-160 and AutoBench), `craftbench` and `validation_streets`.
+`craftbench`, `validation_streets` and `procedural_places` are built with `canvas`; streets with a single cross-section
+use `composer`, `section` and `pieces`.
 """
 
 from ..datatypes import SceneGraph
@@ -13,7 +14,7 @@ __all__ = ["BUILDERS", "SPLITS", "build"]
 
 
 def build(scene_id: str) -> SceneGraph:
-    """The graph of one of the shipped streets, the same on every machine.
+    """Returns the graph of one of the shipped streets; it is identical on every machine.
 
     Raises:
       ValidationError: no street has this id.

@@ -1,9 +1,9 @@
-"""How large objects on a street are, and how much of the pavement they take.
+"""Sizes of the objects on a street, and the part of the pavement that they occupy.
 
-Sizes are (along the heading, across, up) in metres, the convention of `GraphObject.size`. They are everyday
-values: cars from the makers' data sheets of common models (with mirrors), street furniture from city design
-manuals (NACTO Urban Street Design Guide: benches, racks, shelters), people about 1.7 m, longer when they stride.
-Where an object comes in several sizes, the first of it that a street gets takes the first size, and so on round.
+Sizes are (along the heading, across, up) in metres, the convention of `GraphObject.size`. They are everyday values:
+cars from the makers' data sheets of common models (with mirrors), street furniture from city design manuals (NACTO
+Urban Street Design Guide: benches, racks, shelters), people about 1.7 m, longer when they stride. Where a label has
+several sizes, the objects of a street take them in turn.
 """
 
 import dataclasses
@@ -14,7 +14,7 @@ Size = tuple[float, float, float]
 
 SIZES: dict[str, tuple[Size, ...]] = table(__file__)
 
-#: Growths of trees: for rows along a kerb, for narrow places, for the south, for spring, for parks.
+#: Growth forms of trees: for rows along a kerb, narrow streets, southern cities, spring and parks.
 TREES: dict[str, Size] = {
     "street": SIZES["tree"][0],
     "slim": (2.74, 2.75, 8.39),
@@ -23,16 +23,16 @@ TREES: dict[str, Size] = {
     "broad": (5.3, 5.5, 6.6),
 }
 
-#: A clipped hedge, one piece of a row.
+#: One piece of a row of clipped hedge.
 HEDGE: Size = (0.75, 2.28, 1.18)
 
 
 @dataclasses.dataclass(frozen=True)
 class Stem:
-    """Where a slender object stands.
+    """Position of the stem of a slender object.
 
     Attributes:
-      side: m, of the square that it takes at walking height; the rest of its box hangs above heads.
+      side: m, of the square that it occupies at walking height; the rest of its box is above heads.
       offset: m along the heading from the box's middle to the stem, as a share of the box's half length.
     """
 
@@ -54,5 +54,5 @@ STEMS: dict[str, Stem] = {
     "directional sign": Stem(0.3),
 }
 
-#: Objects one walks or rolls over.
+#: Flat objects that a person or robot passes over.
 FLAT: frozenset[str] = frozenset({"manhole cover", "grass patch"})

@@ -8,8 +8,8 @@ from . import catalogue, clearance
 from .section import CROSS_ARM, StreetSection, ground_regions
 from .stage import JOINT, Stage
 
-#: One authored placement: label, x (m), side (+1 left, -1 right), distance from the kerb (m), facing.
-#: Facing is "street", "wall", "+x", "-x", or degrees counter-clockwise from +x.
+#: One manual placement: label, x (m), side (+1 left, -1 right), distance from the kerb (m), facing. Facing is "street",
+#: "wall", "+x", "-x", or degrees counter-clockwise from +x.
 Placement = tuple[str, float, int, float, str | float]
 
 LEFT, RIGHT = 1, -1
@@ -57,18 +57,18 @@ class StreetComposer(Stage):
         jitter: float = 0.0,
         size: catalogue.Size | None = None,
     ) -> None:
-        """The same object at several x; `jitter` (degrees) turns each a little."""
+        """Adds the same object at several x; `jitter` (degrees) is the range of a random rotation."""
         for x in xs:
             turn = self.uniform(-jitter, jitter) if jitter else 0.0
             self.put(label, x, side, from_kerb, self._degrees(facing, side) + turn, size)
 
     def trees(self, xs: Iterable[float], side: int, from_kerb: float, growth: str = "street") -> None:
-        """A row of trees, rotated at random for variety."""
+        """Adds a row of trees, rotated at random."""
         for x in xs:
             self.put("tree", x, side, from_kerb, self.uniform(-180, 180), catalogue.TREES[growth])
 
     def facades(self, side: int, labels: Sequence[str], x0: float | None = None, x1: float | None = None) -> None:
-        """House fronts wall to wall along a side: frontages from the catalogue, stretched to fill it."""
+        """Adds house fronts without gaps along a side, with frontages of the catalogue stretched to fill it."""
         a, b = self.section.span()
         self._wall(labels, a if x0 is None else x0, b if x1 is None else x1, side)
 
@@ -81,7 +81,7 @@ class StreetComposer(Stage):
             x += width
 
     def close_view(self, labels: Sequence[str], at_end: bool) -> None:
-        """House fronts across one end of the street, facing along it."""
+        """Adds house fronts across one end of the street, facing along it."""
         kind = self.section.end if at_end else self.section.start
         margin = 0.0 if kind == "court" else CROSS_ARM
         y0, y1 = -self.section.front(-1) - margin, self.section.front(1) + margin
@@ -95,7 +95,7 @@ class StreetComposer(Stage):
             self._close_cross_road(labels, at_end)
 
     def _close_cross_road(self, labels: Sequence[str], at_end: bool) -> None:
-        """A house across each end of the cross road, so that no ray leaves the scene level."""
+        """Adds a house across each end of the cross road, so that no horizontal ray leaves the scene."""
         edge = self.section.length if at_end else 0.0
         far = self.section.closing_x(at_end)
         for side, label in ((LEFT, labels[0]), (RIGHT, labels[-1])):
@@ -106,7 +106,7 @@ class StreetComposer(Stage):
     def scatter(
         self, labels: Sequence[str], count: int, side: int, x: tuple[float, float], from_kerb: tuple[float, float]
     ) -> int:
-        """Puts objects at seeded places without contact that leave a passage; returns the number placed."""
+        """Places objects at random positions without contact and with a passage left free; returns their number."""
         placed = 0
         for _ in range(40 * count):
             if placed == count:
@@ -126,7 +126,7 @@ class StreetComposer(Stage):
         return self.clear_length(side, [*self.objects, obj]) >= self.section.length - 2 * clearance.CLEARANCE
 
     def clear_length(self, side: int, objects: Sequence[GraphObject] | None = None) -> float:
-        """Metres of a side's pavement that a robot can pass in one go."""
+        """Returns the length (m) of a side's pavement that a robot can traverse without interruption."""
         space = clearance.free_space(self.regions, self.objects if objects is None else objects)
         return clearance.reach_along(space, side * self.section.half, side * self.section.front(side))
 
@@ -134,7 +134,7 @@ class StreetComposer(Stage):
         self.lay(regions)
 
     def _trajectory(self) -> tuple[tuple[float, float, float, float], ...]:
-        """A walk at eye level (1.6 m) along the middle of the right pavement, one point every 5 m."""
+        """Returns a walk at eye level (1.6 m) along the middle of the right pavement, one point every 5 m."""
         y = -(self.section.half + self.section.right / 2)
         z = 0.15 + 1.6
         steps = math.floor(self.section.length / 5.0)

@@ -1,4 +1,4 @@
-"""Groups of objects that belong together on a pavement."""
+"""Groups of objects on a pavement or road."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from .composer import StreetComposer
 def cafe_set(
     street: StreetComposer, x: float, side: int, from_kerb: float, chairs: int = 2, shade: bool = False
 ) -> None:
-    """A table with chairs drawn up along the street, and a sunshade over it where asked."""
+    """Places a table with chairs along the street, and optionally a sunshade over it."""
     street.put("table", x, side, from_kerb)
     away = 0.72
     seats = ((-away, 0.0, "+x"), (away, 0.0, "-x"), (0.0, away, "street"), (0.0, -away, "wall"))
@@ -20,7 +20,7 @@ def cafe_set(
 
 
 def rubbish(street: StreetComposer, x: float, side: int, from_kerb: float, bags: int = 2) -> None:
-    """A bin put out for collection with bags beside it."""
+    """Places a bin with bags beside it."""
     street.put("trash bin", x, side, from_kerb, "street")
     spots = ((0.74, 0.05), (-0.76, -0.1), (0.3, -0.75), (1.5, 0.1))
     for dx, dd in spots[:bags]:
@@ -29,14 +29,14 @@ def rubbish(street: StreetComposer, x: float, side: int, from_kerb: float, bags:
 
 
 def parked(street: StreetComposer, cars: Sequence[tuple[str, float]], side: int, from_kerb: float = -1.12) -> None:
-    """Cars at the kerb, headed with the traffic of their side (drive on the right), not quite straight."""
+    """Places cars at the kerb, headed with the traffic of their side (driving on the right) and slightly rotated."""
     ahead = 180.0 if side > 0 else 0.0
     for label, x in cars:
         street.put(label, x, side, from_kerb, ahead + street.uniform(-1.5, 1.5))
 
 
 def bay_lines(street: StreetComposer, xs: Sequence[float], side: int, depth: float = 2.1) -> None:
-    """Short white lines between parking bays."""
+    """Adds short white lines between parking bays."""
     inner, outer = street.y_at(side, -depth), street.y_at(side, 0.0)
     name = "left" if side > 0 else "right"
     street.paint(
@@ -46,7 +46,7 @@ def bay_lines(street: StreetComposer, xs: Sequence[float], side: int, depth: flo
 
 
 def lane_paint(street: StreetComposer, y: float = 0.0) -> None:
-    """A broken middle line between the crosswalks and a stop line before each of them, for both directions."""
+    """Adds a dashed middle line between the crosswalks, and a stop line before each of them for both directions."""
     cut, x = section.CROSSWALK_HALF_WIDTH + 2.2, 1.5
     stops = []
     for i, middle in enumerate((*street.section.crosswalks, None)):

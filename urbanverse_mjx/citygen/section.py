@@ -1,4 +1,4 @@
-"""The ground of a street as a few convex regions that tile the plane: road, crosswalks, pavements, kerb ramps.
+"""Ground of a straight street as a few convex regions that tile the plane: road, crosswalks, pavements, kerb ramps.
 
 Scene frame: the street runs along +x, its middle at y = 0, the road's top at z = 0 and the pavement's at
 z = `KERB`. Neighbours share corners exactly, so no gap can catch a wheel.
@@ -14,7 +14,7 @@ RAMP_RUN = 1.5  # m: 1:10, gentler than the 1:8 that a dropped kerb may have
 RAMP_HALF_WIDTH = 1.0  # m
 FLARE = 1.0  # m, length of the tapered kerb on each side of a ramp
 CROSSWALK_HALF_WIDTH = RAMP_HALF_WIDTH + FLARE
-LOT_DEPTH = 3.0  # m of ground under the houses: less than any is deep, so that no path leads behind them
+LOT_DEPTH = 3.0  # m, depth of the ground under the houses; less than any house's, so that no path leads behind them
 CROSS_ARM = 10.5  # m that a cross road continues beyond the house fronts
 COURT_DEPTH = 4.0  # m of pavement across the end of a closed street
 CROSS_ROAD = 6.0  # m, width of the road that a street meets at a junction
@@ -33,11 +33,11 @@ class StreetSection:
     """Cross-section and length of a street.
 
     Attributes:
-      length: m, from x = 0 to x = length, without what closes the ends.
+      length: m, from x = 0 to x = length, without the ground at the closed ends.
       carriageway: m, width of the road between the kerbs.
       left, right: m, widths of the pavements at y > 0 and y < 0.
       crosswalks: x of the crosswalks' middles, ascending.
-      start, end: of the street at x = 0 and x = length: a paved court closed by houses, or a cross road.
+      start, end: kind of the ends at x = 0 and x = length: a paved court closed by houses, or a cross road.
       left_park, right_park: m of open ground between a pavement and the house fronts.
       yards: whether the strip that the house fronts stand on is open ground (front yards) or paved.
     """
@@ -62,22 +62,22 @@ class StreetSection:
         return "ground" if self.yards else "sidewalk"
 
     def width(self, side: int) -> float:
-        """Pavement width (m) on side +1 (left, y > 0) or -1 (right)."""
+        """Returns the pavement width (m) on side +1 (left, y > 0) or -1 (right)."""
         return self.left if side > 0 else self.right
 
     def front(self, side: int) -> float:
-        """Distance (m) from y = 0 to the house fronts of a side."""
+        """Returns the distance (m) from y = 0 to the house fronts of a side."""
         return self.half + self.width(side) + (self.left_park if side > 0 else self.right_park)
 
     def span(self) -> tuple[float, float]:
-        """x from which to which house fronts line the sides."""
+        """Returns the range of x in which house fronts line the sides."""
         return (
             -COURT_DEPTH if self.start == "court" else 0.0,
             self.length + (COURT_DEPTH if self.end == "court" else 0.0),
         )
 
     def closing_x(self, at_end: bool) -> float:
-        """x of the house fronts that close the view at one end."""
+        """Returns x of the house fronts that close the view at one end."""
         depth = COURT_DEPTH if (self.end if at_end else self.start) == "court" else CROSS_ROAD + FAR_PAVEMENT
         return self.length + depth if at_end else -depth
 
@@ -93,7 +93,7 @@ def _box(name: str, kind: str, x0: float, x1: float, y0: float, y1: float, plane
 
 
 def _road(section: StreetSection) -> list[GroundRegion]:
-    """Road pieces between the crosswalks, and the crosswalks cut out of them, all at z = 0."""
+    """Returns the road pieces between the crosswalks, and the crosswalks, all at z = 0."""
     half, regions, x = section.half, [], 0.0
     for i, middle in enumerate(section.crosswalks):
         a, b = middle - CROSSWALK_HALF_WIDTH, middle + CROSSWALK_HALF_WIDTH
@@ -105,7 +105,7 @@ def _road(section: StreetSection) -> list[GroundRegion]:
 
 
 def _ramp(section: StreetSection, side: int, i: int, middle: float) -> list[GroundRegion]:
-    """A dropped kerb with its two flares and the flat pavement behind it.
+    """Returns a dropped kerb with its two flares and the flat pavement behind it.
 
     The flares rise along the kerb from the ramp's foot to the pavement; their planes meet the ramp's
     and the pavement's along whole edges, so only the kerb itself is a step.
@@ -126,7 +126,7 @@ def _ramp(section: StreetSection, side: int, i: int, middle: float) -> list[Grou
 
 
 def _pavement(section: StreetSection, side: int) -> list[GroundRegion]:
-    """One side's pavement: pieces with cut corners between the ramps."""
+    """Returns one side's pavement: pieces with cut corners between the ramps."""
     kerb = side * section.half
     top, back = side * (section.half + RAMP_RUN), side * (section.half + section.width(side))
     name = "left" if side > 0 else "right"
@@ -147,7 +147,8 @@ def _pavement(section: StreetSection, side: int) -> list[GroundRegion]:
 
 
 def _end(section: StreetSection, at_end: bool) -> list[GroundRegion]:
-    """The ground across one end: a court or a cross road with its far pavement, and the lot of the houses behind."""
+    """Returns the ground across one end: a court, or a cross road with its far pavement, and the lot of the houses
+    behind."""
     kind = section.end if at_end else section.start
     name = "end" if at_end else "start"
     right, left = -section.front(-1), section.front(1)
@@ -174,7 +175,7 @@ def _end(section: StreetSection, at_end: bool) -> list[GroundRegion]:
 
 
 def ground_regions(section: StreetSection) -> list[GroundRegion]:
-    """All regions of a street; those that are not paint tile one connected area without overlap."""
+    """Returns all regions of a street; those that are not paint tile one connected area without overlap."""
     regions = _road(section) + _pavement(section, 1) + _pavement(section, -1)
     regions += _end(section, False) + _end(section, True)
     x0, x1 = section.span()
@@ -188,7 +189,7 @@ def ground_regions(section: StreetSection) -> list[GroundRegion]:
 
 
 def dashes(name: str, x0: float, x1: float, y: float, dash: float = 3.0, gap: float = 4.5) -> list[GroundRegion]:
-    """A broken white line along x, 12 cm wide."""
+    """Returns a dashed white line along x, 12 cm wide."""
     regions, x = [], x0
     while x + dash <= x1 + 1e-9:
         regions.append(_box(f"{name}_{len(regions)}", "road_marking", x, x + dash, y - 0.06, y + 0.06, ROAD_PLANE))
@@ -197,5 +198,5 @@ def dashes(name: str, x0: float, x1: float, y: float, dash: float = 3.0, gap: fl
 
 
 def line(name: str, x0: float, x1: float, y0: float, y1: float) -> GroundRegion:
-    """A painted rectangle on the road, for stop lines, edge lines and bay lines."""
+    """Returns a painted rectangle on the road, for stop lines, edge lines and bay lines."""
     return _box(name, "road_marking", x0, x1, y0, y1, ROAD_PLANE)

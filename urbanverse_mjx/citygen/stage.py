@@ -1,4 +1,4 @@
-"""`Stage`: the ground, the objects on it, and how an object is set down; what streets by rule and by hand share."""
+"""`Stage`: ground, objects and object placement, shared by procedural and hand-made streets."""
 
 import math
 import random
@@ -19,8 +19,8 @@ class Stage:
 
     Args:
       scene_id: id of the graph to be.
-      seed: of the stage's own stream of numbers.
-      sizes: m, (along, across, up) of what labels come in.
+      seed: seed of the stage's random stream.
+      sizes: available sizes of each label, (along, across, up) m.
     """
 
     #: No part of the scene was filmed.
@@ -38,11 +38,11 @@ class Stage:
         self._counts: dict[str, int] = {}
 
     def uniform(self, low: float, high: float) -> float:
-        """A number from the stage's own seeded stream; `random()` alone is stable over Python versions."""
+        """Returns a number from the stage's seeded stream; only `random()` is stable over Python versions."""
         return low + (high - low) * self._random.random()
 
     def lay(self, regions: Iterable[GroundRegion]) -> None:
-        """Adds ground or paint."""
+        """Adds regions of ground or paint."""
         regions = list(regions)
         self.regions.extend(regions)
         self._planes += [(shapely.Polygon(r.polygon), r.plane) for r in regions if r.kind not in PAINT_KINDS]
@@ -50,11 +50,12 @@ class Stage:
             shapely.prepare(ring)
 
     def on_ground(self, shape: shapely.Geometry) -> bool:
-        """Whether ground that carries weight lies anywhere under a shape."""
+        """Returns whether any part of a shape is over solid ground."""
         return any(ring.intersects(shape) for ring, _ in self._planes)
 
     def ground_height(self, x: float, y: float) -> float:
-        """z (m) of the ground's top at a place; the highest where regions meet, the nearest beyond the edge."""
+        """Returns z (m) of the ground's top at a point: the highest where regions meet, the nearest region's beyond the
+        edge."""
         point = shapely.Point(x, y)
         heights = [height_at(plane, x, y) for ring, plane in self._planes if ring.intersects(point)]
         if heights:
@@ -67,7 +68,7 @@ class Stage:
         return self._counts.get(label, 0)
 
     def next_size(self, label: str) -> catalogue.Size:
-        """The size that the next object of a label gets."""
+        """Returns the size for the next object of a label."""
         sizes = self.sizes[label]
         return sizes[self._number(label) % len(sizes)]
 
@@ -80,7 +81,8 @@ class Stage:
         size: catalogue.Size | None = None,
         above: float = 0.0,
     ) -> GraphObject:
-        """The object that `add` would add: its stem, or else its middle, `above` (m) the ground at (x, y)."""
+        """Returns an object for `add` with its stem, or its middle where it has none, `above` (m) the ground at (x,
+        y)."""
         along, across, up = size or self.next_size(label)
         z = self.ground_height(x, y) + above + up / 2
         stem = catalogue.STEMS.get(label)
@@ -97,7 +99,8 @@ class Stage:
         return obj
 
     def frontages(self, labels: Sequence[str], length: float) -> list[catalogue.Size]:
-        """Depth, frontage and height (m) of each house, the frontages stretched to fill a length together."""
+        """Returns depth, frontage and height (m) of each house, with the frontages stretched to fill a length
+        together."""
         counts: dict[str, int] = {}
         sizes = []
         for label in labels:

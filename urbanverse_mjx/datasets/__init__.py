@@ -1,4 +1,4 @@
-"""Recorded episodes as files: LeRobotDataset v3, written and checked with pyarrow and ffmpeg, without torch."""
+"""Writes and checks datasets of episodes in the LeRobotDataset v3 format with pyarrow and ffmpeg, without torch."""
 
 from .checking import Findings, check_dataset
 from .features import Episode, Feature

@@ -1,4 +1,4 @@
-"""`check_dataset`: whether a dataset's files say the same, and everything that is wrong by its place."""
+"""`check_dataset`: checks that the files of a dataset are consistent, and lists every problem with its location."""
 
 import dataclasses
 import pathlib
@@ -15,18 +15,18 @@ from . import features as f
 from . import video
 from .reading import StoredDataset, read_table
 
-#: s between a row's time and its number, and relative differences of statistics, that rounding explains.
+#: Tolerances for rounding: s between a row's timestamp and its index, and relative differences of statistics.
 _TIME_ERROR, _STATS_ERROR = 1e-4, 1e-5
 
 
 @dataclasses.dataclass(frozen=True)
 class Findings:
-    """What a check found.
+    """Result of a check.
 
     Attributes:
-      episodes, frames: that are complete.
-      problems: a sentence each; none in a sound dataset.
-      notes: what an interrupted recording left, and readers ignore.
+      episodes, frames: number of complete ones.
+      problems: one sentence each; empty for a valid dataset.
+      notes: remains of an interrupted recording, which readers ignore.
     """
 
     episodes: int
@@ -36,10 +36,10 @@ class Findings:
 
 
 def check_dataset(folder: str | pathlib.Path) -> Findings:
-    """Compares counts, rows, times, numbers and videos of a dataset with its descriptions; changes nothing.
+    """Compares counts, rows, timestamps, numbers and videos of a dataset with its metadata; changes nothing.
 
     Raises:
-      ValidationError: no LeRobotDataset v3 there.
+      ValidationError: the folder is no LeRobotDataset v3.
     """
     dataset = StoredDataset.open(folder)
     problems, notes = [*_counts(dataset), *_tasks(dataset)], []
@@ -58,7 +58,7 @@ def check_dataset(folder: str | pathlib.Path) -> Findings:
 
 
 def _counts(dataset: StoredDataset) -> Iterator[str]:
-    """Numbers of episodes and frames."""
+    """Returns the numbers of episodes and frames."""
     total = dataset.info["total_episodes"]
     if len(dataset.episodes) != total:
         yield f"meta/episodes: found {len(dataset.episodes)} episodes, needed {total}, as meta/info.json counts"
@@ -98,7 +98,7 @@ def _tasks(dataset: StoredDataset) -> Iterator[str]:
 
 
 def _files(dataset: StoredDataset) -> dict[pathlib.Path, list[dict[str, Any]]]:
-    """Episodes by the file of their rows."""
+    """Returns the episodes by data file."""
     files: dict[pathlib.Path, list[dict[str, Any]]] = {}
     for row in dataset.episodes:
         files.setdefault(dataset.data_path(row), []).append(row)
@@ -106,7 +106,7 @@ def _files(dataset: StoredDataset) -> dict[pathlib.Path, list[dict[str, Any]]]:
 
 
 def _data(dataset: StoredDataset, found: dict[str, list[np.ndarray]]) -> Iterator[str]:
-    """Rows, their times and numbers; collects the columns in `found`."""
+    """Checks rows, timestamps and numbers; collects the columns in `found`."""
     stored = {name: feature for name, feature in dataset.features.items() if feature.dtype != "video"}
     for path, rows in _files(dataset).items():
         where = str(path.relative_to(dataset.folder))
@@ -140,7 +140,7 @@ def _data(dataset: StoredDataset, found: dict[str, list[np.ndarray]]) -> Iterato
 
 
 def _numbers(column: pa.ChunkedArray, feature: f.Feature) -> Any:
-    """A column (T, ...) as an array; None where it has another type or an empty place."""
+    """Returns a column (T, ...) as an array, or None if it has another type or missing values."""
     wanted, kind = feature.arrow_type, column.type
     as_list = pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind)
     if column.null_count or (
@@ -184,7 +184,7 @@ def _values(
 
 
 def _images(column: pa.ChunkedArray, rows: list[dict[str, Any]], feature: f.Feature, where: str) -> Iterator[str]:
-    """The first and the last image of every episode."""
+    """Checks the first and the last image of every episode."""
     end = 0
     for row in rows:
         begin, end = end, end + row["length"]
@@ -198,7 +198,7 @@ def _images(column: pa.ChunkedArray, rows: list[dict[str, Any]], feature: f.Feat
 
 
 def _videos(dataset: StoredDataset, notes: list[str]) -> Iterator[str]:
-    """Length and size of videos, against the rows of their episodes; notes frames that readers ignore."""
+    """Compares length and size of videos with the rows of their episodes; notes frames that readers ignore."""
     for name in dataset.cameras:
         files: dict[pathlib.Path, list[dict[str, Any]]] = {}
         for row in dataset.episodes:
@@ -243,7 +243,7 @@ def _form(path: pathlib.Path, feature: f.Feature, rate: int, where: str) -> Iter
 
 
 def _stats(dataset: StoredDataset, found: dict[str, list[np.ndarray]]) -> Iterator[str]:
-    """meta/stats.json against the columns."""
+    """Compares meta/stats.json with the columns."""
     try:
         stats = v.read_json(dataset.folder / f.STATS_PATH, "statistics")
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""Features of a LeRobotDataset v3: what one row holds, and an episode of rows.
+"""Features of a LeRobotDataset v3: the contents of one row, and an episode of rows.
 
 Source of names and types: huggingface/lerobot, `src/lerobot/datasets/{utils,feature_utils,dataset_writer}.py`.
 """
@@ -14,16 +14,16 @@ from ..datatypes import validation as v
 
 #: The format's version in meta/info.json.
 CODEBASE_VERSION = "v3.0"
-#: Most files in a folder `chunk-NNN`.
+#: Largest number of files in a folder `chunk-NNN`.
 CHUNK_SIZE = 1000
 _FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 DATA_PATH = f"data/{_FILE}.parquet"
 VIDEO_PATH = f"videos/{{video_key}}/{_FILE}.mp4"
 EPISODES_PATH = f"meta/episodes/{_FILE}.parquet"
 INFO_PATH, STATS_PATH, TASKS_PATH = "meta/info.json", "meta/stats.json", "meta/tasks.parquet"
-#: Origin of the recording: not part of the format, which ignores it.
+#: Origin of the recording; an addition to the format, which readers ignore.
 ORIGIN_PATH = "meta/urbanverse.json"
-#: Files under way, outside the folders that readers search.
+#: Folder of incomplete files, outside the folders that readers search.
 UNFINISHED = ".unfinished"
 IMAGE_AXES = ("height", "width", "channels")
 
@@ -35,7 +35,7 @@ class Feature:
     Attributes:
       dtype: NumPy's name of the type, "video" (frames in an mp4) or "image" (PNG bytes in the parquet file).
       shape: of one row; (H, W, C) of images.
-      names: of its numbers, or the axes of an image; None where it is one number.
+      names: names of its components, or of the axes of an image; None for a scalar.
       info: further keys of the format, such as those of a depth map.
     """
 
@@ -46,16 +46,16 @@ class Feature:
 
     @property
     def is_image(self) -> bool:
-        """Whether it is a camera, in either form."""
+        """Whether the feature is a camera, as images or video."""
         return self.dtype in ("video", "image")
 
     @property
     def is_depth(self) -> bool:
-        """Whether its pixels are distances, whose statistics keep their unit."""
+        """Whether the pixels are distances; their statistics keep their unit."""
         return bool((self.info or {}).get("is_depth_map"))
 
     def to_json(self) -> dict[str, Any]:
-        """Its entry in meta/info.json."""
+        """Returns the feature's entry in meta/info.json."""
         body: dict[str, Any] = {"dtype": self.dtype, "shape": list(self.shape)}
         body["names"] = None if self.names is None else list(self.names)
         return body if self.info is None else body | {"info": dict(self.info)}
@@ -76,14 +76,14 @@ class Feature:
 
     @property
     def arrow_type(self) -> pa.DataType:
-        """Type of its column in the data file, as `datasets` reads it."""
+        """Returns the Arrow type of its column in the data file, as the `datasets` library reads it."""
         if self.dtype == "image":
             return pa.struct([("bytes", pa.binary()), ("path", pa.string())])
         number = pa.from_numpy_dtype(np.dtype(self.dtype))
         return number if self.shape == (1,) else pa.list_(number, self.shape[0])
 
 
-#: Columns that every dataset has, after its own.
+#: Columns that every dataset has, after its own features.
 INDEX_FEATURES = {
     "timestamp": Feature("float32", (1,)),
     "frame_index": Feature("int64", (1,)),
@@ -98,12 +98,12 @@ class Episode:
     """One episode to be written, T frames long.
 
     Attributes:
-      task: the sentence that says what is to be done.
-      columns: name -> (T, ...) numbers of each feature that is no image.
+      task: the task in one sentence.
+      columns: name -> (T, ...) numbers of each feature that is not an image.
       images: name -> T PNG files, of each "image".
       videos: name -> H.264 bytes of T frames, of each "video".
-      image_stats: name -> statistics of either.
-      record: what its row of meta/episodes says besides; the same keys in every episode.
+      image_stats: name -> statistics of images and videos.
+      record: further columns of its row in meta/episodes; the same keys in every episode.
     """
 
     task: str

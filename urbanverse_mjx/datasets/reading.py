@@ -1,4 +1,4 @@
-"""`StoredDataset`: a dataset's descriptions and tables, read back; rows that an interrupted writing left are apart."""
+"""`StoredDataset`: metadata and tables of a dataset on disk; rows of an interrupted write are kept separate."""
 
 import dataclasses
 import pathlib
@@ -13,14 +13,14 @@ from . import features as f
 
 @dataclasses.dataclass(frozen=True)
 class StoredDataset:
-    """A dataset on the disk.
+    """A dataset on disk.
 
     Attributes:
       folder: of the dataset.
       info: meta/info.json.
       features: of it.
-      episodes: the rows of meta/episodes that info counts, without statistics.
-      unfinished: rows behind them, which an interrupted writing left.
+      episodes: the rows of meta/episodes that `info` counts, without statistics.
+      unfinished: later rows, left by an interrupted write.
     """
 
     folder: pathlib.Path
@@ -31,10 +31,10 @@ class StoredDataset:
 
     @staticmethod
     def open(folder: str | pathlib.Path) -> "StoredDataset":
-        """Reads the descriptions of a dataset.
+        """Reads the metadata of a dataset.
 
         Raises:
-          ValidationError: no dataset, another version, or descriptions that cannot be read.
+          ValidationError: the folder is no dataset, has another version, or its metadata cannot be read.
         """
         folder = pathlib.Path(folder)
         if (folder / f.UNFINISHED).is_dir() and not (folder / f.INFO_PATH).is_file():
@@ -61,30 +61,30 @@ class StoredDataset:
 
     @property
     def rate(self) -> int:
-        """Frames per second."""
+        """Returns the frames per second."""
         return int(self.info["fps"])
 
     def data_path(self, episode: dict[str, Any]) -> pathlib.Path:
-        """The file of an episode's rows."""
+        """Returns the file of an episode's rows."""
         place = {key: episode[f"data/{key}"] for key in ("chunk_index", "file_index")}
         return self.folder / (self.info.get("data_path") or f.DATA_PATH).format(**place)
 
     def video_path(self, episode: dict[str, Any], name: str) -> pathlib.Path:
-        """The file of an episode's frames of a camera."""
+        """Returns the file of an episode's video of a camera."""
         place = {key: episode[f"videos/{name}/{key}"] for key in ("chunk_index", "file_index")}
         return self.folder / (self.info.get("video_path") or f.VIDEO_PATH).format(video_key=name, **place)
 
     @property
     def cameras(self) -> list[str]:
-        """Features that are videos."""
+        """Returns the features that are videos."""
         return [name for name, feature in self.features.items() if feature.dtype == "video"]
 
 
 def read_table(path: pathlib.Path, columns: list[str] | None = None) -> pa.Table:
-    """A parquet file.
+    """Reads a parquet file.
 
     Raises:
-      ValidationError: no such file, or none that pyarrow reads.
+      ValidationError: the file does not exist or pyarrow cannot read it.
     """
     try:
         return pq.read_table(path, columns=columns, partitioning=None)

@@ -1,4 +1,4 @@
-"""Statistics of features as LeRobot stores them: of an episode, and merged over episodes.
+"""Computes statistics of features as LeRobot stores them, per episode and merged over episodes.
 
 Source: huggingface/lerobot, `src/lerobot/datasets/compute_stats.py`.
 """
@@ -7,13 +7,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-#: Name -> share, of the quantiles that are stored.
+#: Stored quantiles: name -> share.
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 Stats = dict[str, np.ndarray]
 
 
 def of_numbers(rows: np.ndarray) -> Stats:
-    """Statistics (D,) of (T, D) or (T,) numbers; count is (1,)."""
+    """Returns statistics (D,) of (T, D) or (T,) numbers; count is (1,)."""
     rows = rows.reshape(len(rows), -1).astype(np.float64)
     body = {"min": rows.min(0), "max": rows.max(0), "mean": rows.mean(0), "std": rows.std(0)}
     quantiles = np.quantile(rows, list(QUANTILES.values()), axis=0)
@@ -21,11 +21,11 @@ def of_numbers(rows: np.ndarray) -> Stats:
 
 
 class PixelCounts:
-    """Collects the values of images of integers, and gives their statistics by channel.
+    """Histograms of integer images, from which statistics by channel are computed.
 
     Args:
-      channels: of the images.
-      values: number of values that a pixel can have.
+      channels: number of channels of the images.
+      values: number of possible pixel values.
     """
 
     def __init__(self, channels: int, values: int) -> None:
@@ -39,7 +39,7 @@ class PixelCounts:
         self._images += 1
 
     def stats(self, scale: float) -> Stats:
-        """Statistics (C, 1, 1) of the values divided by `scale`; count is the number of images, (1,)."""
+        """Returns statistics (C, 1, 1) of the values divided by `scale`; count is the number of images, (1,)."""
         values = np.arange(self._counts.shape[1]) / scale
         total = self._counts.sum(1, keepdims=True)
         mean = self._counts @ values / total[:, 0]
@@ -57,9 +57,10 @@ class PixelCounts:
 
 
 def merged(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> Stats:
-    """Statistics of two parts together: exact but for quantiles, which cannot be had from those of the parts.
+    """Returns the statistics of two parts together, exact except for quantiles, which the parts' quantiles do not
+    determine.
 
-    As in LeRobot's own recorder the smaller one is taken up to the median, and above it the larger.
+    As in LeRobot's recorder, quantiles up to the median are the smaller of the two values, those above the larger.
     """
     counts = first["count"], second["count"]
     total = counts[0] + counts[1]

@@ -1,4 +1,4 @@
-"""`summarise_dataset`: what a dataset holds, in numbers."""
+"""`summarise_dataset`: summary statistics of a dataset."""
 
 import collections
 import dataclasses
@@ -14,20 +14,20 @@ from .reading import StoredDataset
 
 @dataclasses.dataclass(frozen=True)
 class DatasetSummary:
-    """A dataset in numbers.
+    """Summary of a dataset.
 
     Attributes:
       folder: of the dataset.
-      robot: its name.
+      robot: name of the robot.
       frames_per_second: of rows and videos.
-      episodes, frames: how many.
-      hours: of driving.
-      megabytes: of all files, 10^6 bytes.
-      length: name -> frames of an episode: min, median, max.
-      results: how episodes ended -> how many.
+      episodes, frames: their numbers.
+      hours: duration of all episodes.
+      megabytes: size of all files, in 10^6 bytes.
+      length: min, median and max of an episode's frames, by these names.
+      results: result -> number of episodes.
       scenes: name -> number of episodes.
-      tasks: sentences.
-      features: name -> dtype, shape and, of numbers, min, mean, max and std by component.
+      tasks: task sentences.
+      features: name -> dtype, shape and, for numbers, min, mean, max and std by component.
     """
 
     folder: str
@@ -45,10 +45,10 @@ class DatasetSummary:
 
 
 def summarise_dataset(folder: str | pathlib.Path) -> DatasetSummary:
-    """Reads a dataset's descriptions, without its rows and videos.
+    """Reads a dataset's metadata, without its rows and videos.
 
     Raises:
-      ValidationError: no LeRobotDataset v3 there.
+      ValidationError: the folder is no LeRobotDataset v3.
     """
     dataset = StoredDataset.open(folder)
     stats = v.read_json(dataset.folder / f.STATS_PATH, "statistics")
@@ -78,5 +78,5 @@ def summarise_dataset(folder: str | pathlib.Path) -> DatasetSummary:
 
 
 def _counted(dataset: StoredDataset, name: str) -> dict[str, int]:
-    """How often each value of a column of meta/episodes occurs; nothing where datasets of others lack it."""
+    """Returns how often each value of a column of meta/episodes occurs; empty for other tools' datasets without it."""
     return dict(sorted(collections.Counter(row[name] for row in dataset.episodes if name in row).items()))

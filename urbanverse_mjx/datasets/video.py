@@ -1,4 +1,4 @@
-"""H.264 video by ffmpeg: one process for each episode, then joined into mp4 files without encoding anew."""
+"""H.264 encoding with ffmpeg: one process per episode, then joined into mp4 files without encoding again."""
 
 import errno
 import pathlib
@@ -11,13 +11,14 @@ import numpy as np
 
 from ..datatypes import ValidationError
 
-#: A key frame at every second frame, as LeRobot has it: readers pick single frames.
+#: Every second frame is a key frame, as in LeRobot, because readers decode single frames.
 KEYFRAME_EVERY = 2
 _CRF = 23
 
 
 def pixel_format(height: int, width: int) -> str:
-    """yuv420p, which every player reads, or yuv444p where a side is odd, which halved colours cannot have."""
+    """Returns yuv420p, which every player reads, or yuv444p for an odd side, which chroma subsampling does not
+    allow."""
     return "yuv444p" if height % 2 or width % 2 else "yuv420p"
 
 
@@ -26,7 +27,7 @@ def _ffmpeg(*arguments: str) -> list[str]:
 
 
 class Encoder:
-    """Encodes frames of one size as they come; no B-frames, so that files can be joined by appending bytes.
+    """Encodes frames of one size as they arrive, without B-frames, so that files can be joined by appending bytes.
 
     Args:
       height, width: pixels.
@@ -35,7 +36,7 @@ class Encoder:
 
     def __init__(self, height: int, width: int, frames_per_second: int) -> None:
         raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(frames_per_second))
-        # One thread: the bytes do not depend on the machine's number of cores.
+        # One thread, so that the bytes do not depend on the machine's number of cores.
         codec = ("-c:v", "libx264", "-preset", "veryfast", "-crf", str(_CRF), "-threads", "1", "-bf", "0")
         form = ("-g", str(KEYFRAME_EVERY), "-pix_fmt", pixel_format(height, width), "-f", "h264", "pipe:1")
         pipe = subprocess.PIPE
@@ -43,7 +44,7 @@ class Encoder:
             _ffmpeg(*raw, "-i", "pipe:0", *codec, *form), stdin=pipe, stdout=pipe, stderr=pipe
         )
         self._parts: list[bytes] = []
-        # Read while frames are written: either pipe would fill up.
+        # The output is read while frames are written; otherwise a pipe fills up and blocks.
         self._reader = threading.Thread(target=self._read, name="video", daemon=True)
         self._reader.start()
 
@@ -60,7 +61,7 @@ class Encoder:
             raise self._failure() from None
 
     def close(self) -> None:
-        """Ends the input; the encoder goes on by itself."""
+        """Closes the input; the encoder finishes in the background."""
         assert self._process.stdin is not None
         try:
             self._process.stdin.close()
@@ -68,7 +69,7 @@ class Encoder:
             raise self._failure() from None
 
     def result(self) -> bytes:
-        """Waits for the end and returns the H.264 bytes.
+        """Waits for the encoder and returns the H.264 bytes.
 
         Raises:
           ValidationError: ffmpeg failed.
@@ -80,7 +81,7 @@ class Encoder:
         return b"".join(self._parts)
 
     def stop(self) -> None:
-        """Ends the process, whatever it is doing."""
+        """Kills the process."""
         self._process.kill()
         self._process.wait()
 
@@ -98,11 +99,11 @@ def write_mp4(path: pathlib.Path, encoded: bytes, frames_per_second: int) -> Non
     """Writes H.264 bytes as an mp4 in which frame k is shown at k / frames_per_second s.
 
     Raises:
-      OSError: the disk is full, or files may not grow as large.
-      ValidationError: ffmpeg failed otherwise.
+      OSError: the disk is full, or the file exceeds a size limit.
+      ValidationError: ffmpeg failed for another reason.
     """
     source = ("-f", "h264", "-framerate", str(frames_per_second), "-i", "pipe:0")
-    # No version of ffmpeg in the file.
+    # Omits ffmpeg's version from the file.
     target = ("-c", "copy", "-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4", "-y", str(path))
     done = subprocess.run(_ffmpeg(*source, *target), input=encoded, capture_output=True, check=False)
     said = done.stderr.decode(errors="replace").strip()
@@ -115,7 +116,7 @@ def write_mp4(path: pathlib.Path, encoded: bytes, frames_per_second: int) -> Non
 
 
 def count_frames(path: pathlib.Path) -> int:
-    """Frames of a video.
+    """Returns the number of frames of a video.
 
     Raises:
       ValidationError: ffmpeg cannot read it.

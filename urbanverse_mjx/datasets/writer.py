@@ -1,7 +1,8 @@
-"""`DatasetWriter`: episodes into a LeRobotDataset v3 that is complete at every moment.
+"""`DatasetWriter`: writes episodes into a LeRobotDataset v3 that is valid at any time.
 
-Files hold several episodes and are replaced by longer ones, each by a rename; meta/info.json comes last, so its counts
-say what is complete. Whoever is killed between two renames leaves rows behind those counts, which readers ignore.
+Files hold several episodes and are replaced by longer versions, each with a rename. meta/info.json is replaced last, so
+its counts cover complete episodes only. If the process is killed between two renames, rows beyond those counts remain,
+which readers ignore.
 """
 
 import dataclasses
@@ -21,17 +22,18 @@ from ..datatypes import validation as v
 from . import features as f
 from . import statistics, video
 
-#: A new file is begun at so many episodes, or bytes of one camera: as much is written anew with every episode.
+#: A new file begins after this many episodes, or bytes of one camera. Each new episode rewrites the current file, so
+#: this bounds the cost per episode.
 _FILE_EPISODES, _FILE_BYTES = 100, 16 * 2**20
-#: s between two writings; episodes that end faster are written together.
+#: s, least time between two writes; episodes that end within it are written together.
 _WRITE_EVERY = 1.0
 
 
 def require_new(folder: pathlib.Path) -> None:
-    """Refuses a place that holds anything.
+    """Raises an error unless a path is new or an empty folder.
 
     Raises:
-      ValidationError: a file, or a folder that is not empty.
+      ValidationError: the path is a file, or a folder that is not empty.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         what = "a folder that is not empty" if folder.is_dir() else "a file"
@@ -40,7 +42,7 @@ def require_new(folder: pathlib.Path) -> None:
 
 @dataclasses.dataclass
 class _File:
-    """Episodes of the files that are still growing; `number` counts files from the dataset's beginning."""
+    """Episodes in the current file; `number` is the file's index in the dataset."""
 
     number: int
     first_row: int
@@ -60,17 +62,17 @@ class _File:
 
 
 class DatasetWriter:
-    """Writes a new dataset, episode by episode; as a context manager it writes what it holds when the block ends.
+    """Writes a new dataset, episode by episode; as a context manager it writes pending episodes when the block ends.
 
     Args:
       folder: new or empty.
       features: name -> `Feature`, without those that every dataset has.
       frames_per_second: of all cameras and rows.
-      robot: its name.
+      robot: name of the robot.
       origin: JSON object for meta/urbanverse.json.
 
     Raises:
-      ValidationError: a folder in use.
+      ValidationError: the folder is not empty.
     """
 
     def __init__(
@@ -98,7 +100,7 @@ class DatasetWriter:
 
     def __exit__(self, kind: Any, error: BaseException | None, at: Any) -> None:
         try:
-            # After a full disk there is nothing more to write.
+            # If the disk is full, nothing more is written.
             if not isinstance(error, OSError):
                 self.write()
         finally:
@@ -107,11 +109,11 @@ class DatasetWriter:
                 self.folder.rmdir()
 
     def add(self, episode: f.Episode) -> None:
-        """Adds an episode; it is on the disk when this returns, or within a second where episodes come faster.
+        """Adds an episode. It is on disk when this returns, or within a second if episodes arrive faster.
 
         Raises:
-          ValidationError: columns or images that are not those of the features, or of another length.
-          OSError: it cannot be written; what was written before stays complete.
+          ValidationError: columns or images differ from the features, or their lengths differ.
+          OSError: the episode cannot be written; earlier episodes stay complete.
         """
         columns = self._columns(episode)
         file, length = self._file, len(episode)
@@ -132,7 +134,7 @@ class DatasetWriter:
             self._file = _File(file.number + 1, self.num_frames)
 
     def _columns(self, episode: f.Episode) -> dict[str, np.ndarray]:
-        """The episode's numbers by feature, in the features' order."""
+        """Returns the episode's numbers by feature, in the features' order."""
         length, first = len(episode), self.num_frames
         frame = np.arange(length)
         task = self._tasks.setdefault(episode.task, len(self._tasks))
@@ -183,7 +185,7 @@ class DatasetWriter:
         return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
 
     def _row(self, episode: f.Episode, stats: Mapping[str, statistics.Stats]) -> dict[str, Any]:
-        """The episode's row in meta/episodes."""
+        """Returns the episode's row in meta/episodes."""
         file, first, length = self._file, self.num_frames, len(episode)
         row: dict[str, Any] = {"episode_index": self.num_episodes, "tasks": [episode.task], "length": length}
         row |= {f"data/{name}": number for name, number in file.place.items()}
@@ -197,10 +199,10 @@ class DatasetWriter:
         return row | {f"meta/episodes/{name}": number for name, number in file.place.items()}
 
     def write(self) -> None:
-        """Puts all episodes that were added on the disk.
+        """Writes all pending episodes to disk.
 
         Raises:
-          OSError: it cannot; the files of before are as they were.
+          OSError: the files cannot be written; existing files are unchanged.
         """
         if not self._unwritten:
             return
@@ -213,7 +215,7 @@ class DatasetWriter:
         self._unwritten, self._written_at = 0, time.monotonic()
 
     def _stage(self) -> list[tuple[pathlib.Path, pathlib.Path]]:
-        """Writes new versions of all files that change; returns them and their places, meta/info.json last."""
+        """Writes new versions of all files that change; returns them and their destinations, meta/info.json last."""
         file, staged = self._file, []
 
         def stage(name: str, write: Callable[[pathlib.Path], Any]) -> None:
@@ -261,14 +263,14 @@ class DatasetWriter:
 
 
 def _write_by_episode(path: pathlib.Path, tables: list[pa.Table]) -> None:
-    """A parquet file with one row group for each table."""
+    """Writes a parquet file with one row group for each table."""
     with pq.ParquetWriter(path, tables[0].schema, compression="snappy", use_dictionary=True) as writer:
         for table in tables:
             writer.write_table(table)
 
 
 def _tasks_table(tasks: Mapping[str, int]) -> pa.Table:
-    """The tasks as pandas stores a frame whose index is the sentence: LeRobot looks tasks up by it."""
+    """Returns the tasks as pandas stores a frame indexed by the sentence, which LeRobot uses for look-ups."""
     table = pa.table({"task_index": pa.array(tasks.values(), pa.int64()), "task": pa.array(tasks, pa.string())})
     columns = [
         {"name": name, "field_name": name, "pandas_type": kind, "numpy_type": stored, "metadata": None}

@@ -1,5 +1,5 @@
-"""Geometry that every package shares: rotations, grids seen from above, geodesic fields. It imports no other package of
-the project, takes arrays, and each caller passes its own cell size and cut-offs.
+"""Geometry functions shared by all packages: rotations, grids on the ground plane, geodesic fields. This package
+imports no other package of the project; its functions take arrays, and callers pass cell sizes and cut-offs.
 
 | module | contents | libraries |
 | --- | --- | --- |

@@ -8,26 +8,26 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 Step = tuple[int, int]
-#: Numbers (i, j) of cells.
+#: Indices (i, j) of cells.
 Cells = tuple[np.ndarray, np.ndarray]
 
 
 def _passed(step: Step) -> list[Step]:
-    """The two cells that a knight's move runs between, counted from its first."""
+    """Returns the two cells that a knight's move passes, relative to its first cell."""
     i, j = (int(np.sign(k)) for k in step)
     return [(i * (abs(step[0]) == 2), j * (abs(step[1]) == 2)), (i, j)] if max(map(abs, step)) == 2 else []
 
 
-#: Each direction as a step from cell to cell, and the cells on its way that have to be passable, too.
+#: Each direction as a step from cell to cell, with the cells on its way that must be passable as well.
 STEPS: Mapping[Step, Sequence[Step]] = {
     (i, j): _passed((i, j)) for i in range(-2, 3) for j in range(-2, 3) if np.gcd(i, j) == 1
 }
 
 
 def extra_near(distance: Any, clearance: float, most: float = 1.5, reach: float = 0.6) -> Any:
-    """Extra cost of a metre near objects: `most` at `clearance` (m) from them, 0 from `reach` m farther on.
+    """Returns the extra cost per metre near objects: `most` at `clearance` (m) from them, 0 from `reach` m farther on.
 
-    The defaults are the costs of people's routes and of the planner's.
+    The defaults are used for people's routes and by the planner.
 
     Args:
       distance: (...) m to the nearest object.
@@ -40,13 +40,13 @@ class GridGraph:
 
     Args:
       passable: (X, Y) bool.
-      price: what going costs along a step from cells (i, j), n of each, to cells (i, j): (n,).
+      price: function of a step's start cells (i, j), n of each, and end cells (i, j); returns the costs (n,).
       steps: see `STEPS`.
 
     Attributes:
-      cells: (n, 2), of each node.
-      number: (X, Y) the node of each cell, -1 where it is not passable.
-      edges: (n, n), what going from one node to the next costs.
+      cells: (n, 2) cell of each node.
+      number: (X, Y) node of each cell, -1 where it is not passable.
+      edges: (n, n) cost of the step from one node to another.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class GridGraph:
         self._backwards = self.edges.T.tocsr()
 
     def to_goal(self, goal: int, limit: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) cost from every node to a goal node, inf where no path costs at most `limit`, and (n,) the next node on
-        the path (itself at the end)."""
+        """Returns (n,) cost from every node to a goal node, inf where no path costs at most `limit`, and (n,) the next
+        node on the path (itself at the end)."""
         cost, following = csgraph.dijkstra(self._backwards, indices=goal, limit=limit, return_predecessors=True)
         return cost, np.where(following < 0, np.arange(len(following)), following)

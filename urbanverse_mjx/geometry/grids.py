@@ -10,13 +10,13 @@ from scipy import ndimage
 
 
 def cell_of(points: Any, origin: Any, side: float, shape: tuple[int, ...] | None = None) -> Any:
-    """Numbers of the cells that hold points, of numpy or JAX arrays.
+    """Returns the indices of the cells that contain points, for numpy or JAX arrays.
 
     Args:
       points: (..., 2) m, or (...) m along one axis.
       origin: (2,) or () m.
       side: m.
-      shape: (X, Y) cells; those of points outside are then the nearest ones.
+      shape: (X, Y) cells; if given, points outside get the nearest cell.
     """
     xp = points.__array_namespace__()
     cell = xp.floor((points - origin) / side).astype(int)
@@ -25,7 +25,7 @@ def cell_of(points: Any, origin: Any, side: float, shape: tuple[int, ...] | None
 
 @dataclasses.dataclass(frozen=True)
 class Grid:
-    """The cells of one scene, on the host.
+    """The cells of one scene, in host memory.
 
     Attributes:
       origin: (2,) m, lower corner.
@@ -38,37 +38,37 @@ class Grid:
     shape: tuple[int, int]
 
     def cell(self, points: np.ndarray) -> np.ndarray:
-        """(..., 2) cells of points (..., 2) m; of points outside the nearest ones."""
+        """Returns (..., 2) cells of points (..., 2) m; points outside get the nearest cell."""
         return cell_of(np.asarray(points), self.origin, self.side, self.shape)
 
     def centres(self, cells: np.ndarray) -> np.ndarray:
-        """(..., 2) m, centres of cells (..., 2)."""
+        """Returns the centres (..., 2) m of cells (..., 2)."""
         return self.origin + (np.asarray(cells) + 0.5) * self.side
 
     def window(self, low: np.ndarray, high: np.ndarray) -> tuple[slice, slice]:
-        """The cells that a rectangle from `low` to `high` (2,) m touches, those beyond the grid left out."""
+        """Returns the cells of the grid that a rectangle from `low` to `high` (2,) m touches."""
         first, last = (np.floor((corner - self.origin) / self.side).astype(int) for corner in (low, high))
         i, j = np.clip(first, 0, self.shape)
         m, n = np.clip(last + 1, 0, self.shape)
         return slice(i, m), slice(j, n)
 
     def axes(self, window: tuple[slice, slice]) -> tuple[np.ndarray, np.ndarray]:
-        """x (n,) and y (m,) m of the cells' centres in a window, in the origin's precision."""
+        """Returns x (n,) and y (m,) m of the cells' centres in a window, in the origin's precision."""
         steps = (np.arange(part.start, part.stop).astype(self.origin.dtype) for part in window)
         x, y = (o + (k + 0.5) * self.side for o, k in zip(self.origin, steps, strict=True))
         return x, y
 
 
 def pooled(cells: np.ndarray, side: int, reduce: Callable[..., np.ndarray]) -> np.ndarray:
-    """(X // side, Y // side): blocks of side x side cells reduced by `reduce(blocks, axis=...)`; an incomplete block
-    at the far rim is left out."""
+    """Returns (X // side, Y // side) values: blocks of side x side cells reduced by `reduce(blocks, axis=...)`;
+    incomplete blocks at the upper edges are left out."""
     x, y = (n // side for n in cells.shape)
     return reduce(cells[: x * side, : y * side].reshape(x, side, y, side), axis=(1, 3))
 
 
 def closed(mask: np.ndarray, reach: float, side: float) -> np.ndarray:
-    """A mask (X, Y) of cells of `side` m with gaps of up to twice `reach` (m) between its parts filled (a
-    morphological closing)."""
+    """Returns a mask (X, Y) of cells of `side` m after a morphological closing, which fills gaps of up to twice `reach`
+    (m)."""
     if not mask.any():
         return mask
     pad = math.ceil(reach / side) + 1

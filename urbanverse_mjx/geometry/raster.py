@@ -1,4 +1,4 @@
-"""Solid cells of a ground grid, from convex shapes, with the caller's cell sizes and cut-offs."""
+"""Rasterises convex shapes on a ground grid, with the caller's cell sizes and cut-offs."""
 
 from collections.abc import Callable, Iterable
 
@@ -7,13 +7,14 @@ from scipy.spatial import ConvexHull, QhullError
 
 from .grids import Grid
 
-#: Lower and upper corner (2,) m of a shape's footprint, and (X, Y) m from it to points x (X,), y (Y,).
+#: Lower and upper corner (2,) m of a shape's footprint, and a function that returns the distances (X, Y) m from it to
+#: points x (X,), y (Y,).
 Shape = tuple[np.ndarray, np.ndarray, Callable[[np.ndarray, np.ndarray], np.ndarray]]
 
 
 def outline(points: np.ndarray) -> np.ndarray:
-    """(n, 2) corners of the convex outline of points (m, 2), counter-clockwise; of their box where they lie on a
-    line."""
+    """Returns the (n, 2) corners of the convex outline of points (m, 2), counter-clockwise, or of their box if they lie
+    on a line."""
     try:
         return points[ConvexHull(points).vertices]
     except QhullError:
@@ -22,20 +23,20 @@ def outline(points: np.ndarray) -> np.ndarray:
 
 
 def touched(grid: Grid, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cells (i, j) that the convex outline of points (n, 2) m touches."""
+    """Returns the cells (i, j) that the convex outline of points (n, 2) m touches."""
     i, j = np.mgrid[grid.window(points.min(0), points.max(0))]
     try:
         edges = ConvexHull(points).equations
-    except QhullError:  # on a line: what touches its box is enough
+    except QhullError:  # on a line: the cells that touch its box suffice
         return i.ravel(), j.ravel()
-    # A square touches a convex outline where no edge of either parts them; its own edges are the box above.
+    # A square touches a convex outline if no edge of either separates them; the box above covers the square's edges.
     reach = grid.side / 2 * np.abs(edges[:, :2]).sum(1)
     inside = (grid.centres(np.stack([i, j], -1)) @ edges[:, :2].T + edges[:, 2] <= reach).all(-1)
     return i[inside], j[inside]
 
 
 def nearest(grid: Grid, shapes: Iterable[Shape], far: float) -> np.ndarray:
-    """(X, Y) f32 m from each cell's centre to the nearest of some shapes, at most `far`."""
+    """Returns (X, Y) f32 m from each cell's centre to the nearest shape, at most `far`."""
     distance = np.full(grid.shape, far, np.float32)
     for low, high, distance_to in shapes:
         part = grid.window(low - far, high + far)
@@ -44,8 +45,8 @@ def nearest(grid: Grid, shapes: Iterable[Shape], far: float) -> np.ndarray:
 
 
 def to_outline(ring: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """(X, Y) f32 m, signed distance of the points of a grid x (X,), y (Y,) to a convex ring (n, 2), counter-clockwise;
-    negative inside."""
+    """Returns the signed distance (X, Y) f32 m of the points of a grid x (X,), y (Y,) to a counter-clockwise convex
+    ring (n, 2), negative inside."""
     x, y = x[:, None].astype(np.float32), y[None, :].astype(np.float32)
     square = np.full((x.size, y.size), np.inf, np.float32)
     beyond = np.full(square.shape, -np.inf, np.float32)

@@ -1,6 +1,6 @@
-"""Rotations as unit quaternions (wxyz) and as matrices, of numpy and of JAX arrays alike.
+"""Rotations as unit quaternions (wxyz) and as matrices, for numpy and JAX arrays.
 
-Each function takes the library from its argument, so that modules that make scenes load no JAX.
+Each function uses the library of its argument, so that modules that build scenes do not load JAX.
 """
 
 from typing import Any
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def matrix(quaternion: Any) -> Any:
-    """(..., 3, 3) rotation matrices of unit quaternions (..., 4)."""
+    """Returns (..., 3, 3) rotation matrices of unit quaternions (..., 4)."""
     xp = quaternion.__array_namespace__()
     w, x, y, z = xp.moveaxis(quaternion, -1, 0)
     rows = [
@@ -21,19 +21,19 @@ def matrix(quaternion: Any) -> Any:
 
 
 def matrix_f64(quaternion: np.ndarray) -> np.ndarray:
-    """(..., 3, 3) f64 of quaternions (..., 4) of any length but zero: stored in single precision they are not quite
-    unit ones."""
+    """Returns (..., 3, 3) f64 rotation matrices of quaternions (..., 4) of any length but zero; quaternions stored in
+    single precision are not exactly unit quaternions."""
     return matrix(unit(np.asarray(quaternion, np.float64)))
 
 
 def unit(quaternion: Any) -> Any:
-    """Quaternions (..., 4) of any length but zero as unit ones."""
+    """Normalises quaternions (..., 4) of any length but zero."""
     xp = quaternion.__array_namespace__()
     return quaternion / xp.linalg.norm(quaternion, axis=-1, keepdims=True)
 
 
 def product(p: Any, q: Any) -> Any:
-    """(..., 4) quaternions p q: first q turns, then p."""
+    """Returns the products (..., 4) of quaternions p q: q rotates first, then p."""
     xp = p.__array_namespace__()
     w, x, y, z = xp.moveaxis(p, -1, 0)
     a, b, c, d = xp.moveaxis(q, -1, 0)
@@ -47,7 +47,7 @@ def product(p: Any, q: Any) -> Any:
 
 
 def rotate(quaternion: Any, vector: Any) -> Any:
-    """Vectors (..., 3) turned by unit quaternions (..., 4)."""
+    """Rotates vectors (..., 3) by unit quaternions (..., 4)."""
     xp = quaternion.__array_namespace__()
     w, u = quaternion[..., :1], quaternion[..., 1:]
     twice = 2.0 * xp.cross(u, vector)
@@ -55,20 +55,21 @@ def rotate(quaternion: Any, vector: Any) -> Any:
 
 
 def yaw_of(quaternion: Any) -> Any:
-    """(...) rad, the heading of bodies turned by unit quaternions (..., 4)."""
+    """Returns the heading (...) rad of bodies rotated by unit quaternions (..., 4)."""
     xp = quaternion.__array_namespace__()
     w, x, y, z = xp.moveaxis(quaternion, -1, 0)
     return xp.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 def up_of(quaternion: Any) -> Any:
-    """(...) z component in the world of the up axis of bodies turned by unit quaternions (..., 4); 1 = upright."""
+    """Returns the world z component (...) of the up axis of bodies rotated by unit quaternions (..., 4); 1 =
+    upright."""
     x, y = quaternion[..., 1], quaternion[..., 2]
     return 1.0 - 2.0 * (x * x + y * y)
 
 
 def from_yaw(yaw: Any) -> Any:
-    """(..., 4) quaternions that turn by (...) rad about z; of a number or a list in numpy."""
+    """Returns the quaternions (..., 4) of rotations by (...) rad about z; a number or a list gives a numpy array."""
     xp = yaw.__array_namespace__() if hasattr(yaw, "__array_namespace__") else np
     half = 0.5 * xp.asarray(yaw)
     zero = xp.zeros_like(half)
@@ -76,14 +77,15 @@ def from_yaw(yaw: Any) -> Any:
 
 
 def from_rotation_vector(vector: Any) -> Any:
-    """(..., 4) quaternions that turn about the directions of vectors (..., 3) by their lengths (rad)."""
+    """Returns the quaternions (..., 4) of rotation vectors (..., 3): rotations about their directions by their lengths
+    (rad)."""
     xp = vector.__array_namespace__()
     half = 0.5 * xp.linalg.norm(vector, axis=-1, keepdims=True)
-    # numpy's sinc has pi in it; sin(h) / (2 h) tends to 1/2.
+    # numpy's sinc(x) is sin(pi x) / (pi x); sin(h) / (2 h) tends to 1/2.
     return xp.concatenate([xp.cos(half), 0.5 * xp.sinc(half / np.pi) * vector], -1)
 
 
 def about_z(yaw: float) -> np.ndarray:
-    """(3, 3) f64 that turns by an angle (rad) about z, counter-clockwise seen from above."""
+    """Returns the rotation matrix (3, 3) f64 by an angle (rad) about z, counter-clockwise seen from above."""
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -1,11 +1,12 @@
-"""Environments for Gymnasium: importing this package registers all of them as `urbanverse/NAME-v0`.
+"""Gymnasium environments: importing this package registers all of them as `urbanverse/NAME-v0`.
 
     import gymnasium
     import urbanverse_mjx.gym
 
     envs = gymnasium.make_vec("urbanverse/CocoNav-v0", num_envs=16, preset="cpu")
 
-Gymnasium 1.x loads no plugins by itself; `gymnasium.make("urbanverse_mjx.gym:urbanverse/CocoNav-v0")` imports it, too.
+Gymnasium 1.x loads no plugins by itself; `gymnasium.make("urbanverse_mjx.gym:urbanverse/CocoNav-v0")` also imports the
+package.
 """
 
 try:

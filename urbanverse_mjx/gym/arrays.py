@@ -1,4 +1,4 @@
-"""Arrays of JAX as those of NumPy or PyTorch and back; by DLPack, so that PyTorch shares JAX's memory."""
+"""Converts JAX arrays to NumPy or PyTorch and back, with DLPack, so that PyTorch shares JAX's memory."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,14 +13,13 @@ OUTPUTS = ("numpy", "torch", "jax")
 
 
 def exporter(output: str) -> Callable[[Any], Any]:
-    """Conversion of a pytree of JAX arrays to another library's.
+    """Returns a function that converts a pytree of JAX arrays to another library's arrays.
 
     Args:
-      output: "numpy" (copies, which may be written to), "torch" (on JAX's device, the same memory: not to be written
-        to) or "jax".
+      output: "numpy" (writable copies), "torch" (on JAX's device with shared memory; do not write to it) or "jax".
 
     Raises:
-      ValidationError: another name, or PyTorch is not installed.
+      ValidationError: the name is unknown, or PyTorch is not installed.
     """
     if output == "jax":
         return lambda tree: tree
@@ -36,7 +35,7 @@ def exporter(output: str) -> Callable[[Any], Any]:
 
 
 def to_jax(array: Any) -> jax.Array:
-    """A float32 array of JAX with the values of one of NumPy, PyTorch or JAX."""
+    """Converts an array of NumPy, PyTorch or JAX to a float32 JAX array."""
     if hasattr(array, "detach"):
         array = jnp.from_dlpack(array.detach().contiguous())
     return jnp.asarray(array, jnp.float32)

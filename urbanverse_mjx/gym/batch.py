@@ -1,4 +1,4 @@
-"""`Batch`: the functions behind Gymnasium's calls, compiled once for all copies of an environment."""
+"""`Batch`: functions behind the Gymnasium interface, compiled once for all instances of an environment."""
 
 import dataclasses
 import functools
@@ -23,13 +23,13 @@ class Transition[C](NamedTuple):
     """One step of n envs.
 
     Attributes:
-      carried: states after the step, of the next episode where one began.
+      carried: states after the step, or of the next episode where one began.
       obs: dict of (n, ...) observations of `carried`.
       reward: (n,) f32.
       terminated, truncated: (n,) bool.
-      info: of `carried`.
-      final_info: of the step itself, dicts of (n,).
-      final_obs: observations before new episodes began; None where they were not asked for.
+      info: info of `carried`.
+      final_info: info of the step itself, dicts of (n,).
+      final_obs: observations before new episodes began; None if not requested.
     """
 
     carried: C
@@ -43,15 +43,15 @@ class Transition[C](NamedTuple):
 
 
 class Batch[C]:
-    """An environment's functions over a leading axis of n envs.
+    """An environment's functions, batched over a leading axis of n envs.
 
     Args:
       env: an environment of `envs.registry`.
-      observations: names of the policy's observations; None: all that the task's policy may have, without those whose
-        names begin with "privileged".
+      observations: names of the policy's observations; None: all of the task's, except names that begin with
+        "privileged".
 
     Raises:
-      ValidationError: a name that the environment does not observe.
+      ValidationError: the environment has no observation of this name.
     """
 
     def __init__(self, env: StagedBase[C], observations: Sequence[str] | None = None) -> None:
@@ -83,7 +83,7 @@ class Batch[C]:
 
     def _info(self, carried: C, metrics: dict[str, jax.Array]) -> dict[str, jax.Array]:
         told = jax.vmap(self.env.info_of)(carried)
-        # Wrappers of Gymnasium keep "episode" for their own.
+        # Gymnasium's wrappers reserve the key "episode".
         told["row"] = told["episode"]
         return {name: told[name] for name in ("scene", "row", "result", "steps")} | metrics
 
@@ -92,12 +92,12 @@ class Batch[C]:
         return self._info(carried, zeros)
 
     def _begin(self, keys: Key[Array, " n"]) -> tuple[C, Obs, dict[str, jax.Array]]:
-        """First states of new episodes, their observations and info."""
+        """Returns the first states of new episodes with observations and info."""
         carried = jax.vmap(self.env.begin)(keys)
         return carried, self._observe(carried), self._fresh_info(carried, len(keys))
 
     def _merge(self, mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
-        """`new` where the mask is set."""
+        """Returns `new` where the mask is set, else `old`."""
         return jax.tree.map(functools.partial(_where, mask), new, old)
 
     def _advance(
@@ -109,12 +109,13 @@ class Batch[C]:
         return carried, reward, (done > 0) & ~truncated, truncated, info
 
     def _step(self, carried: C, action: Float[Array, "n nu"]) -> Transition[C]:
-        """No new episodes."""
+        """Steps all envs without beginning new episodes."""
         carried, reward, terminated, truncated, info = self._advance(carried, action)
         return Transition(carried, self._observe(carried), reward, terminated, truncated, info, info)
 
     def _step_or_begin(self, carried: C, over: Bool[Array, " n"], action: Float[Array, "n nu"]) -> Transition[C]:
-        """A step of the envs whose episode continues; the others begin the next, with neither reward nor end."""
+        """Steps the envs whose episode continues; the others begin the next episode, with zero reward and no
+        termination."""
         stepped, reward, terminated, truncated, info = self._advance(carried, action)
         begun = jax.vmap(self.env.reset_episode)(carried)
         begun_info = self._fresh_info(begun, len(over))
@@ -123,14 +124,14 @@ class Batch[C]:
         return Transition(after, self._observe(after), reward, terminated & ~over, truncated & ~over, info, info)
 
     def _step_and_begin(self, carried: C, action: Float[Array, "n nu"], final_obs: bool) -> Transition[C]:
-        """A step of all; episodes that it ends are followed by the next at once."""
+        """Steps all envs; those whose episode ends begin the next one immediately."""
         stepped, reward, terminated, truncated, final_info = self._advance(carried, action)
         over = terminated | truncated
         begun = jax.vmap(self.env.reset_episode)(stepped)
         begun_info = self._fresh_info(begun, len(over))
         after, info = self._merge(over, (begun, begun_info), (stepped, final_info))
         obs = self._observe(after)
-        # Images cost the most: they are rendered twice only where an episode ended.
+        # Rendering dominates the cost, so images are rendered twice only if an episode ended.
         last = jax.lax.cond(over.any(), lambda: self._observe(stepped), lambda: obs) if final_obs else None
         return Transition(after, obs, reward, terminated, truncated, info, final_info, last)
 
@@ -146,13 +147,13 @@ def _space(x: jax.ShapeDtypeStruct) -> gymnasium.spaces.Box:
 
 
 def keys_of(seeds: Sequence[int]) -> Key[Array, " n"]:
-    """A key for each seed; the same seed gives the same episodes alone and in any batch."""
+    """Returns a key for each seed; a seed gives the same episodes alone and in any batch."""
     return jax.vmap(jax.random.key)(jnp.asarray(np.asarray(seeds, np.uint64) & 0xFFFFFFFF, jnp.uint32))
 
 
 @dataclasses.dataclass(frozen=True)
 class _Overrides:
-    """Overrides of a config, equal where they are spelled alike."""
+    """Config overrides as a cache key; equal if their text is equal."""
 
     spelled: str
     values: Mapping[str, Any] = dataclasses.field(compare=False)
@@ -162,7 +163,7 @@ class _Overrides:
 def _cached(
     name: str, overrides: _Overrides, bank: pathlib.Path | None, file: tuple[Any, ...], chosen: tuple[str, ...] | None
 ) -> Batch[Any]:
-    del file  # another file under the same name, or another default, is another key
+    del file  # part of the key: another file under the same name, or another default
     scenes = None if bank is None else SceneBank.load(bank)
     return Batch(_load(name, overrides.values, scenes), chosen)
 
@@ -181,7 +182,7 @@ def load_batch(
     bank: SceneBank | str | pathlib.Path | None,
     observations: Sequence[str] | None,
 ) -> Batch[Any]:
-    """The functions of a registered environment; equal arguments share compiled code if the bank is a file."""
+    """Returns the functions of a registered environment; equal arguments share compiled code if the bank is a file."""
     given = dict(overrides or {}) | ({} if preset is None else {"preset": preset})
     chosen = None if observations is None else tuple(observations)
     if isinstance(bank, SceneBank):
@@ -194,15 +195,17 @@ def load_batch(
 
 
 def with_masks(info: dict[str, Any], mask: np.ndarray) -> dict[str, Any]:
-    """Gymnasium's form of a vector's info: each entry `x` beside `_x`, (n,) bool: which envs have it."""
+    """Adds Gymnasium's masks to a vector's info: for each entry `x` an entry `_x`, (n,) bool, of the envs that have
+    it."""
     return {key: value for name, x in info.items() for key, value in ((name, x), (f"_{name}", mask))}
 
 
 def seeds_of(seed: int | Sequence[int] | None, number: int, draw: Callable[[], np.random.Generator]) -> list[int]:
-    """A seed for each env, as Gymnasium's vectors take them: an int counts up, None draws.
+    """Returns a seed for each env by Gymnasium's convention: an int is the first of consecutive seeds, None draws
+    random ones.
 
     Raises:
-      ValidationError: a list of another length.
+      ValidationError: the list has another length.
     """
     if seed is None:
         return draw().integers(2**32, size=number).tolist()

@@ -1,4 +1,4 @@
-"""Names of the registered environments in Gymnasium's registry."""
+"""Registers the environments with Gymnasium."""
 
 import gymnasium
 
@@ -6,12 +6,12 @@ from ..envs import registry
 
 
 def env_id(name: str) -> str:
-    """Gymnasium's id of a registered environment."""
+    """Returns the Gymnasium id of a registered environment."""
     return f"urbanverse/{name}-v0"
 
 
 def register(name: str) -> None:
-    """Makes an environment known to Gymnasium; one that keeps its own time, so without a `TimeLimit`."""
+    """Registers an environment with Gymnasium, without a `TimeLimit` because it has its own."""
     gymnasium.register(
         env_id(name),
         entry_point="urbanverse_mjx.gym.single:UrbanEnv",
@@ -21,5 +21,5 @@ def register(name: str) -> None:
 
 
 def register_all() -> None:
-    """Registers every environment of `envs.registry`, and those to come when they come."""
+    """Registers every environment of `envs.registry`, including those registered there later."""
     registry.on_registration(register)

@@ -1,4 +1,4 @@
-"""Images for `render_mode="rgb_array"`."""
+"""Rendering for `render_mode="rgb_array"`."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ RENDER_MODES = ("rgb_array",)
 
 
 class BatchRenderer:
-    """Draws each env of a batch for `render`.
+    """Renders an image of each env of a batch.
 
     Args:
       env: the environment.
@@ -22,7 +22,7 @@ class BatchRenderer:
       camera: see `StagedBase.render`.
 
     Raises:
-      ValidationError: another mode.
+      ValidationError: the mode is unknown.
     """
 
     def __init__(self, env: StagedBase[Any], mode: str | None, height: int, width: int, camera: str | None) -> None:
@@ -32,10 +32,10 @@ class BatchRenderer:
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": round(1.0 / env.dt)}
 
     def __call__(self, carried: Any, number: int) -> tuple[np.ndarray, ...] | None:
-        """(height, width, 3) uint8 for each of the envs in `carried`; None without a mode."""
+        """Returns (height, width, 3) uint8 for each of the envs in `carried`, or None without a mode."""
         if self._mode is None or carried is None:
             return None
         zero = jnp.float32(0.0)
         states = [State(jax.tree.map(lambda x, i=i: x[i], carried), {}, zero, zero, {}, {}) for i in range(number)]
-        # One after the other: the following camera takes a list of states for a drive.
+        # One call per env, because the following camera takes a list of states as one drive.
         return tuple(np.asarray(self._env.render(state, *self._shape)) for state in states)

@@ -1,4 +1,4 @@
-"""`RslRlVecEnv`: a vector of envs as the runners of rsl_rl (5 or newer) take it; needs `rsl-rl-lib` and PyTorch."""
+"""`RslRlVecEnv`: vector env for the runners of rsl_rl (5 or newer). Requires `rsl-rl-lib` and PyTorch."""
 
 from typing import Any
 
@@ -12,17 +12,17 @@ from .vector import UrbanVectorEnv
 
 
 class RslRlVecEnv(VecEnv):
-    """Episodes restart automatically, and time-outs are distinguished from other ends.
+    """Vector env of rsl_rl: episodes restart automatically, and time-outs are reported separately.
 
-    Each observation is a group of its name. Images of (height, width, 3) uint8 become (3, height, width) f32 in [0, 1];
-    all else is the memory that JAX wrote.
+    Each observation is a group of the same name. Images of (height, width, 3) uint8 become (3, height, width) f32 in
+    [0, 1]; all other observations share JAX's memory.
 
     Args:
       envs: of `gymnasium.make_vec(..., output="torch", autoreset_mode="SameStep", final_obs=False)`.
       seed: of the first episodes, see `UrbanVectorEnv.reset`.
 
     Raises:
-      ValidationError: another vector, another output or another autoreset mode.
+      ValidationError: `envs` is of another class, or has another output or autoreset mode.
     """
 
     def __init__(self, envs: VectorEnv[Any, Any, Any], seed: int = 0) -> None:
@@ -44,7 +44,7 @@ class RslRlVecEnv(VecEnv):
 
     @property
     def episode_length_buf(self) -> torch.Tensor:
-        """(num_envs,) i32 steps of the running episodes."""
+        """Returns the steps (num_envs,) i32 of the running episodes."""
         return self._steps.to(torch.int32)
 
     @episode_length_buf.setter
@@ -55,14 +55,14 @@ class RslRlVecEnv(VecEnv):
         )
 
     def get_observations(self) -> TensorDict:
-        """The result of the last call of `step`, or the first observations."""
+        """Returns the observations of the last call of `step`, or the first ones."""
         return self._obs
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:
-        """One control step: observations, rewards (num_envs,) f32, ends (num_envs,) bool and extras.
+        """Runs one control step; returns observations, rewards (num_envs,) f32, dones (num_envs,) bool and extras.
 
-        The extras are "time_outs", (num_envs,) bool, and "log": the share of successes and the mean completed part of
-        the route of the episodes that ended with this step, where an environment measures them.
+        The extras are "time_outs", (num_envs,) bool, and "log": the share of successes and the mean route completion of
+        the episodes that ended with this step, if the environment measures them.
         """
         obs, reward, terminated, truncated, info = self._envs.step(actions)
         self._obs, self._steps = self._grouped(obs), info["steps"]

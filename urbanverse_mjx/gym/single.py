@@ -1,4 +1,4 @@
-"""`UrbanEnv`: one env under Gymnasium's interface."""
+"""`UrbanEnv`: a single environment with the Gymnasium interface."""
 
 import pathlib
 from collections.abc import Mapping, Sequence
@@ -15,11 +15,11 @@ from .rendering import RENDER_MODES, BatchRenderer
 
 
 class UrbanEnv(gymnasium.Env[dict[str, Any], Any]):
-    """A registered environment; for more than a few, `UrbanVectorEnv` steps many in one call.
+    """One instance of a registered environment. To step many in one call use `UrbanVectorEnv`.
 
         env = gymnasium.make("urbanverse/CocoNav-v0", preset="cpu", render_mode="rgb_array")
 
-    Args and errors: see `UrbanVectorEnv`. The reward is a float, and ends are bool.
+    For arguments and errors see `UrbanVectorEnv`. The reward is a float; `terminated` and `truncated` are bool.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 5}  # noqa: RUF012
@@ -50,14 +50,14 @@ class UrbanEnv(gymnasium.Env[dict[str, Any], Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The first observation of a new episode; a seed gives the one that it gives in a vector."""
+        """Returns the first observation and info of a new episode; a seed gives the same episode as in a vector."""
         super().reset(seed=seed)
         keys = keys_of([int(self.np_random.integers(2**32)) if seed is None else seed])
         self._carried, obs, info = self._batch.begin(keys)
         return self._told(obs), _numbers(info)
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-        """One control step; when time is out, the episode is truncated."""
+        """Runs one control step; the episode is truncated at its time limit."""
         if self._carried is None:
             raise gymnasium.error.ResetNeeded("step: found no episode, needed `reset` first.")
         after = self._batch.step(self._carried, to_jax(action)[None])
@@ -68,7 +68,7 @@ class UrbanEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._told(after.obs), float(reward[0]), bool(terminated[0]), bool(truncated[0]), _numbers(info)
 
     def render(self) -> Any:
-        """(height, width, 3) uint8 of the state that the last observation shows; None without a mode."""
+        """Returns an image (height, width, 3) uint8 of the state of the last observation, or None without a mode."""
         images = self._renderer(self._carried, 1)
         return None if images is None else images[0]
 

@@ -1,4 +1,4 @@
-"""`UrbanVectorEnv`: many envs at once under Gymnasium's vector interface, each in its own street."""
+"""`UrbanVectorEnv`: many environments with Gymnasium's vector interface, each in its own scene."""
 
 import pathlib
 from collections.abc import Mapping, Sequence
@@ -19,29 +19,31 @@ from .rendering import BatchRenderer
 
 
 class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
-    """A registered environment, `num_envs` times, stepped by one compiled call.
+    """`num_envs` instances of a registered environment, stepped by one compiled call.
 
         envs = gymnasium.make_vec("urbanverse/CocoNav-v0", num_envs=16, preset="cpu", output="torch")
 
     Args:
       name: of `envs.registry`; `gymnasium.make_vec` fills it in.
-      num_envs: how many.
+      num_envs: number of envs.
       preset, config_overrides: see `registry.load`.
-      bank: the streets, or a file of them; None: the environment's own.
-      observations: names of the policy's observations; None: all but those that begin with "privileged".
+      bank: a scene bank or its file; None: the environment's default bank.
+      observations: names of the policy's observations; None: all except those that begin with "privileged".
       output: "numpy", "torch" or "jax": array type of observations, rewards and info. With "torch" they share JAX's
-        memory. Actions may be of any of the three.
-      autoreset_mode: of `gymnasium.vector.AutoresetMode`. NEXT_STEP shows the last observation of an episode and begins
-        the next with the following step, whose action and reward do not count: one image a step. SAME_STEP begins it
-        at once: `info["final_obs"]` and `info["final_info"]` are of the step itself, and the images of a step in
-        which an episode ends are rendered twice. With DISABLED, call `reset(options={"reset_mask": mask})`.
-      final_obs: whether SAME_STEP tells the last observations. As in Gymnasium they are an object array of one dict for
-        each env that ended, else None; with the outputs "torch" and "jax" a dict of (num_envs, ...), in every step.
-      render_mode: None, or "rgb_array": `render` gives one image (height, width, 3) for each env.
+        memory. Actions may have any of the three types.
+      autoreset_mode: a `gymnasium.vector.AutoresetMode`. NEXT_STEP returns the last observation of an episode and
+        begins the next episode in the following step, whose action and reward are ignored; it renders one image per
+        step. SAME_STEP begins the next episode immediately: `info["final_obs"]` and `info["final_info"]` belong to the
+        step itself, and images are rendered twice in steps that end an episode. With DISABLED, call
+        `reset(options={"reset_mask": mask})`.
+      final_obs: whether SAME_STEP returns the last observations. With NumPy they are, as in Gymnasium, an object array
+        of one dict for each env that ended, else None; with the outputs "torch" and "jax" they are a dict of (num_envs,
+        ...) in every step.
+      render_mode: None, or "rgb_array": `render` returns one image (height, width, 3) for each env.
       height, width, camera: of these images, see `StagedBase.render`.
 
     Raises:
-      ValidationError: see `load_batch`, `exporter`; an unknown autoreset or render mode, or no env.
+      ValidationError: see `load_batch` and `exporter`; the autoreset or render mode is unknown, or `num_envs` is 0.
     """
 
     def __init__(
@@ -83,18 +85,18 @@ class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
 
     @property
     def config(self) -> ConfigDict:
-        """The environment's."""
+        """Returns the environment's config."""
         return self._batch.env.config
 
     def reset(
         self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """First observations of new episodes.
+        """Returns the first observations and info of new episodes.
 
         Args:
-          seed: one for each env, or the first of `num_envs` numbers in a row; a seed gives the same street, start and
-            goal in every batch. None draws on.
-          options: "reset_mask", (num_envs,) bool: only these begin anew.
+          seed: one for each env, or the first of `num_envs` consecutive seeds; a seed gives the same scene, start and
+            goal in every batch. None continues the random stream.
+          options: "reset_mask", (num_envs,) bool: only these envs begin a new episode.
         """
         super().reset(seed=seed if isinstance(seed, int) else None)
         keys = keys_of(seeds_of(seed, self.num_envs, lambda: self.np_random))
@@ -110,7 +112,7 @@ class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
         return self._export(self._obs), with_masks(self._export(info), mask)
 
     def step(self, actions: Any) -> tuple[dict[str, Any], Any, Any, Any, dict[str, Any]]:
-        """One control step of every env: observations, rewards, terminations, truncations, info; see the class."""
+        """Steps every env; returns observations, rewards, terminations, truncations and info (see the class)."""
         if self._carried is None:
             raise gymnasium.error.ResetNeeded("step: found no episode, needed `reset` first.")
         action = to_jax(actions)
@@ -134,7 +136,7 @@ class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
         return obs, reward, terminated, truncated, self._info_of(after)
 
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """An image for each env, of the state that the last observations show."""
+        """Returns an image for each env of the state of the last observations."""
         return self._renderer(self._carried, self.num_envs)
 
     def _info_of(self, after: Transition[Any]) -> dict[str, Any]:

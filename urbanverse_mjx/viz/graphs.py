@@ -1,4 +1,4 @@
-"""Images of scene graphs: from above, and as boxes over the frames of a recording."""
+"""Draws scene graphs from above, and as boxes over the frames of a recording."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from ..datatypes import GraphObject, Recording, SceneGraph, ValidationError
 from ..geometry.polygons import rectangle
 
-#: sRGB of the kinds of ground, as all maps have them.
+#: sRGB colours of the kinds of ground in all maps.
 GROUND_COLOURS = {
     "none": (238, 238, 234),
     "road": (92, 94, 100),
@@ -20,11 +20,11 @@ GROUND_COLOURS = {
 }
 FOUND, TRUE, PATH = (214, 66, 40), (40, 96, 190), (30, 30, 30)
 _EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
-_NEAR_PLANE = 0.2  # m before the camera where edges are cut off
+_NEAR_PLANE = 0.2  # m in front of the camera, edges are clipped there
 
 
 def corners(obj: GraphObject) -> np.ndarray:
-    """(8, 3) m: the box's corners, the foot first; corners 0 and 1 are the front's."""
+    """Returns the corners (8, 3) m of an object's box, the bottom first; corners 0 and 1 are at the front."""
     flat = shapely.get_coordinates(rectangle(*obj.size[:2], obj.yaw, *obj.center[:2]))[:4]
     half = obj.size[2] / 2
     return np.concatenate([np.c_[flat, np.full(4, obj.center[2] + dz)] for dz in (-half, half)])
@@ -33,10 +33,10 @@ def corners(obj: GraphObject) -> np.ndarray:
 def plan(
     graph: SceneGraph, ground_truth: Sequence[GraphObject] = (), width: int = 1600, margin: float = 3.0
 ) -> np.ndarray:
-    """(H, width, 3) u8: ground, boxes with a tick towards the front, and the camera's path from above.
+    """Returns an image (H, width, 3) u8 from above: ground, boxes with a tick towards the front, and the camera's path.
 
     Args:
-      ground_truth: further boxes, drawn in blue below the graph's red ones.
+      ground_truth: additional boxes, drawn in blue below the graph's red ones.
       margin: m around everything.
     """
     rings = [np.array(r.polygon) for r in graph.ground] + [corners(t)[:4, :2] for t in (*graph.objects, *ground_truth)]
@@ -64,7 +64,7 @@ def plan(
 
 
 def overlay(recording: Recording, frame: int, objects: Sequence[GraphObject], reach: float = 40.0) -> np.ndarray:
-    """(H, W, 3) u8: a frame with boxes over it, fronts in blue.
+    """Returns a frame (H, W, 3) u8 with boxes drawn over it, their fronts in blue.
 
     Args:
       reach: m, objects farther than this are left out.

@@ -1,7 +1,7 @@
-"""Images of scenes for people: from eye level and from above.
+"""High-quality images of scenes from eye level and from above.
 
-Nine rays a pixel, sun shadows on. A `Studio` keeps the bank's meshes and textures for many images; `render_view`
-and `birdseye` are one image each.
+They use nine rays per pixel and sun shadows. A `Studio` keeps the bank's meshes and textures for many images;
+`render_view` and `birdseye` render one image each.
 """
 
 from typing import Any
@@ -14,12 +14,12 @@ from ..simulation.rendering.cameras import look_at
 from ..simulation.rendering.renderer import Renderer
 
 VIEW_HEIGHT = 1.6
-#: rad; about the vertical field of view of a normal lens on a wide image.
+#: rad, vertical field of view.
 FOV = np.radians(55.0)
 
 
 def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
-    """(2, 3) lower and upper corner, m, of everything that stands in a scene, from its slots' meshes."""
+    """Returns the lower and upper corner (2, 3) m of all objects in a scene, from its slots' meshes."""
     corners = []
     for slot in np.flatnonzero(bank.slot_mesh[scene] >= 0):
         mesh = bank.slot_mesh[scene, slot]
@@ -33,11 +33,11 @@ def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
 
 
 class Studio:
-    """Takes images of one bank at one size.
+    """Renders images of one bank at one size.
 
     Args:
       bank: the scenes.
-      robot: to be in the images, or None.
+      robot: robot to show in the images, or None.
       width, height: pixels.
       samples: rays per pixel along each side.
       shading: see `Renderer`.
@@ -65,17 +65,17 @@ class Studio:
         xpos: Any = None,
         xquat: Any = None,
     ) -> np.ndarray:
-        """(H, W, 3) uint8 from `camera_position` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the
-        robot."""
+        """Renders (H, W, 3) uint8 from `camera_position` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat:
+        poses of the robot's bodies."""
         image = self.renderer.view(scene, camera_position, look_at(camera_position, target, up), fov, xpos, xquat)
         return np.asarray(image["rgb"])
 
     def birdseye(self, scene: int, elevation: float = np.radians(55.0), margin: float = 1.02) -> np.ndarray:
-        """(H, W, 3) uint8: the whole scene from above its longer side, through a long lens.
+        """Renders the whole scene (H, W, 3) uint8 from above its longer side, with a small field of view.
 
         Args:
           elevation: rad, of the camera over the ground; π/2 is straight down.
-          margin: how much more than the scene's ground is in the image.
+          margin: factor by which the visible area exceeds the scene's ground.
         """
         low, high = scene_extent(self.bank, scene)
         middle, size = (low + high) / 2, high - low
@@ -91,7 +91,7 @@ class Studio:
         return self.view(scene, target + back * needed / 2 / np.tan(fov / 2), target, fov, up)
 
     def eye_level(self, scene: int, row: int = 0, distance: float = 8.0) -> np.ndarray:
-        """(H, W, 3) uint8: view of a person at the start of episode `row`, along its route."""
+        """Renders (H, W, 3) uint8 as seen by a person at the start of episode `row`, along its route."""
         x, y, z, yaw = self.bank.episode_start[scene, row].astype(np.float64)
         camera_position = np.array([x, y, z + VIEW_HEIGHT])
         return self.view(
@@ -110,11 +110,11 @@ def render_view(
     height: int = 540,
     fov: float = FOV,
 ) -> np.ndarray:
-    """(height, width, 3) uint8: one image of a scene from `camera_position` (3,) towards `target` (3,); fov: vertical,
+    """Renders a scene (height, width, 3) uint8 from `camera_position` (3,) towards `target` (3,); fov: vertical,
     rad."""
     return Studio(bank, width, height).view(scene, camera_position, target, fov)
 
 
 def birdseye(bank: SceneBank, scene: int, width: int = 1280, height: int = 480) -> np.ndarray:
-    """(height, width, 3) uint8: the whole scene from above."""
+    """Renders the whole scene (height, width, 3) uint8 from above."""
     return Studio(bank, width, height).birdseye(scene)

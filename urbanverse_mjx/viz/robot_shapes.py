@@ -1,4 +1,4 @@
-"""A robot's collision shapes and the spheres in their place, from three sides."""
+"""Draws a robot's collision shapes and the spheres that replace them, from three sides."""
 
 from collections.abc import Sequence
 
@@ -11,13 +11,14 @@ from ..robots.collision import Fit
 
 #: (H, W) px of a view, and its margin.
 _SIZE, _RIM = (420, 420), 24
-#: Name of a view, and the axes of the root's frame that go right and up in it; -1 turns one round.
+#: Name of a view, and the axes of the root's frame that point right and up in it, each with its sign.
 _VIEWS = (("from the left", (0, 1), (2, 1)), ("from the front", (1, -1), (2, 1)), ("from above", (0, 1), (1, 1)))
 _SHAPE, _SHAPE_RIM, _SPHERE, _FOOT, _INK = (205, 205, 205), (150, 150, 150), (200, 60, 40), (40, 110, 200), (40, 40, 40)
 
 
 def robot_shapes(robot: RobotSpec, fits: Sequence[Fit]) -> np.ndarray:
-    """(420, 1260, 3) u8: fitted shapes in grey, spheres as red circles, those that may touch the ground blue."""
+    """Returns an image (420, 1260, 3) u8: fitted shapes in grey, spheres as red circles, spheres that may touch the
+    ground in blue."""
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     data = mujoco.MjData(model)
     if model.nkey:

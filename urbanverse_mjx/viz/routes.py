@@ -1,4 +1,4 @@
-"""A scene from above as a map, with the paths that robots drove, coloured by their results."""
+"""Draws a map of a scene with the paths of robots, coloured by their results."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from ..geometry.grids import cell_of
 from ..geometry.raster import outline
 from .graphs import GROUND_COLOURS
 
-#: Share of white in the ground's colours, so that paths and objects stand out, and sRGB of objects and of the results
+#: Share of white in the ground's colours, which makes paths and objects stand out; sRGB of objects and of the results
 #: of episodes.
 _WHITE_SHARE = 0.55
 OBJECT, OVERHEAD = (92, 88, 92), (180, 190, 172)
@@ -23,9 +23,9 @@ ENDS = {
     "fall": (110, 60, 20),
     "non_finite": (0, 0, 0),
 }
-#: m above the ground below which a hull is in a robot's way.
+#: m above the ground; a hull that begins below is an obstacle.
 _OBSTACLE_HEIGHT = 1.0
-#: Pixels of the longer side at most, and per metre at most.
+#: Largest number of pixels of the longer side, and per metre.
 _MAX_SIDE, _MAX_RESOLUTION = 1800, 24.0
 _LEGEND = 26
 
@@ -33,7 +33,7 @@ _LEGEND = 26
 def route_image(
     bank: SceneBank, scene: int, trajectories: Sequence[np.ndarray], ends: Sequence[str], goals: np.ndarray
 ) -> np.ndarray:
-    """(H, W, 3) uint8, north (y) up.
+    """Returns the map (H, W, 3) uint8, north (y) up.
 
     Args:
       trajectories: (T, 2) m each.
@@ -43,7 +43,7 @@ def route_image(
     low, high = _extent(bank, scene, trajectories)
     scale = min(_MAX_RESOLUTION, _MAX_SIDE / float((high - low).max()))
     width, height = (int(np.ceil(n * scale)) for n in high - low)
-    # Twice as large, then halved: smooth edges.
+    # Drawn at twice the size, then halved, for smooth edges.
     fine = 2.0 * scale
 
     def pixels(points: np.ndarray) -> list[tuple[float, float]]:
@@ -73,7 +73,7 @@ def route_image(
 
 
 def _extent(bank: SceneBank, scene: int, trajectories: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """(2,), (2,) m: bounds of the scene's walkable and drivable ground and of all paths."""
+    """Returns the bounds (2,), (2,) m of the scene's walkable and drivable ground and of all paths."""
     cells = np.argwhere(bank.map_kind[scene] > 0)
     resolution = float(bank.map_resolution)
     points = np.concatenate([bank.map_origin[scene] + (cells + 0.5) * resolution, *trajectories])
@@ -92,7 +92,7 @@ def _ground(bank: SceneBank, scene: int, low: np.ndarray, fine: float, size: tup
 
 
 def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, int, int]]]:
-    """Outlines (n, 2) m of the hulls from above, those overhead first, and their colours."""
+    """Returns the outlines (n, 2) m of the hulls from above, overhead ones first, and their colours."""
     number = int(bank.num_episodes[scene])
     ground = float(np.median(bank.episode_start[scene, :number, 2]))
     found = []
@@ -103,7 +103,7 @@ def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, 
 
 
 def _with_legend(image: Image.Image, ends: Sequence[str]) -> Image.Image:
-    """The image above a line with the number of episodes of each result."""
+    """Returns the image with a line below it that gives the number of episodes of each result."""
     whole = Image.new("RGB", (image.width, image.height + _LEGEND), (255, 255, 255))
     whole.paste(image, (0, 0))
     draw, x = ImageDraw.Draw(whole), 8

@@ -1,4 +1,4 @@
-"""Images of one compiled scene for its card: from above, at eye level twice, and its map with the routes."""
+"""Draws the images of a scene card: one from above, two at eye level, and the map with the routes."""
 
 import dataclasses
 import io
@@ -16,17 +16,17 @@ from .graphs import GROUND_COLOURS
 from .images import VIEW_HEIGHT, Studio
 from .scene_gallery import NAMES
 
-#: Pixels of the rendered images, and the most of a map.
+#: Pixels (width, height) of the rendered images, and largest size of a map.
 SIZE, MAP_SIZE = (768, 400), (960, 540)
-#: Steep, or houses hide narrow streets.
+#: rad, camera elevation; steep, because houses hide narrow streets otherwise.
 ELEVATION = np.radians(74.0)
 SAMPLES = 2
-#: Hulls that begin lower than this (m) above the ground are drawn as obstacles, the others as shade.
+#: Hulls that begin lower than this (m) above the ground are drawn as obstacles, the others as shadows.
 _OBSTACLE_HEIGHT = 1.0
 _OBSTACLE, _SHADE = (70, 62, 60), 0.82
 _ROUTES = ((214, 66, 40), (40, 96, 190), (32, 140, 90), (150, 60, 160), (230, 150, 20), (20, 150, 170))
-#: Viewpoint of a person: at least this far (m) from any hull, with objects at these least and largest distances (m) and
-#: up to this angle (rad) to the side.
+#: Viewpoint of a person: least distance (m) from any hull, range of distances (m) of the objects in view, and their
+#: largest angle (rad) to the side.
 _VIEW_CLEARANCE, _VIEW_RANGE, _VIEW_HALF_ANGLE = 1.2, (3.0, 25.0), np.radians(35.0)
 
 
@@ -50,7 +50,7 @@ def draw_card(folder: pathlib.Path, out: pathlib.Path) -> dict[str, str]:
 
 
 def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
-    """Two places on the longest route, one in either half, that see most: many objects near by and ahead."""
+    """Returns two viewpoints on the longest route, one in either half, with the most objects near and ahead."""
     routes = load_planned(scene.folder).planned
     if not routes:
         return []
@@ -65,7 +65,7 @@ def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
     score = (straight & (away > _VIEW_RANGE[0]) & (away < _VIEW_RANGE[1])).sum(1) * (
         away.min(1, initial=np.inf) > _VIEW_CLEARANCE
     )
-    score = score[: max(1, len(walk) - 6)]  # the last metres have no view
+    score = score[: max(1, len(walk) - 6)]  # the last metres have no view ahead
     found = []
     for part in np.array_split(np.arange(len(score)), 2):
         if len(part):
@@ -82,7 +82,7 @@ def _viewpoint(scene: CompiledScene, place: np.ndarray, ahead: np.ndarray) -> Vi
 
 
 def route_map(scene: CompiledScene) -> np.ndarray:
-    """(H, W, 3) u8: ground by kind, obstacles, and the delivery robot's routes; north up."""
+    """Returns the map (H, W, 3) u8: ground by kind, obstacles, and the delivery robot's routes; north up."""
     m = scene.geometry.map
     colours = np.array([GROUND_COLOURS[kind] for kind in GROUND_KINDS], np.float64)
     colour = colours[m.kind]

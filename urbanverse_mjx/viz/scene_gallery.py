@@ -1,7 +1,7 @@
-"""A page of scene cards: images and numbers of compiled scenes, to be searched and sorted in a browser.
+"""Writes a page of scene cards, images and numbers of compiled scenes that can be searched and sorted in a browser.
 
-The page needs only its images: no server, no other site. A file in a scene's image folder holds the hashes of their
-inputs, so that a second run draws only changed scenes.
+The page needs no server and no other site. A file in each scene's image folder holds the hashes of the images' inputs,
+so that a second run draws only changed scenes.
 """
 
 import collections
@@ -74,7 +74,7 @@ Draw = Callable[[pathlib.Path, pathlib.Path], dict[str, str]]
 
 
 def make_card(folder: pathlib.Path, out: pathlib.Path, draw: Draw) -> Card:
-    """The card of a compiled scene; its images are drawn where they are missing or of another layout."""
+    """Returns the card of a compiled scene; its images are drawn if they are missing or of another layout."""
     metadata = v.read_json(folder / "metadata.json", "scene's metadata")
     record = out / _IMAGE_FOLDER / f"{metadata['id']}.json"
     drawn_from = {
@@ -90,7 +90,7 @@ def make_card(folder: pathlib.Path, out: pathlib.Path, draw: Draw) -> Card:
 
 
 def _known(record: pathlib.Path) -> dict[str, Any]:
-    """Input hashes of a card's images and their names; empty without a valid file."""
+    """Returns the input hashes and names of a card's images; empty without a valid file."""
     try:
         body = v.read_json(record, "card") if record.is_file() else {}
     except ValidationError:
@@ -100,7 +100,7 @@ def _known(record: pathlib.Path) -> dict[str, Any]:
 
 
 def with_difficulty(cards: Sequence[Card], report: BenchmarkReport, agent: str = "planner") -> list[Card]:
-    """The cards with the share of an agent's episodes that failed in each scene.
+    """Returns the cards with the share of an agent's failed episodes in each scene.
 
     Raises:
       ValidationError: the report holds no episode of that agent.

@@ -1,6 +1,6 @@
 """`python -m urbanverse_mjx.viz.streets`: two images of each shipped street, into `runs/streets/`.
 
-Each street from above and from the pavement, with the light and shading of a policy's image.
+Each street is shown from above and from the pavement, with the light and shading of a policy's image.
 """
 
 import argparse
@@ -31,10 +31,10 @@ MAX_BYTES = 250_000
 
 
 def jpeg(image: np.ndarray) -> bytes:
-    """The best JPEG of an (H, W, 3) uint8 image that fits into `MAX_BYTES`.
+    """Returns an (H, W, 3) uint8 image as JPEG of the best quality that fits into `MAX_BYTES`.
 
     Raises:
-      ValidationError: even the coarsest is larger.
+      ValidationError: the image is larger even at the lowest quality.
     """
     for quality in (92, 88, 84, 80, 75, 70, 60):
         file = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Rollouts as H.264 videos: the robot from behind, its camera image, and the distance to the goal."""
+"""Writes rollouts as H.264 videos with the robot from behind, its camera image, and the distance to the goal."""
 
 import pathlib
 import warnings
@@ -16,7 +16,7 @@ from ..simulation.rendering.cameras import FOLLOWING_FOV, following_cameras, in_
 from ..simulation.rendering.renderer import Renderer
 
 HEIGHT, WIDTH = 180, 320
-#: How an episode ended, of `datatypes.RESULTS`, in words.
+#: Caption of each result of `datatypes.RESULTS`.
 OUTCOMES = {
     "goal": "at the goal",
     "hit": "hit an object",
@@ -41,7 +41,7 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
 
 
 def caption(scene: str, seconds: float, goal_distance: float, outcome: str) -> str:
-    """The line over a frame: where, when, m to the goal, and how the episode ends."""
+    """Returns the caption of a frame: scene, time, distance to the goal (m), and result of the episode."""
     return f"{scene}   {seconds:4.1f} s   goal {goal_distance:4.1f} m   ends: {OUTCOMES[outcome]}"
 
 
@@ -92,20 +92,21 @@ def write_rollout_video(
     samples: int = 1,
     quality: float = 7.0,
 ) -> None:
-    """Draws some envs of an evaluation, one after the other: from behind on the left, the robot's view on the right.
+    """Renders envs of an evaluation one after another, with a view from behind on the left and the robot's camera on
+    the right.
 
     Args:
       path: .mp4 to write.
       bank, robot: of the simulation.
       trajectory: an `evaluation.Trajectory`.
-      columns: which envs of it.
-      scenes: their rows of the bank.
-      goals: their (3,) m goals.
-      outcomes: how each episode ended, of `datatypes.RESULTS`; it stands in every frame of the episode.
-      frames_per_second: the control rate shows it in real time.
+      columns: envs of the trajectory to render.
+      scenes: bank row of each env.
+      goals: goal (3,) m of each env.
+      outcomes: result of each episode, of `datatypes.RESULTS`; shown in every frame of the episode.
+      frames_per_second: equal to the control rate for real time.
       appearances: row of the bank's agents for each moving agent of the trajectory.
       size: height and width of each of the two images.
-      samples: rays a pixel.
+      samples: rays per pixel along each side.
       quality: see `write_video`.
     """
     renderer = Renderer(bank, robot, *size, shadows=True, agents=appearances, samples=samples)

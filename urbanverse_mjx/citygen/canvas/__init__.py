@@ -1,1 +1,1 @@
-"""Tools for manually composed scenes and procedural places: a free plan, ground in layers, groups of objects."""
+"""Tools for manually composed scenes and procedural places: free ground plans, layered ground, groups of objects."""

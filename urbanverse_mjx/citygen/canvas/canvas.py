@@ -1,7 +1,7 @@
-"""`Canvas`: a scene composed by hand, object by object, on ground of any outline.
+"""`Canvas`: builder of a hand-made scene on ground of any outline.
 
-Ground is laid first (later pieces are cut out of earlier ones), then objects are put down, by coordinates or along an
-`Edge` (a kerb, a wall, a path). No function fills a street: every object is one call or one row of a table. `problems`
+Ground comes first (later pieces are cut out of earlier ones), then objects are placed by coordinates or along an `Edge`
+(a kerb, a wall, a path). Nothing is filled automatically: every object is one call or one row of a table. `problems`
 lists faults of the composition; `graph` makes the scene graph.
 """
 
@@ -24,11 +24,11 @@ from .ground_layers import Corner, Layer
 
 CAMERA_HEIGHT = 1.6  # m, height of the camera path over the ground
 
-#: Label, metres along an edge, metres from it, facing, and where it matters the variant (row of the label's sizes).
-#: Facing is "street" (towards the edge), "wall" (away from it), "+" or "-" (along it), or degrees
-#: counter-clockwise from the edge's own direction.
+#: Label, metres along an edge, metres from it, facing, and optionally the variant (row of the label's sizes). Facing is
+#: "street" (towards the edge), "wall" (away from it), "+" or "-" (along it), or degrees counter-clockwise from the
+#: edge's own direction.
 Placement = tuple[str, float, float, str | float] | tuple[str, float, float, str | float, int]
-#: The same without the metres from the edge.
+#: As `Placement`, without the metres from the edge.
 Leaning = tuple[str, float, str | float] | tuple[str, float, str | float, int]
 
 
@@ -39,8 +39,8 @@ class Edge:
     Attributes:
       start: (x, y) m, where s = 0.
       degrees: direction in which s grows, counter-clockwise from +x.
-      side: +1 where what lies along the edge is to its left, -1 to its right.
-      sign: -1 where distances count the other way, towards the street: see `back` and `road`.
+      side: +1 where objects along the edge are to its left, -1 to its right.
+      sign: -1 where distances count in the opposite direction, towards the street: see `back` and `road`.
     """
 
     start: Corner
@@ -49,22 +49,22 @@ class Edge:
     sign: int = 1
 
     def back(self, width: float) -> "Edge":
-        """The far side of a pavement of a width, distances counted from there towards this edge."""
+        """Returns the far side of a pavement of the given width; distances count from there towards this edge."""
         return dataclasses.replace(self, start=self.at(0.0, width), sign=-self.sign)
 
     def road(self) -> "Edge":
-        """The same edge, distances counted towards the street."""
+        """Returns the same edge with distances counted towards the street."""
         return dataclasses.replace(self, sign=-self.sign)
 
     def at(self, s: float, d: float) -> Corner:
-        """(x, y) m of the place s metres along the edge and d metres from it."""
+        """Returns the position (x, y) m, s metres along the edge and d metres from it."""
         angle = math.radians(self.degrees)
         c, n = math.cos(angle), math.sin(angle)
         d *= self.side * self.sign
         return self.start[0] + s * c - d * n, self.start[1] + s * n + d * c
 
     def facing(self, facing: str | float) -> float:
-        """Degrees counter-clockwise from +x.
+        """Returns a facing in degrees counter-clockwise from +x.
 
         Raises:
           ValidationError: an unknown word.
@@ -78,12 +78,13 @@ class Edge:
 
 
 def edge(start: Corner, end: Corner, side: int) -> Edge:
-    """The edge from one point to another, with +1 for what lies to its left, -1 to its right."""
+    """Returns the edge from one point to another; `side` is +1 for objects to its left, -1 to its right."""
     return Edge(start, math.degrees(math.atan2(end[1] - start[1], end[0] - start[0])), side)
 
 
 def edges(points: Sequence[Corner], offset: float, side: int) -> list[Edge]:
-    """An edge beside each stretch of a bent line, `offset` metres to its left (side +1) or right (-1), mitred."""
+    """Returns an edge beside each segment of a polyline, `offset` metres to its left (side +1) or right (-1),
+    mitred."""
     line = shapely.LineString(points).offset_curve(side * offset, join_style="mitre", mitre_limit=10.0)
     corners = [(round(x, 3), round(y, 3)) for x, y in line.coords]
     return [edge(a, b, side) for a, b in itertools.pairwise(corners)]
@@ -101,19 +102,19 @@ class Canvas(Stage):
         self._cuts: list[ground_layers.Cut] = []
         self._worn: list[tuple[str | Corner, str]] = []
         self._sky: str | None = None
-        #: (x, y) m, the walk through the scene: a robot must get from its first to its last point.
+        #: (x, y) m, the walk through the scene: a robot must be able to get from the first to the last point.
         self.trajectory: list[Corner] = []
 
-    # Ground: all of it before the first object.
+    # Ground. All of it must be laid before the first object.
 
     def ground(self, name: str, kind: str, corners: Iterable[Corner], z: float = 0.0) -> None:
-        """Lays a level piece of ground; earlier ground there is cut away."""
+        """Adds a level piece of ground; earlier ground under it is cut away."""
         self._lay(Layer(name, kind, ground_layers.outline(corners), ground_layers.level(z)))
 
     def slope(
         self, name: str, kind: str, corners: Iterable[Corner], points: Sequence[tuple[float, float, float]]
     ) -> None:
-        """Lays a tilted piece of ground whose top goes through three points (x, y, z)."""
+        """Adds a tilted piece of ground whose top goes through three points (x, y, z)."""
         self._lay(Layer(name, kind, ground_layers.outline(corners), ground_layers.plane_through(points)))
 
     def ramp(
@@ -126,8 +127,8 @@ class Canvas(Stage):
         flare: float = 1.0,
         parted: bool = True,
     ) -> None:
-        """A dropped kerb; see `ground_layers.dropped_kerb`. `parted`: whether the pavement behind it is cut beside it,
-        which saves prisms where it is a plain strip and wastes them where it turns a corner."""
+        """Adds a dropped kerb; see `ground_layers.dropped_kerb`. `parted`: whether the pavement behind it is cut beside
+        it, which saves prisms for a straight strip and wastes them at a corner."""
         pieces, cuts = ground_layers.dropped_kerb(self._layers, name, foot, degrees, half_width, run, flare)
         self._cuts += cuts if parted else []
         for layer in pieces:
@@ -138,19 +139,19 @@ class Canvas(Stage):
         self._cuts.append(ground_layers.Cut(name, start, end))
 
     def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:
-        """`count` treads up from the ground before `foot`; see `ground_layers.stairs`."""
+        """Adds `count` treads up from the ground before `foot`; see `ground_layers.stairs`."""
         for layer in ground_layers.stairs(self._layers, name, foot, degrees, width, count):
             self._lay(layer)
 
     def paint(self, name: str, corners: Iterable[Corner]) -> None:
-        """A painted mark on the ground there (a level piece); robots on the pavement may not drive on it."""
+        """Adds a painted mark on a level piece of ground; robots on the pavement may not drive on it."""
         ring = ground_layers.outline(corners)
         spot = ring.representative_point()
         height = ground_layers.top_at(self._layers, spot.x, spot.y)
         self._paint.append(Layer(name, "road_marking", ring, ground_layers.level(height)))
 
     def dashes(self, name: str, start: Corner, end: Corner, dash: float = 3.0, gap: float = 4.5) -> None:
-        """A broken painted line, 12 cm wide."""
+        """Adds a dashed painted line, 12 cm wide."""
         line = edge(start, end, 1)
         number, s = 0, 0.0
         while s + dash <= math.dist(start, end) + 1e-9:
@@ -165,7 +166,7 @@ class Canvas(Stage):
         self._layers.append(layer)
 
     def lay_ground(self) -> None:
-        """Converts the layers to regions; placing the first object does so too."""
+        """Converts the layers to regions. Placing the first object calls it too."""
         if not self.regions:
             self.lay(ground_layers.tiles(self._layers, self._cuts))
             self.lay(
@@ -176,13 +177,13 @@ class Canvas(Stage):
     # Appearance.
 
     def wear(self, where: str | Corner, material: str) -> None:
-        """Names the material of a piece of ground: of the one at (x, y), or of all of a kind; a uid of
-        `assets.appearances.grounds` or an id of `assets.appearances.ground_materials`. Touching sidewalks wear one
-        material, other kinds one in the scene."""
+        """Sets the material of the piece of ground at (x, y), or of all ground of a kind: a uid of
+        `assets.appearances.grounds` or an id of `assets.appearances.ground_materials`. Touching sidewalks share one
+        material; every other kind has one material per scene."""
         self._worn.append((where, material))
 
     def sky(self, uid: str) -> None:
-        """Names the sky, a uid of `assets.appearances.sky_maps`."""
+        """Sets the sky, a uid of `assets.appearances.sky_maps`."""
         self._sky = uid
 
     # Objects.
@@ -197,14 +198,14 @@ class Canvas(Stage):
         size: catalogue.Size | None = None,
         above: float = 0.0,
     ) -> GraphObject:
-        """Sets one object down.
+        """Places one object.
 
         Args:
-          x, y: m, where its stem or else its middle stands.
+          x, y: m, position of its stem, or of its middle where it has none.
           degrees: heading, counter-clockwise from +x.
           variant: row of the label's sizes.
           size: m (along, across, up) instead of one of them.
-          above: m over the ground; from 0.3 on it hangs, or stands on another object.
+          above: m over the ground; from 0.3 m on the object hangs or stands on another object.
         """
         self.lay_ground()
         if variant is not None:
@@ -216,12 +217,12 @@ class Canvas(Stage):
         return self.add(self.make(label, x, y, degrees, size, above))
 
     def along(self, line: Edge, placements: Iterable[Placement]) -> None:
-        """Puts down a table of objects along an edge."""
+        """Places a table of objects along an edge."""
         for label, s, d, facing, *variant in placements:
             self.put(label, *line.at(s, d), line.facing(facing), variant[0] if variant else None)
 
     def against(self, line: Edge, placements: Iterable[Leaning], gap: float = 0.06) -> None:
-        """Puts down a table of objects whose nearer sides are `gap` metres from an edge: at a wall, along a kerb."""
+        """Places a table of objects whose nearer sides are `gap` metres from an edge: at a wall, along a kerb."""
         for label, s, facing, *variant in placements:
             degrees = line.facing(facing)
             along, across, _ = self.sizes[label][variant[0]] if variant else self.next_size(label)
@@ -238,17 +239,17 @@ class Canvas(Stage):
         facing: str | float = "street",
         variant: int | None = None,
     ) -> None:
-        """The same object at several places along an edge: bollards, lamps, posts."""
+        """Places the same object at several positions along an edge: bollards, lamps, posts."""
         for s in at:
             self.put(label, *line.at(s, d), line.facing(facing), variant)
 
     def trees(self, line: Edge, at: Iterable[float], d: float, growth: str = "street") -> None:
-        """Trees of a growth along an edge, each rotated for variety."""
+        """Places trees of one growth form along an edge, each rotated for variety."""
         for s in at:
             self.put("tree", *line.at(s, d), self.uniform(-180.0, 180.0), size=catalogue.TREES[growth])
 
     def houses(self, line: Edge, labels: Sequence[str], s0: float, s1: float, d: float) -> None:
-        """House fronts wall to wall from s0 to s1, d metres from the edge, facing it."""
+        """Places house fronts without gaps from s0 to s1, d metres from the edge, facing it."""
         s = s0
         for label, (depth, width, height) in zip(labels, self.frontages(labels, s1 - s0), strict=True):
             box = (depth, round(width - JOINT, 3), height)
@@ -256,7 +257,7 @@ class Canvas(Stage):
             s += width
 
     def problems(self, clear_width: float = faults.CLEARANCE) -> list[str]:
-        """Faults of the composition, a sentence each; see `faults`."""
+        """Returns the faults of the composition, one sentence each; see `faults`."""
         self.lay_ground()
         return faults.problems(self, self.trajectory, clear_width)
 
@@ -270,10 +271,10 @@ class Canvas(Stage):
         )
 
     def _dressed(self) -> tuple[GroundRegion, ...]:
-        """The regions, those that a material was named for with its descriptor.
+        """Returns the regions; those with a chosen material carry its descriptor.
 
         Raises:
-          ValidationError: a material was named for ground that is not there.
+          ValidationError: a material was set for ground that does not exist.
         """
         regions = list(self.regions)
         for where, material in self._worn:
@@ -284,7 +285,7 @@ class Canvas(Stage):
         return tuple(regions)
 
     def _camera_path(self) -> list[tuple[float, float, float, float]]:
-        """The trajectory at eye level, a point every 5 m, yaw along it."""
+        """Returns the trajectory at eye level, a point every 5 m, yaw along it."""
         path = []
         for a, b in itertools.pairwise(self.trajectory):
             steps = max(1, round(math.dist(a, b) / 5.0))
@@ -310,7 +311,7 @@ def _ground_descriptor(material: str) -> tuple[int, ...]:
 
 
 def _sky_descriptor(uid: str) -> tuple[int, ...]:
-    # The part of a sky in a street camera's image, by which skies are ranked: the lower half of the upper half.
+    # Skies are ranked by the part that a street camera sees: the lower half of the upper half.
     image = appearance_search.StoredSheet("sky_thumbnails.jpg").load([uid])[0]
     half = image.shape[0] // 2
     return appearance_search.sky_descriptor(image[half // 2 : half])

@@ -1,4 +1,4 @@
-"""Sets of scenes composed by hand: one module per scene in a package, each with an `ID` and a `build() -> Canvas`."""
+"""Finds hand-made scenes: one module per scene in a package, each with an `ID` and a `build() -> Canvas`."""
 
 import argparse
 import importlib
@@ -17,14 +17,14 @@ Builders = Mapping[str, Callable[[], Canvas]]
 
 
 def builders(package: str, path: Iterable[str], letter: str) -> dict[str, Callable[[], Canvas]]:
-    """Scene id to builder, for the modules of a package whose names begin with a letter and two digits."""
+    """Returns scene id to builder for the modules of a package whose names begin with a letter and two digits."""
     names = sorted(m.name for m in pkgutil.iter_modules(path) if re.match(rf"{letter}\d\d_", m.name))
     modules = [importlib.import_module(f"{package}.{name}") for name in names]
     return {module.ID: module.build for module in modules}
 
 
 def build(known: Builders, scene_id: str) -> SceneGraph:
-    """The graph of one scene of a set.
+    """Returns the graph of one scene of a set.
 
     Raises:
       ValidationError: the set has no scene of this id.
@@ -34,7 +34,7 @@ def build(known: Builders, scene_id: str) -> SceneGraph:
 
 
 def check(known: Builders, description: str | None) -> int:
-    """The command of a set: writes the faults of its scenes to stderr and, with `--out`, their graphs to files.
+    """Runs the command of a set: writes the faults of its scenes to stderr and, with `--out`, their graphs to files.
 
     Returns:
       the exit code: 1 where a scene has a fault.

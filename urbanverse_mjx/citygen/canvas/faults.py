@@ -1,4 +1,4 @@
-"""Faults of a composed scene: objects off the ground or in one another, gaps, a blocked path."""
+"""Finds faults of a composed scene: floating or overlapping objects, gaps in the ground, a blocked path."""
 
 from collections.abc import Sequence
 
@@ -12,20 +12,21 @@ from .. import clearance
 from ..stage import Stage
 from . import ground_layers
 
-#: Free width (m) that a trajectory must have: a robot of 0.45 m radius and the 20 cm cells in which paths are planned.
+#: Free width (m) that a trajectory must have: a robot of 0.45 m radius, plus the planner's cells of 20 cm.
 CLEARANCE = 1.2
-#: m over the ground up to which an object's foot counts as meant to stand on it.
+#: An object whose foot is at most this far (m) over the ground should stand on it.
 NEAR = 0.3
-#: m², more than this two objects may not share seen from above.
+#: Largest area (m²) by which two objects may overlap seen from above.
 TOUCH = 0.02
-#: m between the highest and the lowest ground under an object from which it stands over a kerb.
+#: An object stands over a kerb if the ground under it differs by at least this much (m).
 ASTRIDE = 0.035
-#: m from a point of the trajectory within which there must be a free place.
+#: A free position must exist within this distance (m) of every point of the trajectory.
 REACH = 1.0
 
 
 def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: float = CLEARANCE) -> list[str]:
-    """Sentences on objects off the ground, in one another or half over a kerb, on gaps, and on a blocked trajectory."""
+    """Returns the faults, one sentence each: floating or overlapping objects, objects half over a kerb, gaps in the
+    ground, and a blocked trajectory."""
     found = ground_layers.seams([r for r in stage.regions if r.kind not in PAINT_KINDS])
     standing = [o for o in stage.objects if clearance.is_obstacle(o) and foot(stage, o) < NEAR]
     for obj in standing:
@@ -39,13 +40,13 @@ def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: flo
 
 
 def foot(stage: Stage, obj: GraphObject) -> float:
-    """m, how far an object's box begins above the ground."""
+    """Returns the height (m) of the bottom of an object's box above the ground."""
     spot = clearance.footprint(obj).centroid
     return obj.center[2] - obj.size[2] / 2 - stage.ground_height(spot.x, spot.y)
 
 
 def is_house(stage: Stage, obj: GraphObject) -> bool:
-    """Whether an object is as large as a house, whose back needs no ground."""
+    """Returns whether an object is as large as a house; the back of a house needs no ground."""
     return stage.sizes[obj.label][0][0] >= 5.0 and obj.size[2] >= 3.2 and obj.size[1] >= 4.0
 
 

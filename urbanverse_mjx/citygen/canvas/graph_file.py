@@ -1,4 +1,4 @@
-"""A scene graph as a file that can be read line by line."""
+"""Writes a scene graph as a line-oriented file."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from ...datatypes import validation as v
 
 
 def write(graph: SceneGraph, path: str | os.PathLike[str]) -> pathlib.Path:
-    """Writes a graph with one line for each object and region: a third of the bytes, and changes can be read."""
+    """Writes a graph with one line per object and region: a third of the size, with readable diffs."""
     body = graph.to_json()
     lines = []
     for key, value in body.items():

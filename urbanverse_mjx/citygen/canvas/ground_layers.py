@@ -1,6 +1,6 @@
-"""Ground in layers: a later area keeps its outline, and earlier ones are cut away under it.
+"""Layered ground: a later area keeps its outline, and earlier ones are cut away under it.
 
-The result is regions that tile without overlap: simple rings without holes on a fine raster, neighbours sharing
+The resulting regions tile without overlap. They are simple rings without holes on a fine raster, and neighbours share
 their corners.
 """
 
@@ -19,9 +19,9 @@ from ...geometry.polygons import MAX_OVERLAP
 Corner = tuple[float, float]
 Plane = tuple[float, float, float]
 
-#: m, raster of all corners: along a long skewed seam a coarser one leaves overlaps that the compiler refuses.
+#: m, raster of all corners. Along a long skewed seam a coarser raster leaves overlaps that the compiler refuses.
 GRID = 1e-5
-#: m², fragments of regions up to this are dropped: no object fits on them.
+#: m², fragments of regions up to this area are dropped: no object fits on them.
 CRUMB = 1e-4
 
 
@@ -40,7 +40,7 @@ def level(z: float) -> Plane:
 
 
 def plane_through(points: Sequence[tuple[float, float, float]]) -> Plane:
-    """The top through three points (x, y, z), rounded so that seams stay level within a micrometre.
+    """Returns the plane through three points (x, y, z), rounded so that seams stay level within a micrometre.
 
     Raises:
       ValidationError: the points are in one line as seen from above.
@@ -56,10 +56,10 @@ def plane_through(points: Sequence[tuple[float, float, float]]) -> Plane:
 
 
 def outline(corners: Iterable[Corner]) -> shapely.Polygon:
-    """A polygon on the raster.
+    """Returns a polygon snapped to the raster.
 
     Raises:
-      ValidationError: a ring that crosses itself or has no area.
+      ValidationError: the ring crosses itself or has no area.
     """
     ring = shapely.Polygon([(round(x, 3), round(y, 3)) for x, y in corners])
     if not ring.is_valid or ring.area < CRUMB:
@@ -69,29 +69,29 @@ def outline(corners: Iterable[Corner]) -> shapely.Polygon:
 
 
 def rectangle(x0: float, y0: float, x1: float, y1: float) -> list[Corner]:
-    """Corners of a rectangle along the axes."""
+    """Returns the corners of an axis-aligned rectangle."""
     return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
 
 
 def disc(x: float, y: float, radius: float, corners: int = 16) -> list[Corner]:
-    """Corners on a circle."""
+    """Returns the corners of a regular polygon on a circle."""
     turn = math.tau / corners
     return [(x + radius * math.cos(turn * i), y + radius * math.sin(turn * i)) for i in range(corners)]
 
 
 def polar(middle: Corner, degrees: float, reach: float) -> Corner:
-    """The place `reach` metres from a middle in a direction, counter-clockwise from +x."""
+    """Returns the point `reach` metres from a centre in a direction, counter-clockwise from +x."""
     return middle[0] + reach * math.cos(math.radians(degrees)), middle[1] + reach * math.sin(math.radians(degrees))
 
 
 def strip(points: Sequence[Corner], width: float) -> list[Corner]:
-    """Corners of a band of a width (m) around a line of points, its ends cut square and its bends mitred."""
+    """Returns the corners of a band of the given width (m) around a polyline, with square ends and mitred bends."""
     band = shapely.LineString(points).buffer(width / 2, cap_style="flat", join_style="mitre")
     return [(x, y) for x, y in band.exterior.coords[:-1]]
 
 
 def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
-    """The uppermost layer at a place.
+    """Returns the uppermost layer at a point.
 
     Raises: ValidationError: no ground there.
     """
@@ -103,16 +103,16 @@ def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
 
 
 def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
-    """Height (m) of the uppermost layer at a place."""
+    """Returns the height (m) of the uppermost layer at a point."""
     return height_at(layer_at(layers, x, y).plane, x, y)
 
 
 @dataclasses.dataclass(frozen=True)
 class Cut:
-    """A straight line (m) that splits the visible part of a layer, or of all where none is named.
+    """A straight line (m) that splits the visible part of one layer, or of all layers if no name is given.
 
-    Convex pieces need fewer prisms; and as engines look prisms up by axis-aligned boxes, long ones at an angle are
-    found from too far away.
+    Convex pieces need fewer prisms. Engines find prisms by axis-aligned boxes, so long ones at an angle are tested more
+    often than necessary.
     """
 
     layer: str | None
@@ -121,7 +121,7 @@ class Cut:
 
 
 def tiles(layers: Sequence[Layer], cuts: Sequence[Cut] = ()) -> list[GroundRegion]:
-    """The visible part of every layer as regions, in the order of the layers."""
+    """Returns the visible part of every layer as regions, in the order of the layers."""
     covered: shapely.Geometry = shapely.Polygon()
     visible: list[tuple[Layer, list[shapely.Polygon]]] = []
     for layer in reversed(layers):
@@ -142,7 +142,7 @@ def tiles(layers: Sequence[Layer], cuts: Sequence[Cut] = ()) -> list[GroundRegio
 
 
 def _without_holes(part: shapely.Polygon) -> list[shapely.Polygon]:
-    """The part cut through its holes until none has any."""
+    """Returns the part, cut through its holes until no piece has any."""
     if not part.interiors:
         return [part]
     x = round(part.interiors[0].centroid.x, 3)
@@ -166,7 +166,7 @@ def _ring(part: shapely.Polygon) -> tuple[Corner, ...]:
 def dropped_kerb(
     layers: Sequence[Layer], name: str, foot: Corner, degrees: float, half_width: float, run: float, flare: float
 ) -> tuple[list[Layer], list[Cut]]:
-    """A ramp from the road up to the pavement and its two flares, and the cuts that part the pavement beside it.
+    """Returns a ramp from the road up to the pavement with its two flares, and the cuts of the pavement beside it.
 
     Args:
       foot: on the kerb, middle of the ramp's lower edge.
@@ -201,7 +201,7 @@ def dropped_kerb(
 def stairs(
     layers: Sequence[Layer], name: str, foot: Corner, degrees: float, width: float, count: int, tread: float = 0.32
 ) -> list[Layer]:
-    """`count` treads that lead evenly from the ground before `foot` to the ground behind the last of them."""
+    """Returns `count` treads of equal height from the ground before `foot` to the ground behind the last one."""
     angle = math.radians(degrees)
     up, along = (math.cos(angle), math.sin(angle)), (math.sin(angle), -math.cos(angle))
 
@@ -219,7 +219,7 @@ def stairs(
 
 
 def seams(regions: Sequence[GroundRegion]) -> list[str]:
-    """Faults of the tiling: overlaps, and gaps between neighbours."""
+    """Returns the faults of the tiling: overlaps, and gaps between neighbours."""
     shapes = [shapely.Polygon(r.polygon) for r in regions]
     found = []
     for (a, p), (b, q) in itertools.combinations(zip(regions, shapes, strict=True), 2):

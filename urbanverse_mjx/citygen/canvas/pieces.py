@@ -1,4 +1,4 @@
-"""Small groups of objects, placed together: a laid table, bicycles at their stand, a queue."""
+"""Small groups of objects that are placed together: a table with chairs, parked bicycles, a queue."""
 
 import itertools
 import math
@@ -11,8 +11,8 @@ from . import object_sizes
 from .canvas import Canvas, Edge
 from .ground_layers import Corner
 
-#: Sizes of objects of the last six scenes: the streets' few plain sizes first, so that a table without a variant is a
-#: small one, and the variants that only hands use behind them.
+#: Sizes of objects of the last six CraftBench scenes: first the sizes of the streets, so that a table without a variant
+#: is a small one, then the variants that only hand-made scenes use.
 SIZES: dict[str, tuple[catalogue.Size, ...]] = (
     object_sizes.SIZES
     | catalogue.SIZES
@@ -29,7 +29,7 @@ ABREAST = 0.62  # m between bicycles that share a stand
 
 
 def blank(scene_id: str) -> Canvas:
-    """A canvas with this module's sizes."""
+    """Returns a canvas with this module's sizes."""
     canvas = Canvas(scene_id)
     canvas.sizes = SIZES
     return canvas
@@ -44,7 +44,7 @@ def table(
     seat: str = "chair",
     away: float = SEAT,
 ) -> None:
-    """A table with a seat in each of the directions (degrees from +x), facing it."""
+    """Places a table with a seat in each of the directions (degrees from +x), facing it."""
     canvas.put("table", x, y, seats[0] if seats else 0.0, variant)
     for degrees in seats:
         c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
@@ -54,13 +54,13 @@ def table(
 def tables(
     canvas: Canvas, line: Edge, at: Sequence[tuple[float, float]], seats: Sequence[float] = (0.0, 180.0)
 ) -> None:
-    """Laid tables at places (s, d) along an edge, seats counted from its direction."""
+    """Places tables with seats at positions (s, d) along an edge; seat directions are relative to the edge."""
     for s, d in at:
         table(canvas, *line.at(s, d), [line.degrees + turn for turn in seats])
 
 
 def barrel(canvas: Canvas, x: float, y: float, seats: Sequence[float]) -> None:
-    """A barrel to stand a glass on, with stools."""
+    """Places a barrel that serves as a table, with stools."""
     canvas.put("barrel or bucket", x, y, 0.0, 0)
     for degrees in seats:
         c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
@@ -68,7 +68,7 @@ def barrel(canvas: Canvas, x: float, y: float, seats: Sequence[float]) -> None:
 
 
 def bicycles(canvas: Canvas, x: float, y: float, degrees: float, turned: Sequence[bool], rack: bool = True) -> None:
-    """Bicycles side by side around (x, y), each headed along `degrees` or turned about."""
+    """Places bicycles side by side around (x, y), each headed along `degrees` or in the opposite direction."""
     across = math.radians(degrees + 90.0)
     if rack:
         canvas.put("bicycle parking", x + 1.15 * math.cos(across - math.pi / 2), y, degrees, 1)
@@ -79,13 +79,13 @@ def bicycles(canvas: Canvas, x: float, y: float, degrees: float, turned: Sequenc
 
 
 def people(canvas: Canvas, who: Sequence[tuple[str, float, float, float]]) -> None:
-    """Label, x, y, heading of each."""
+    """Places people, each given as label, x, y and heading."""
     for label, x, y, degrees in who:
         canvas.put(label, x, y, degrees)
 
 
 def chain(canvas: Canvas, label: str, points: Sequence[Corner], variant: int = 0, stretch: float = 1.0) -> None:
-    """Pieces of fence, wall or barrier end to end along a line of points, facing to the left of it.
+    """Places pieces of fence, wall or barrier end to end along a polyline, facing to its left.
 
     Args:
       stretch: how much longer than the label's size a piece may be made to fill its stretch; 1 keeps the size and
@@ -105,6 +105,7 @@ def chain(canvas: Canvas, label: str, points: Sequence[Corner], variant: int = 0
 
 
 def apron(canvas: Canvas, name: str, corners: Sequence[Corner], z: float, width: float = 2.4) -> None:
-    """Ground under the fronts around an outline: less deep than any house, so that no path leads behind them."""
+    """Adds ground under the fronts around an outline; it is less deep than any house, so that no path leads behind
+    them."""
     wider = shapely.Polygon(corners).buffer(width, join_style="mitre")
     canvas.ground(name, "sidewalk", [(x, y) for x, y in wider.exterior.coords[:-1]], z)

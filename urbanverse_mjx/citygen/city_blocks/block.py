@@ -1,4 +1,4 @@
-"""`block`: the true scene graph of some 200 m of street after a city's profile."""
+"""`block`: builds the ground-truth scene graph of about 200 m of street from a city's profile."""
 
 import math
 import random
@@ -15,20 +15,19 @@ from .line import StreetLine
 from .profile import CityProfile
 
 LENGTH = 200.0
-#: Seeds the block; recorded in its source.
+#: Part of the block's seed; recorded in its source.
 VERSION = str(versions.CODE["blocks"].version)
-#: m of a trajectory's camera above the ground, and along the path between its points.
+#: m, height of a trajectory's camera above the ground, and distance between its points.
 CAMERA_HEIGHT, STRIDE = 1.55, 2.4
-#: m from bends, crosswalks and ends where no crosswalk or side street begins.
+#: m, no crosswalk or side street begins closer than this to a bend, a crosswalk or an end.
 _CLEAR = 4.5
 _SMALL = frozenset({"motorcycle", "scooter", "bicycle"})
 
 
 def block(profile: CityProfile, seed: int, name: str | None = None, length: float = LENGTH) -> SceneGraph:
-    """The graph of a block: everything that stands there, with descriptors of its appearance; the same for the same
-    seed.
+    """Returns the graph of a block: all its objects with descriptors of their appearance, deterministic for a seed.
 
-    Its camera path is the trajectory: along both pavements, or along both lanes of the road where the profile drives.
+    Its camera path follows both pavements, or both lanes of the road for a driving profile.
     """
     rng = random.Random(f"{profile.name}/{seed}/{VERSION}")
     plan = plan_of(profile, rng, length)
@@ -50,12 +49,12 @@ def block(profile: CityProfile, seed: int, name: str | None = None, length: floa
 
 
 def rng_of(profile: CityProfile, seed: int, what: str) -> random.Random:
-    """A stream of its own, so that one choice does not shift the others."""
+    """Returns a separate random stream for each kind of choice, so that one choice does not shift the others."""
     return random.Random(f"{profile.name}/{seed}/{VERSION}/{what}")
 
 
 def plan_of(profile: CityProfile, rng: random.Random, length: float) -> Plan:
-    """Where crosswalks and side streets are: spread over the length, clear of bends, ends and each other."""
+    """Returns the plan: crosswalks and side streets spread over the length, clear of bends, ends and each other."""
     line = StreetLine(length, profile.bends)
     taken = [(0.0, _CLEAR), (length - _CLEAR, length), *((j - _CLEAR, j + _CLEAR) for j in line.joints)]
 
@@ -83,7 +82,7 @@ def plan_of(profile: CityProfile, rng: random.Random, length: float) -> Plan:
 
 
 def _block_lanes(filler: Filler) -> None:
-    """Shuts a pavement's lane for some metres between two crosswalks, at most one pavement at a time."""
+    """Blocks a pavement's lane for some metres between two crosswalks, at most one pavement at a time."""
     plan = filler.plan
     gaps = list(zip(plan.crosswalks[:-1], plan.crosswalks[1:], strict=True))
     for side in filler.sides():
@@ -110,7 +109,7 @@ def _trees(filler: Filler) -> None:
 
 
 def _ahead(filler: Filler, side: int) -> float:
-    """Degrees along the street of the traffic on a side of the road."""
+    """Returns the heading (degrees relative to the street) of the traffic on a side of the road."""
     with_street = (side < 0) == (filler.plan.profile.drives == "right")
     return 0.0 if with_street else 180.0
 
@@ -176,7 +175,7 @@ def _furnish(filler: Filler) -> None:
 
 
 def _yards(filler: Filler) -> None:
-    """Shrubs, flowers and trees in front gardens, hedges and fences before some."""
+    """Places shrubs, flowers and trees in front gardens, and hedges and fences before some of them."""
     plan = filler.plan
     for side in (1, -1):
         base, deep = plan.width(side), plan.profile.yard
@@ -195,7 +194,7 @@ def _yards(filler: Filler) -> None:
 
 
 def _paint(plan: Plan) -> list[GroundRegion]:
-    """A broken middle line on wider roads, and lines of parking bays."""
+    """Returns the dashed middle line of wider roads and the lines of parking bays."""
     if plan.profile.road < 6.5:
         return []
     regions: list[GroundRegion] = []
@@ -222,7 +221,7 @@ def _paint(plan: Plan) -> list[GroundRegion]:
 
 
 def _dressed(region: GroundRegion, profile: CityProfile, rng: random.Random) -> GroundRegion:
-    """The region with its material's descriptor: one material of each kind for the whole block."""
+    """Returns the region with its material's descriptor; the block has one material per kind."""
     if region.kind == "road":
         material = stock.pick(profile.asphalt, rng)
     elif region.kind == "sidewalk":
@@ -236,7 +235,7 @@ def _dressed(region: GroundRegion, profile: CityProfile, rng: random.Random) -> 
 
 
 def _trajectory(filler: Filler) -> tuple[tuple[float, float, float, float], ...]:
-    """x, y, z (m), yaw (rad) every 2 m: there along one side, back along the other."""
+    """Returns x, y, z (m) and yaw (rad) every 2.4 m, along one side and back along the other."""
     plan, length = filler.plan, filler.line.length
     stations: list[tuple[float, int, float]] = []
     drives = plan.profile.travel == "drive"
@@ -246,7 +245,7 @@ def _trajectory(filler: Filler) -> tuple[tuple[float, float, float, float], ...]
     for side, back in zip(order, (False, True), strict=True):
         at, v = np.array(filler.lanes.get(side) or [(0.0, plan.width(side) / 2)]).T
         s = np.arange(STRIDE, length - 1.0, STRIDE)
-        # A car keeps to the middle of the road, where no other one drives.
+        # The recording car drives in the middle of the road, where there is no traffic.
         run = [
             (float(a), side, 0.3 - plan.half if drives else float(b))
             for a, b in zip(s, np.interp(s, at, v), strict=True)

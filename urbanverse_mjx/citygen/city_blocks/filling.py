@@ -1,4 +1,4 @@
-"""`Filler`: puts objects onto free places of a block, and keeps a lane free for walking."""
+"""`Filler`: places objects at free positions of a block and keeps a lane free for walking."""
 
 import math
 import random
@@ -14,13 +14,13 @@ from . import stock
 from .ground import CROSSWALK_HALF, END_RAMP, Plan
 from .line import Point
 
-#: Labels that stand along a narrow pavement rather than across it.
+#: Labels that are placed along a narrow pavement instead of across it.
 TWO_WHEELED = frozenset({"bicycle", "motorcycle", "scooter"})
-#: m between two objects.
+#: m, least gap between two objects.
 APART = 0.06
-#: m along the street between the points of a lane, and from bend to bend of it.
+#: m along the street between the points of a lane, and between its bends.
 STEP, WANDER = 2.0, 11.0
-#: m at both ends of the road that stay free.
+#: m kept free at both ends of the road.
 ENDS = 4.0
 #: m kept free before and after a crosswalk.
 MOUTH = CROSSWALK_HALF + 0.5
@@ -29,7 +29,8 @@ MOUTH = CROSSWALK_HALF + 0.5
 class Filler:
     """Collects the objects of a block.
 
-    Places are given as s (m along the street), side (+1 left, -1 right) and v (m from the kerb, negative on the road).
+    Positions are given as s (m along the street), side (+1 left, -1 right) and v (m from the kerb, negative on the
+    road).
     """
 
     def __init__(self, plan: Plan, rng: random.Random) -> None:
@@ -51,7 +52,7 @@ class Filler:
     # -- what stays free ------------------------------------------------------------------------------------------
 
     def _lane(self, side: int) -> list[Point]:
-        """(s, v) of the middle of a side's lane: it wanders between kerb and houses."""
+        """Returns the middle line (s, v) of a side's lane, which winds between kerb and houses."""
         plan = self.plan
         low = plan.verge(side) + plan.profile.lane / 2 + 0.1
         high = max(plan.width(side) - plan.profile.lane / 2 - 0.1, low)
@@ -64,7 +65,7 @@ class Filler:
         return [(float(a), float(b)) for a, b in zip(s, np.interp(s, knots, wanted), strict=True)]
 
     def close_zones(self) -> None:
-        """Reserves free areas: lanes but for their blocked parts, crosswalks, mouths of side streets."""
+        """Reserves free areas: lanes except their blocked parts, crosswalks, mouths of side streets."""
         plan, zones = self.plan, []
         for side, lane in self.lanes.items():
             half = plan.profile.lane / 2
@@ -97,13 +98,14 @@ class Filler:
         return self.line.place(s, side * (self.plan.half + v))
 
     def level(self, side: int, s: float, v: float) -> float:
-        """z (m) of the ground, away from ramps."""
+        """Returns the height z (m) of the ground away from ramps."""
         if v < 0 or (v < self.plan.front(side) and any(m.begin <= s <= m.end for m in self.plan.mouths(side))):
             return 0.0
         return self.plan.profile.kerb
 
     def degrees(self, facing: str | float, side: int, s: float) -> float:
-        """World yaw in degrees of "street", "wall", "+", "-" (along or against the street), or degrees from along."""
+        """Returns the world yaw in degrees for "street", "wall", "+", "-" (along or against the street), or for degrees
+        relative to the street."""
         turn = {"street": -90.0 * side, "wall": 90.0 * side, "+": 0.0, "-": 180.0}
         relative = turn[facing] if isinstance(facing, str) else facing
         return math.degrees(self.line.yaw(s)) + relative
@@ -119,12 +121,11 @@ class Filler:
         free: bool = False,
         lane: bool = False,
     ) -> bool:
-        """Adds an object if its place is free.
+        """Adds an object if its position is free.
 
         Args:
-          foot: m above the ground where it hangs; None: it stands.
-          free: without any check.
-          lane: it may stand in the lane.
+          foot: m above the ground for a hanging object; None for one that stands. free: skip all checks. lane: the
+            object may stand in the lane.
         """
         x, y = self.at(s, side, v)
         yaw = clearance.heading(self.degrees(facing, side, s))
@@ -168,7 +169,7 @@ class Filler:
         tries: int = 25,
         span: tuple[float, float] | None = None,
     ) -> bool:
-        """One object of a mix at a free place of a band: "kerb", "wall" or "any"."""
+        """Places one object of a mix at a free position of a band: "kerb", "wall" or "any"."""
         width, verge = self.plan.width(side), self.plan.verge(side)
         a, b = span or (1.0, self.line.length - 1.0)
         for _ in range(tries):
@@ -194,7 +195,7 @@ class Filler:
         return False
 
     def stretch(self, side: int, length: float, road: bool = False) -> float:
-        """s where a stretch of a side begins at random, away from crosswalks and mouths."""
+        """Returns a random start s of a free stretch of a side, away from crosswalks and mouths."""
         for _ in range(30):
             s = self.uniform(ENDS, self.line.length - ENDS - length)
             clear = all(c + MOUTH < s or c - MOUTH > s + length for c in self.plan.crosswalks)
@@ -203,5 +204,5 @@ class Filler:
         return self.uniform(ENDS, self.line.length - ENDS - length)
 
     def sides(self) -> Sequence[int]:
-        """The sides that one walks on."""
+        """Returns the sides whose pavements are walked on."""
         return tuple(self.lanes)

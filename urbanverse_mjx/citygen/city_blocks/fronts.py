@@ -1,19 +1,19 @@
-"""House fronts along a block, across its ends and at the back of side streets, and what hangs on them."""
+"""Places house fronts along a block, across its ends and at the back of side streets, and the objects on them."""
 
 from . import stock
 from .filling import Filler
 from .ground import ARM, CROSS_ROAD, FAR_PAVEMENT, SIDE_DEPTH, Plan
 
-#: m that a front is deep, and the factor by which one is stretched.
+#: m, greatest depth of a front, and greatest factor by which one is stretched.
 MOST_DEEP, STRETCH = 9.0, 1.25
-#: m between two fronts.
+#: m, gap between two fronts.
 JOINT = 0.02
-#: m of front left over at the end of a row that a wall closes rather than a stretched house.
+#: m, a shorter remainder at the end of a row is closed by a wall instead of a stretched house.
 LEAST = 4.5
 
 
 def build(filler: Filler) -> None:
-    """All fronts of a block."""
+    """Places all fronts of a block."""
     plan = filler.plan
     for side in (1, -1):
         at = 0.0
@@ -37,7 +37,7 @@ def build(filler: Filler) -> None:
 
 
 def _house(filler: Filler, frontage: float) -> stock.Item:
-    """A house of the profile's mix, near to a frontage (m) and to the profile's height."""
+    """Returns a house of the profile's mix, close to a frontage (m) and to the profile's height."""
     profile = filler.plan.profile
     wanted = (MOST_DEEP, frontage, filler.uniform(*profile.height))
     house = stock.draw(stock.pick(profile.houses, filler.rng), filler.rng, wanted)
@@ -48,7 +48,7 @@ def _house(filler: Filler, frontage: float) -> stock.Item:
 
 
 def _row(filler: Filler, side: int, begin: float, end: float) -> None:
-    """Fronts side by side from begin to end; the remaining length becomes small gaps or a wall."""
+    """Places fronts side by side from begin to end; the remaining length becomes small gaps or a wall."""
     profile = filler.plan.profile
     depth = filler.plan.front(side) - filler.plan.half
     at = begin
@@ -72,7 +72,7 @@ def _row(filler: Filler, side: int, begin: float, end: float) -> None:
 
 
 def _wall(filler: Filler, side: int, begin: float, end: float) -> None:
-    """A wall or fence between two houses, a tree behind it."""
+    """Places a wall or fence between two houses and a tree behind it."""
     width = end - begin
     if width < 0.5:
         return
@@ -86,7 +86,7 @@ def _wall(filler: Filler, side: int, begin: float, end: float) -> None:
 
 
 def _close(filler: Filler, plan: Plan, at_end: bool) -> None:
-    """Fronts along the far side of a cross road, and one at the end of each of its arms."""
+    """Places fronts along the far side of a cross road, and one at the end of each of its arms."""
     profile = plan.profile
     edge, sign, facing = (filler.line.length, 1.0, 180.0) if at_end else (0.0, -1.0, 0.0)
     away = CROSS_ROAD + FAR_PAVEMENT
@@ -103,7 +103,7 @@ def _close(filler: Filler, plan: Plan, at_end: bool) -> None:
 
 
 def hang(filler: Filler) -> None:
-    """Awnings, banners, air conditioners and the like on the fronts."""
+    """Places awnings, banners, air conditioners and similar objects on the fronts."""
     plan, profile = filler.plan, filler.plan.profile
     for side in (1, -1):
         depth, taken = plan.front(side) - plan.half, list[tuple[float, float]]()

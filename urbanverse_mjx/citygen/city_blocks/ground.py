@@ -1,8 +1,8 @@
-"""The ground of a block: strips along the street's middle line, cut at bends, crosswalks and side streets.
+"""Ground of a block: strips along the street's middle line, cut at bends, crosswalks and side streets.
 
-z = 0 on the road. Across the street, from the middle: road, pavement (its first part may be a green verge), yard, lot
-under the houses. At both ends a cross road with its far pavement closes the block. Corners are not rounded, so that
-strips with different cuts share their edges exactly.
+The road is at z = 0. Across the street, from the middle, come road, pavement (whose first part may be a green verge),
+yard, and the lot under the houses. At both ends a cross road with its far pavement closes the block. Corners are not
+rounded, so that strips with different cuts share their edges exactly.
 """
 
 import dataclasses
@@ -17,13 +17,13 @@ LOT = section.LOT_DEPTH
 CROSSWALK_HALF = section.CROSSWALK_HALF_WIDTH
 #: m: run of the ramp down to a side street, depth of a side street behind the fronts, width of cross roads.
 END_RAMP, SIDE_DEPTH, CROSS_ROAD, FAR_PAVEMENT, ARM = 1.6, 9.0, 7.0, 3.0, 9.0
-#: m of parking lane.
+#: m, width of a parking lane.
 BAY = 2.1
 
 
 @dataclasses.dataclass(frozen=True)
 class SideStreet:
-    """A street that opens to a side (+1 left, -1 right) between two s; its mouth is crossed at road level."""
+    """A side street (+1 left, -1 right) between two s; the pavement crosses its mouth at road level."""
 
     side: int
     begin: float
@@ -32,7 +32,7 @@ class SideStreet:
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """Where objects are along a block: the line, the profile, crosswalks' middles and side streets."""
+    """Plan of a block: its line and profile, the middles of its crosswalks, and its side streets."""
 
     line: StreetLine
     profile: CityProfile
@@ -47,16 +47,16 @@ class Plan:
         return self.profile.left if side > 0 else self.profile.right
 
     def walked(self, side: int) -> bool:
-        """Whether one walks on a side's pavement."""
+        """Returns whether a side's pavement is wide enough to walk on."""
         return self.width(side) >= max(1.0, self.profile.lane)
 
     def verge(self, side: int) -> float:
-        """m of green along the kerb of a side."""
+        """Returns the width (m) of the green verge along the kerb of a side."""
         spare = self.width(side) - self.profile.lane - 0.5
         return max(0.0, min(self.profile.verge, spare)) if self.walked(side) else 0.0
 
     def front(self, side: int) -> float:
-        """m from the middle line to the house fronts."""
+        """Returns the distance (m) from the middle line to the house fronts."""
         return self.half + self.width(side) + self.profile.yard
 
     def mouths(self, side: int) -> list[SideStreet]:
@@ -75,30 +75,32 @@ class _Strips:
         self.regions.append(GroundRegion(f"{name or kind}_{number:03d}", kind, tuple(corners), plane))
 
     def quad(self, kind: str, piece: Piece, s: tuple[float, float], t: tuple[float, float], level: float) -> None:
-        """A flat piece of a strip."""
+        """Adds a flat piece of a strip."""
         self.tilted(kind, piece, [(s[0], t[0]), (s[1], t[0]), (s[1], t[1]), (s[0], t[1])], 0.0, 0.0, level)
 
     def tilted(
         self, kind: str, piece: Piece, corners: list[tuple[float, float]], along: float, across: float, level: float
     ) -> None:
-        """A piece whose top rises by `along` per m of s and `across` per m of t, from `level` at the piece's origin."""
+        """Adds a piece whose top rises by `along` per m of s and `across` per m of t, from `level` at the piece's
+        origin."""
         points = [self.line.corner(piece, s, t) for s, t in corners]
         self.add(kind, points, piece.plane(along, across, level))
 
     def strip(self, kind: str, t0: float, t1: float, level: float, cuts: list[float]) -> None:
-        """A flat strip over the whole length, cut at `cuts` and at bends, without what lies between pairs of cuts."""
+        """Adds a flat strip over the whole length, cut at `cuts` and at bends, without the parts between pairs of
+        cuts."""
         for piece, s0, s1 in self.spans(0.0, self.line.length, cuts):
             self.quad(kind, piece, (s0, s1), (t0, t1), level)
 
     def spans(self, begin: float, end: float, cuts: list[float]) -> list[tuple[Piece, float, float]]:
-        """Pieces of [begin, end] between cuts and bends."""
+        """Returns the pieces of [begin, end] between cuts and bends."""
         inner = [c for c in (*cuts, *self.line.joints) if begin < c < end]
         stops = sorted({begin, end, *inner})
         return [(self.line.piece_at((a + b) / 2), a, b) for a, b in itertools.pairwise(stops)]
 
 
 def ground(plan: Plan) -> list[GroundRegion]:
-    """All regions of a block; they touch and do not overlap."""
+    """Returns all regions of a block; they touch and do not overlap."""
     strips = _Strips(plan)
     _road(strips)
     for side in (1, -1):
@@ -118,7 +120,7 @@ def _road(strips: _Strips) -> None:
 
 
 def _pavement(strips: _Strips, side: int) -> None:
-    """Pavement pieces, dropped kerbs at crosswalks, ramps down to the mouths of side streets."""
+    """Adds the pavement pieces, the dropped kerbs at crosswalks and the ramps down to the mouths of side streets."""
     plan = strips.plan
     high, half, width = plan.profile.kerb, plan.half, plan.width(side)
     back = side * (half + width)
@@ -145,7 +147,7 @@ def _pavement(strips: _Strips, side: int) -> None:
 
 
 def _flat(strips: _Strips, side: int, piece: Piece, s0: float, s1: float) -> None:
-    """A level piece: the verge along the kerb, then the pavement."""
+    """Adds a level piece: the verge along the kerb, then the pavement."""
     plan = strips.plan
     kerb, back = side * plan.half, side * (plan.half + plan.width(side))
     inner = side * (plan.half + plan.verge(side))
@@ -156,7 +158,7 @@ def _flat(strips: _Strips, side: int, piece: Piece, s0: float, s1: float) -> Non
 
 
 def _dropped(strips: _Strips, side: int, middle: float) -> None:
-    """A kerb ramp with flares, as `section` has it, in a piece's own axes."""
+    """Adds a kerb ramp with flares, as in `section`, in a piece's own axes."""
     plan, piece = strips.plan, strips.line.piece_at(middle)
     high, half, width = plan.profile.kerb, plan.half, plan.width(side)
     run = min(section.RAMP_RUN, width - 0.2)
@@ -175,7 +177,7 @@ def _dropped(strips: _Strips, side: int, middle: float) -> None:
 
 
 def _behind(strips: _Strips, side: int) -> None:
-    """Yards and the ground under the houses, open at side streets, and the side streets' roads."""
+    """Adds the yards and the ground under the houses, open at side streets, and the side streets' roads."""
     plan = strips.plan
     back, front = side * (plan.half + plan.width(side)), side * plan.front(side)
     lot = front + side * LOT
@@ -194,7 +196,7 @@ def _behind(strips: _Strips, side: int) -> None:
 
 
 def _close(strips: _Strips, at_end: bool) -> None:
-    """A cross road over one end, with two arms, its far pavement and the lot of the houses beyond."""
+    """Adds a cross road over one end, with two arms, its far pavement and the lot of the houses beyond."""
     plan = strips.plan
     piece = strips.line.pieces[-1 if at_end else 0]
     edge, sign = (strips.line.length, 1.0) if at_end else (0.0, -1.0)

@@ -1,4 +1,4 @@
-"""Objects that come together: a cafe's tables, a row of stalls, a dig, scooters left in a heap."""
+"""Groups of objects: a cafe's tables, a row of stalls, a road work, a cluster of scooters."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ Group = Callable[[Filler, int, float], None]
 
 
 def _v(filler: Filler, side: int, share: float) -> float:
-    """v at a share of the pavement behind the verge."""
+    """Returns v at a share of the pavement behind the verge."""
     verge = filler.plan.verge(side)
     return verge + share * (filler.plan.width(side) - verge)
 
@@ -19,7 +19,7 @@ def _put(filler: Filler, name: str, s: float, side: int, v: float, facing: str |
 
 
 def cafe(filler: Filler, side: int, s: float) -> None:
-    """Three to five tables with chairs along the fronts, a menu board, sunshades on wide pavements."""
+    """Places three to five tables with chairs along the fronts, a menu board, and sunshades on wide pavements."""
     width = filler.plan.width(side)
     v = width - 0.6
     for k in range(3 + int(filler.uniform(0, 3))):
@@ -34,7 +34,7 @@ def cafe(filler: Filler, side: int, s: float) -> None:
 
 
 def terrace(filler: Filler, side: int, s: float) -> None:
-    """Low stools and tables at the kerb and the fronts, as street kitchens have them, with a stall between."""
+    """Places low stools and tables of a street kitchen at the kerb and the fronts, with a stall between them."""
     width = filler.plan.width(side)
     _put(filler, "street food stall", s, side, width - 1.3, "street")
     for k in range(4):
@@ -46,7 +46,7 @@ def terrace(filler: Filler, side: int, s: float) -> None:
 
 
 def stalls(filler: Filler, side: int, s: float) -> None:
-    """Three stalls at the kerb with boxes, and people before them."""
+    """Places three stalls at the kerb with boxes, and people before them."""
     for k in range(3):
         at = s + 3.6 * k
         _put(filler, "street food stall" if filler.chance(0.7) else "kiosk#1", at, side, 1.3, "wall")
@@ -56,7 +56,7 @@ def stalls(filler: Filler, side: int, s: float) -> None:
 
 
 def vendors(filler: Filler, side: int, s: float) -> None:
-    """Goods on the ground and on carts under umbrellas."""
+    """Places goods on the ground and on carts under umbrellas."""
     for k in range(5):
         at, v = s + 2.0 * k, _v(filler, side, filler.uniform(0.1, 0.9))
         name = stock.pick(
@@ -76,7 +76,7 @@ def vendors(filler: Filler, side: int, s: float) -> None:
 
 
 def works(filler: Filler, side: int, s: float) -> None:
-    """A dig at the kerb: fences around it, cones, sand, a barrow and a worker; a barrier on the road."""
+    """Places road works at the kerb: fences, cones, sand, a barrow and a worker, and a barrier on the road."""
     for k in range(4):
         _put(filler, "fence#0", s + 1.4 + 2.75 * k, side, 1.45, "wall")
         _put(filler, "jersey barrier", s + 1.2 + 2.2 * k, side, -0.5, "street")
@@ -91,7 +91,7 @@ def works(filler: Filler, side: int, s: float) -> None:
 
 
 def rubbish(filler: Filler, side: int, s: float) -> None:
-    """A bin, bags and boxes in a heap."""
+    """Places a bin with a heap of bags and boxes."""
     edge = filler.chance(0.6)
     v = 0.55 if edge else filler.plan.width(side) - 0.6
     _put(filler, "trash bin", s, side, v)
@@ -101,14 +101,14 @@ def rubbish(filler: Filler, side: int, s: float) -> None:
 
 
 def skip(filler: Filler, side: int, s: float) -> None:
-    """A dumpster on the road with bags beside it."""
+    """Places a dumpster on the road with bags beside it."""
     _put(filler, "dumpster#2", s + 1.5, side, -1.1, "+")
     for k in range(3):
         _put(filler, "garbage bag", s + 3.6 + 0.6 * k, side, -0.5, filler.uniform(-180, 180))
 
 
 def display(filler: Filler, side: int, s: float) -> None:
-    """A shop's goods outside: boxes, pots, a board."""
+    """Places a shop's goods outside: boxes, pots, a board."""
     v = filler.plan.width(side) - 0.45
     for k in range(6):
         name = stock.pick(
@@ -119,7 +119,7 @@ def display(filler: Filler, side: int, s: float) -> None:
 
 
 def bus_stop(filler: Filler, side: int, s: float) -> None:
-    """A shelter with people waiting, a bin, a clock of times."""
+    """Places a shelter with waiting people, a bin and a timetable."""
     _put(
         filler,
         "bus shelter",
@@ -135,14 +135,14 @@ def bus_stop(filler: Filler, side: int, s: float) -> None:
 
 
 def planters(filler: Filler, side: int, s: float) -> None:
-    """Pots and shrubs along the fronts."""
+    """Places pots and shrubs along the fronts."""
     for k in range(5):
         name = stock.pick((("potted plant", 3), ("plant pot#1", 1), ("flower", 2), ("shrub#3", 1)), filler.rng)
         _put(filler, name, s + 1.3 * k, side, filler.plan.width(side) - 0.42)
 
 
 def delivery(filler: Filler, side: int, s: float) -> None:
-    """A van with two wheels on the pavement, parcels and a hand cart."""
+    """Places a van with two wheels on the pavement, parcels and a hand cart."""
     _put(filler, "van", s + 2.6, side, 0.3, "+")
     for k in range(3):
         _put(filler, "parcels", s + 5.8 + 0.5 * k, side, filler.uniform(0.4, 1.2), filler.uniform(0, 90))
@@ -151,7 +151,7 @@ def delivery(filler: Filler, side: int, s: float) -> None:
 
 
 def seats(filler: Filler, side: int, s: float) -> None:
-    """Two benches, a bin and a lamp."""
+    """Places two benches, a bin and a lamp."""
     _put(filler, "bench", s, side, 0.75, "wall")
     _put(filler, "bench", s + 2.4, side, 0.75, "wall")
     _put(filler, "trash bin", s + 4.2, side, 0.5, "wall")
@@ -159,7 +159,7 @@ def seats(filler: Filler, side: int, s: float) -> None:
 
 
 def row(filler: Filler, name: str, side: int, s: float) -> None:
-    """Eight of an object along the kerb, evenly."""
+    """Places eight copies of an object along the kerb at equal distances."""
     size = stock.draw(name, filler.rng).size
     step = max(1.5, 1.15 * max(size[:2]) if name.partition("#")[0] in ("fence", "guard rail") else 1.7)
     item = stock.draw(name, filler.rng)
@@ -168,7 +168,7 @@ def row(filler: Filler, name: str, side: int, s: float) -> None:
 
 
 def cluster(filler: Filler, name: str, side: int, s: float) -> None:
-    """Three to seven of an object side by side, at the kerb or at the fronts, each turned a little."""
+    """Places three to seven copies of an object side by side, at the kerb or at the fronts, each slightly rotated."""
     at_wall = filler.chance(0.4)
     deep, wide = stock.draw(name, filler.rng).size[:2]
     lean = filler.uniform(-25, 25)
@@ -182,7 +182,7 @@ def cluster(filler: Filler, name: str, side: int, s: float) -> None:
 
 
 def spread(filler: Filler, name: str, side: int, s: float) -> None:
-    """One of an object every twenty to thirty metres along the kerb of both sides, as lamps and masts stand."""
+    """Places an object every twenty to thirty metres along the kerb of both sides, like lamps and masts."""
     item = stock.draw(name, filler.rng)
     step = filler.uniform(20.0, 28.0)
     for which in filler.sides():
@@ -195,7 +195,7 @@ def spread(filler: Filler, name: str, side: int, s: float) -> None:
 
 
 GROUPS: dict[str, tuple[Group, float]] = {
-    # name: (what builds it, m of street that it takes)
+    # name: (builder, m of street that the group occupies)
     "cafe": (cafe, 10.0),
     "terrace": (terrace, 8.0),
     "stalls": (stalls, 11.0),
@@ -213,7 +213,7 @@ _OF_AN_OBJECT = {"row": (row, 13.0), "cluster": (cluster, 4.0), "spread": (sprea
 
 
 def place(filler: Filler, name: str, count: int) -> None:
-    """So many groups of a kind; "row X", "cluster X" and "spread X" are of a leaf X."""
+    """Places `count` groups of a kind; "row X", "cluster X" and "spread X" repeat objects of the leaf X."""
     first, _, leaf = name.partition(" ")
     for _ in range(count):
         side = filler.sides()[int(filler.rng.random() * len(filler.sides()))]

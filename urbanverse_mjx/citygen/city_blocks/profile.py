@@ -1,17 +1,17 @@
-"""`CityProfile`: parameters of a city's streets, as one row of a reviewed table."""
+"""`CityProfile`: parameters of a city's streets, one row of a reviewed table."""
 
 import dataclasses
 from typing import Literal
 
 from ...datatypes import validation as v
 
-#: (name, share): how often each comes, relative to the others. A name may end in "#2": the third base shape of a leaf.
+#: (name, share): relative frequencies. A name may end in "#2", which selects the third base shape of a leaf.
 Mix = tuple[tuple[str, float], ...]
 Side = Literal["left", "right"]
 
 
 def mix(text: str) -> Mix:
-    """ "cafe#1 3, bar 2" as (("cafe#1", 3.0), ("bar", 2.0)); a name without a number counts once.
+    """Parses "cafe#1 3, bar 2" as (("cafe#1", 3.0), ("bar", 2.0)); a name without a number has share 1.
 
     Raises:
       ValidationError: an empty entry, or a share that is not above 0.
@@ -34,16 +34,13 @@ class CityProfile:
     Lengths are m, densities objects per 100 m of one pavement (of the whole road for traffic).
 
     Attributes:
-      continent, country, city, travel: of the scene's id; the trajectory walks or drives.
+      continent, country, city, travel: parts of the scene's id; `travel` says whether the trajectory walks or drives.
       drives: side of the road for traffic.
       road: width between the kerbs.
       left, right: widths of the pavements; below 1 m they are not walked on.
-      kerb: height.
-      verge: green strip between kerb and pavement.
-      yard: front gardens between pavement and houses.
-      bends: degrees by which the street turns at equal distances, positive to the left.
-      side_streets: how many open to either side.
-      crosswalks: how many, spread evenly.
+      kerb: height. verge: width of the green strip between kerb and pavement. yard: depth of the front gardens.
+      bends: turns (degrees) of the street at equal distances, positive to the left.
+      side_streets: their number per side. crosswalks: their number, spread evenly.
       lane: width kept free for walking, except at `blocked` places per pavement.
       houses: leaves of the fronts.
       height, frontage: their range.
@@ -126,7 +123,7 @@ class CityProfile:
 
     @property
     def name(self) -> str:
-        """Continent_Country_City_travel, without blanks and accents, as the authors name scenes."""
+        """Returns Continent_Country_City_travel without blanks and accents, the authors' naming scheme."""
         return "_".join((*(_plain(x) for x in (self.continent, self.country, self.city)), self.travel))
 
 

@@ -1,4 +1,4 @@
-"""Objects of a street: sizes and descriptors of real records of the catalogue, so that every box has its asset."""
+"""Draws the objects of a street from records of the catalogue, so that every box has a matching asset."""
 
 import dataclasses
 import functools
@@ -20,13 +20,13 @@ from ...datatypes import ValidationError
 from ...datatypes import validation as v
 from .profile import Mix
 
-#: Growths of trees: base shapes of the leaf "tree", in the order of the index.
+#: Growth forms of trees: base shapes of the leaf "tree", in the order of the index.
 GROWTHS = {"broad": 0, "round": 0, "wide": 1, "slim": 2, "blossom": 3, "street": 4, "autumn": 5, "fir": 6, "palm": 7}
 
 
 @dataclasses.dataclass(frozen=True)
 class Item:
-    """A record's box (along the heading, across, up; m) and appearance."""
+    """Box (along the heading, across, up; m) and appearance of a record."""
 
     label: str
     size: tuple[float, float, float]
@@ -68,7 +68,7 @@ def _leaf(name: str) -> _Leaf:
 
 
 def pick(options: Mix, rng: random.Random) -> str:
-    """A name of a mix."""
+    """Draws a name from a mix."""
     at = rng.random() * sum(share for _, share in options)
     for name, share in options:
         at -= share
@@ -78,15 +78,15 @@ def pick(options: Mix, rng: random.Random) -> str:
 
 
 def draw(name: str, rng: random.Random, near: tuple[float | None, float | None, float | None] | None = None) -> Item:
-    """A record of a leaf.
+    """Draws a record of a leaf.
 
     Args:
       name: the leaf, or "leaf#2" for its third base shape; "tree#palm" by growth.
-      rng: `random()` alone is used, stable over Python versions.
-      near: wanted (along, across, up) m, None where any will do: one of the five records nearest to it is drawn.
+      rng: only `random()` is called, which is stable over Python versions.
+      near: desired (along, across, up) m, with None for a free dimension; one of the five nearest records is drawn.
 
     Raises:
-      ValidationError: the leaf has no shape.
+      ValidationError: the leaf has no such shape.
     """
     leaf, _, variant = name.partition("#")
     rows = _leaf(leaf)
@@ -104,7 +104,7 @@ def draw(name: str, rng: random.Random, near: tuple[float | None, float | None, 
 
 
 def ground_descriptor(kind: str, material: str) -> tuple[int, ...]:
-    """Descriptor of a ground material by name.
+    """Returns the descriptor of a ground material by name.
 
     Raises:
       ValidationError: no material of this kind has the name.
@@ -116,5 +116,5 @@ def ground_descriptor(kind: str, material: str) -> tuple[int, ...]:
 
 
 def around(value: float, spread: float, rng: random.Random) -> float:
-    """A value times a factor of e^±spread."""
+    """Returns a value times a random factor between e^-spread and e^spread."""
     return value * math.exp(spread * (2 * rng.random() - 1))

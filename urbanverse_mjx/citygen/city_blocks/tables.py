@@ -1,4 +1,4 @@
-"""Reads the table of cities: `profiles/*.toml`, a file for each continent and one of the mixes that cities share."""
+"""Reads the table of cities, `profiles/*.toml`: one file per continent and one with the mixes that cities share."""
 
 import dataclasses
 import functools
@@ -15,9 +15,9 @@ _FIELDS = {field.name: field.type for field in dataclasses.fields(CityProfile)}
 
 
 def read_profiles(path: pathlib.Path) -> tuple[CityProfile, ...]:
-    """The profiles of a file, `[[profiles]]` with the fields of `CityProfile`.
+    """Returns the profiles of a file, `[[profiles]]` with the fields of `CityProfile`.
 
-    A mix is written as `mix` reads it, or "@name" for one of `mixes.toml`.
+    A mix has the syntax of `mix`, or "@name" refers to one of `mixes.toml`.
 
     Raises:
       ValidationError: a field or a shared mix that does not exist, or a value that is out of range.

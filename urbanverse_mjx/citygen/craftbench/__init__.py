@@ -1,4 +1,4 @@
-"""CraftBench: twelve scenes composed by hand, one module `sNN_...` each with a `build() -> Canvas`.
+"""CraftBench: twelve hand-made scenes, one module `sNN_...` each with a `build() -> Canvas`.
 
 Their ids and themes are those of the authors' release (docs/sources/reference_systems.md b.1).
 """
@@ -14,7 +14,7 @@ BUILDERS = discovery.builders(__name__, __path__, "s")
 
 
 def build(scene_id: str) -> SceneGraph:
-    """The graph of one hand-made scene, the same on every machine.
+    """Returns the graph of one hand-made scene; it is identical on every machine.
 
     Raises:
       ValidationError: no scene has this id.

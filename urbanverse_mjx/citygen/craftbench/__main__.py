@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.citygen.craftbench`: names faults of CraftBench's scenes; `--out` writes their graphs."""
+"""`python -m urbanverse_mjx.citygen.craftbench`: lists faults of CraftBench's scenes; `--out` writes their graphs."""
 
 import sys
 

@@ -1,6 +1,6 @@
-"""Collection day in a bent street of terraces: the lorry is late, the bags are out, every kerb is lined with bollards.
+"""A bent street of terraced houses on collection day, with rubbish bags outside and bollards along every kerb.
 
-Left: front gardens behind hedges. Right: doors on the pavement. The street ends in a turning circle.
+Front gardens behind hedges on the left, doors at the pavement on the right, a turning circle at the end.
 """
 
 from ..canvas.canvas import Canvas, edge, edges
@@ -18,7 +18,7 @@ FRONT_LEFT, FRONT_RIGHT = WALK_LEFT + GARDEN, WALK_RIGHT
 BIN, BAG_SMALL, BAG_SPREAD, BAG_TALL = 1, 0, 1, 2
 
 LEFT = (
-    # the corner: a lamp, the post, a heap that has been there since yesterday
+    # the corner: a lamp, the mailbox, a heap of rubbish
     ("mailbox", 2.2, 0.55, "wall", 1),
     ("garbage bag", 3.3, 2.75, 5.0, 2),
     ("garbage bag", 4.1, 2.95, 80.0, 0),
@@ -31,7 +31,7 @@ LEFT = (
     ("dog", 5.3, 0.8, "-", 3),
     ("bicycle", 11.6, 3.0, "+", 0),
     ("street cabinet", 18.4, 3.0, "street", 0),
-    # after the crossing: a household has moved out
+    # after the crossing: furniture left after a removal
     ("mattress", 24.9, 2.3, 2.0, 1),
     ("garbage bag", 26.4, 2.85, 10.0, 1),
     ("armchair", 27.4, 2.85, -70.0, 0),
@@ -74,7 +74,7 @@ LEFT_FAR = (
 )
 
 RIGHT = (
-    # doors on the pavement: what belongs to a house stands at its wall
+    # doors at the pavement: objects of the houses along their walls
     ("plant pot", 1.6, 2.8, "street", 2),
     ("garbage bag", 4.2, 2.55, 30.0, 1),
     ("garbage bag", 5.25, 2.65, 70.0, 2),
@@ -126,7 +126,7 @@ RIGHT_FAR = (
     ("barrow", 25.6, 2.5, "+", 0),
 )
 
-#: On the road, by s along the right kerb and d from it (negative: on the road).
+#: On the road: s along the right kerb and d from it (negative: on the road).
 ON_ROAD = (
     ("hatchback car", 6.2, -1.15, "+", 0),
     ("sedan", 12.0, -1.15, "+", 2),
@@ -148,7 +148,7 @@ ON_ROAD_FAR = (
     ("electric car", 25.4, -1.15, "+", 0),
 )
 
-#: In the turning circle: label, bearing from its middle, reach (m), turn from facing the middle, variant.
+#: In the turning circle: label, bearing from its middle, distance (m), rotation from facing the middle, variant.
 AROUND_CIRCLE = (
     ("street light", 118.0, 6.7, 180.0, 3),
     ("bench", 72.0, 8.6, 0.0, 2),
@@ -176,7 +176,7 @@ AROUND_CIRCLE = (
     ("bollard", 64.0, 6.35, 0.0, 0),
     ("bollard", 78.0, 6.35, 0.0, 0),
     ("bollard", 92.0, 6.35, 0.0, 0),
-    # two children play where no car turns
+    # two children play in the middle of the circle
     ("basketball", -120.0, 1.4, 0.0, 0),
     ("pedestrian child", -150.0, 2.6, 0.0, 0),
     ("pedestrian child", 20.0, 1.6, 40.0, 3),
@@ -189,7 +189,7 @@ def build() -> Canvas:
     _lay(street)
     left, left_far = edges(MIDDLE, HALF, 1)
     right, right_far = edges(MIDDLE, HALF, -1)
-    # bollards every 1.5 m on both sides, none where the crossing is
+    # bollards every 1.5 m on both sides, except at the crossing
     street.row("bollard", left, (1.0, 2.6, 4.1, 5.6, 7.1, 8.6, 10.1, 11.6, 13.1, 14.6, 16.1, 17.6), 0.32, variant=0)
     street.row("bollard", left, (23.9, 25.4, 26.9, 28.4, 29.9, 31.4, 32.9, 34.4, 35.9, 37.4, 38.9), 0.32, variant=0)
     street.row("bollard", left, (41.9, 43.4, 44.9, 46.4, 47.9), 0.32, variant=0)

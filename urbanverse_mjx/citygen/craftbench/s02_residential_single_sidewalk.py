@@ -1,7 +1,7 @@
-"""An old lane with one pavement: on its other side the doors open straight onto the road.
+"""An old lane with a pavement on one side; on the other side the doors open directly onto the road.
 
-Neighbours live outdoors: chairs and plants at the doors, motorcycles at the walls, washing machines going up. In the
-middle a chapel faces a little square, reached by the only crossing; after it the lane turns to the right.
+Chairs and plants stand at the doors, motorcycles at the walls, and washing machines are being delivered. In the middle
+a chapel faces a small square, which is reached by the only crossing; after it the lane turns to the right.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge, edges
@@ -253,5 +253,5 @@ def _houses(lane: Canvas, left: Edge, left_far: Edge, right: Edge, right_far: Ed
     lane.houses(edge((-4.0, -2.2), (-4.0, 5.2), 1), ("house",), 0.0, 7.4, 0.0)
     end = edge(MIDDLE[1], MIDDLE[2], 1)
     lane.houses(edge(end.at(41.0, 5.2), end.at(41.0, -2.2), 1), ("house",), 0.0, 7.4, 0.0)
-    # what closes the wedge on the inside of the turn
+    # closes the wedge on the inside of the turn
     lane.put("gate", *right.at(47.1, 0.5), 82.0, size=(0.4, 2.1, 2.35))

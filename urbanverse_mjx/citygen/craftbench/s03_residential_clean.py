@@ -1,6 +1,7 @@
-"""A tidy suburb on a Sunday: verges, lawns and drives, everything in its place, and the neighbours out in front.
+"""A tidy suburb with verges, lawns and drives, and people in front of their houses.
 
-The difficulty is not clutter: the street winds, drives cross the pavement, dogs, children and a mower do too.
+There is little clutter. The difficulty is a winding street whose pavement is crossed by drives, dogs, children and a
+mower.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge, edges
@@ -257,7 +258,7 @@ def _lay(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
     street.ground("road", "road", strip(MIDDLE, 2 * HALF))
     street.ground("crossing", "crosswalk", [(15.0, -HALF), (19.0, -HALF), (19.0, HALF), (15.0, HALF)])
     for name, line, number, s in drives:
-        if number != 1:  # where the street runs askew the drives have a low kerb across them, as old ones have
+        if number != 1:  # on the slanted part of the street the drives have a low kerb across them
             street.ramp(f"{name}_drive_ramp_{number}_{s:.0f}", line.at(s, 0), line.facing("wall"), 1.5, 0.9, 0.0)
     far_left, far_right = edges(MIDDLE, 16.0, 1), edges(MIDDLE, 16.0, -1)
     for k in (1, 2):

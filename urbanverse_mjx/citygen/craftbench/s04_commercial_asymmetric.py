@@ -1,7 +1,7 @@
-"""A shopping street with a broad sunny side and a narrow one, on market morning: bicycles everywhere.
+"""A shopping street with a broad and a narrow pavement on a market morning, with many bicycles.
 
-The broad side has trees, benches, terraces and, where the houses step back, a market; the narrow side has the wall, the
-lamps, and whatever was delivered.
+The broad side has trees, benches, terraces and, where the houses recede, a market; the narrow side has a wall, lamps
+and deliveries.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge
@@ -12,7 +12,7 @@ ID = "04_commercial_street_asymmetric_sidewalks_benches_bicycles"
 
 KERB = 0.14
 LENGTH, HALF, BROAD, NARROW = 84.0, 2.8, 6.8, 2.7
-MARKET = (30.0, 52.0, 4.0)  # x from and to, m that the houses step back
+MARKET = (30.0, 52.0, 4.0)  # x from and to, m by which the houses recede
 
 #: Against the fronts of the broad side.
 FRONTS = (
@@ -154,7 +154,7 @@ NARROW_PEOPLE = (
     ("pedestrian adult", 76.3, 0.7, "+", 0),
 )
 
-#: On the road, by metres from the kerb of the narrow side towards the middle.
+#: On the road: metres from the kerb of the narrow side towards the middle.
 ROAD = (
     ("van", 28.4, 1.35, "+", 0),
     ("truck", 47.4, 1.5, "+", 1),

@@ -1,6 +1,6 @@
-"""A lane of old shops up to a shrine in the season: coaches, vans and rickshaws have taken the pavements.
+"""A lane of old shops up to a shrine in the tourist season; coaches, vans and rickshaws stand on the pavements.
 
-Low kerbs, poles on the path, vending machines at the walls, visitors that stop for the view.
+Kerbs are low, poles stand on the path and vending machines at the walls, and visitors stop for the view.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge, edges

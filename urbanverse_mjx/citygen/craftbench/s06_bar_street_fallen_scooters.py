@@ -1,7 +1,8 @@
-"""A bar street at the end of a long evening: shared scooters lie where their riders got off.
+"""A bar street late in the evening, with shared scooters lying on the pavements.
 
-They lie across the pavements in twos and threes, between terraces, queues, bottles and bags; a fallen one is a box as
-broad as it is long and half a metre high (see `objects`), low enough to be overlooked and heavy enough to stop a robot.
+The scooters lie across the pavements in groups of two or three, between terraces, queues, bottles and bags. A fallen
+one is a box as broad as it is long and half a metre high (see `object_sizes`): low enough to be overlooked and heavy
+enough to stop a robot.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge, edges
@@ -162,7 +163,7 @@ KERB_RIGHT = (
     ),
 )
 
-#: Motorcycles, backed against the kerbs on the road: s, degrees from the street's direction, variant.
+#: Motorcycles on the road, rear wheel at the kerb: s, degrees from the street's direction, variant.
 MOTORCYCLES_LEFT = (((36.6, 75.0, 0), (37.8, 80.0, 1)), ((13.2, 100.0, 2), (14.4, 96.0, 0)))
 MOTORCYCLES_RIGHT = (((27.4, 250.0, 1), (28.6, 255.0, 0)), ((21.6, 255.0, 3), (22.9, 250.0, 1)))
 

@@ -1,7 +1,7 @@
-"""An old town's alley on a warm afternoon: every house is a kitchen, and goods still have to get past the guests.
+"""An alley of an old town with restaurants in every house; deliveries have to pass between the guests.
 
-It runs 46 m east between walls that step in and out, opens into a little court with a well and a chapel on its terrace,
-and continues north to a street. Guests, boards, barrels and a wrongly parked van leave 1.1-1.6 m.
+The alley runs 46 m east between walls of varying distance, opens into a small court with a well and a chapel on a
+terrace, and continues north to a street. Guests, boards, barrels and a wrongly parked van leave 1.1-1.6 m free.
 """
 
 from ..canvas import ground_layers as lay

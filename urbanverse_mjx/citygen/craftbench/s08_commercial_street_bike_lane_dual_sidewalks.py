@@ -1,7 +1,8 @@
-"""A shopping street with a blocked red bicycle lane: a van unloads on it, hire bikes reach over its kerb.
+"""A shopping street with a blocked bicycle lane: a van unloads on it and hire bikes protrude over its kerb.
 
-96 m between a cross road and a paved end, pavements of 4.4 and 4.6 m on both sides, a side street in the middle. On the
-north the lane runs behind a bus island; cable trenches, terraces, goods and hire scooters make the pavements slalom.
+The street is 96 m long between a cross road and a paved end, with pavements of 4.4 and 4.6 m and a side street in the
+middle. On the north the lane runs behind a bus island; cable trenches, terraces, goods and hire scooters force a slalom
+on the pavements.
 """
 
 from ..canvas import ground_layers as lay
@@ -41,7 +42,7 @@ def _ground(c: Canvas) -> None:
     c.ramp("ramp_side_e", (50.0, 7.7), 0.0)
     c.ramp("ramp_cross_w", (-7.0, 7.2), 180.0, parted=False)
     c.ramp("ramp_cross_e", (0.0, 7.2), 0.0)
-    # the bus island, and the hump that leads to it over the lane
+    # the bus island, and the raised crossing to it over the lane
     c.ground("island", "sidewalk", box(60.0, 1.1, 76.0, 3.0), PAVED)
     c.ground("hump", "crosswalk", box(66.4, 3.0, 69.6, 5.0), PAVED)
     c.slope("hump_up", "road", box(65.0, 3.0, 66.4, 5.0), [(65.0, 3.0, 0), (65.0, 5.0, 0), (66.4, 3.0, PAVED)])
@@ -86,7 +87,7 @@ def _north(c: Canvas) -> None:
     c.along(
         NORTH,
         [
-            # the supermarket's own
+            # the supermarket's objects
             ("shopping cart", 2.0, 4.0, "+", 0),
             ("storage box", 5.6, 4.2, "street", 1),
             ("storage box", 6.4, 4.2, "street", 2),
@@ -100,7 +101,7 @@ def _north(c: Canvas) -> None:
             ("traffic light", 23.0, 0.45, "+"),
             ("bollard", 17.6, 0.35, "street"),
             ("bollard", 22.5, 0.35, "street"),
-            # hire bikes, and those that found no place
+            # hire bikes in the rack and beside it
             ("bicycle rental", 33.9, 1.15, "wall", 1),
             ("bicycle", 40.2, 1.8, 10.0),
             ("scooter", 29.9, 1.2, 100.0, 0),
@@ -112,7 +113,7 @@ def _north(c: Canvas) -> None:
             ("fire hydrant", 25.6, 0.5, "street"),
             ("bookcase", 38.4, 4.15, "street", 1),
             ("advertising board", 40.4, 3.4, "+"),
-            # beyond the side street: cables are laid before the hotel
+            # beyond the side street: cable works before the hotel
             ("road work detour ahead sign", 53.4, 2.0, "-", 0),
             ("traffic barricade", 54.9, 2.2, "-"),
             ("debris", 57.3, 2.0, 20.0, 0),
@@ -197,7 +198,7 @@ def _south(c: Canvas) -> None:
             ("scooter", 38.2, 0.8, 70.0, 0),
             ("scooter", 39.0, 1.5, 10.0, 1),
             ("parking meter", 40.6, 0.4, "wall"),
-            # the bicycle shop's show
+            # the bicycle shop's display
             ("bicycle", 42.6, 3.35, 70.0),
             ("bicycle", 43.7, 3.35, 75.0),
             ("bicycle", 44.8, 3.35, 70.0),
@@ -214,7 +215,7 @@ def _south(c: Canvas) -> None:
             ("coatrack", 62.4, 3.9, "street"),
             ("advertising board", 64.8, 3.2, "-"),
             ("parking meter", 66.2, 0.4, "wall"),
-            # fast food: full tables, fuller bins
+            # fast food: occupied tables, overflowing bins
             ("trash bin", 67.8, 2.6, "street", 0),
             ("garbage bag", 68.6, 2.9, 20.0),
             ("motorcycle", 72.4, 1.0, 45.0),

@@ -1,8 +1,8 @@
-"""A business district at a T of streets, dug up three times over and still in a hurry.
+"""A T junction in a business district with three construction sites.
 
-An avenue of four lanes (96 m) and a street that ends on it (50 m), kerbs of 18 cm. A building site takes half of the
-north-west pavement; a trench closes the south one, so that the path leads down a ramp onto the road, between concrete
-barriers, and up again; in the side street scaffolders and cable layers leave 1.2 m.
+An avenue of four lanes (96 m) meets a street that ends on it (50 m); kerbs are 18 cm high. A building site occupies
+half of the north-west pavement. A trench closes the south pavement, so that the path leads down a ramp onto the road,
+between concrete barriers, and up again. In the side street scaffolding and cable works leave 1.2 m free.
 """
 
 from ..canvas import ground_layers as lay
@@ -312,7 +312,7 @@ def _stem(c: Canvas) -> None:
     c.along(
         EAST,
         [
-            # cables are pulled through the east pavement
+            # cable works on the east pavement
             ("traffic barricade", 20.0, 1.2, "-"),
             ("traffic barricade", 28.8, 1.2, "+"),
             ("traffic cone", 21.8, 2.5, 0.0, 0),

@@ -1,8 +1,9 @@
-"""Where two business streets cross: four corners, and on each another kind of obstacle.
+"""A crossing of two business streets with a different kind of obstacle on each of its four corners.
 
-Arms of 40 m, pavements of 4.5 and 5 m, kerbs of 15 cm and of 5 cm on the tower's side. A bus queue, hotel luggage, a
-sale's boxes and a burst main line the long street; market stalls, terraces, a heap of hire scooters and planters the
-other. A square with a bookstall lies on the north-eastern corner; an ambulance stands on the crossing.
+The arms are 40 m long, the pavements 4.5 and 5 m wide, and the kerbs 15 cm high, 5 cm on the tower's side. A bus queue,
+hotel luggage, boxes of a sale and a burst water main line the long street; market stalls, terraces, a heap of hire
+scooters and planters line the other. A square with a bookstall lies on the north-eastern corner; an ambulance stands on
+the crossing.
 """
 
 from ..canvas import ground_layers as lay
@@ -289,7 +290,7 @@ def _south_west(c: Canvas) -> None:
 
 
 def _south_east(c: Canvas) -> None:
-    """A burst main before the tower; its planters, flags and smokers round the corner."""
+    """A burst water main before the tower; its planters, flags and smokers around the corner."""
     for s in (3.4, 26.4):
         c.put("street light", *SE_LONG.at(s, 0.5), -90.0, 1)
     c.along(

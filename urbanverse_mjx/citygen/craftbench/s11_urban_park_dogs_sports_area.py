@@ -1,8 +1,8 @@
-"""A park between houses on a Saturday: dogs off the lead, ball games outside the court, a branch down on the path.
+"""A busy park between houses: dogs off the lead, ball games outside the court, a fallen branch on the path.
 
-84 by 56 m of lawns (open ground) cut by gravel paths 2.4-3 m wide, a street with a crossing along its south side. A dog
-run and a basketball court are fenced, each with a gap for a gate; a bandstand stands on a terrace that a ramp leads up
-to. Blankets, tables, bicycles, mowers and forty people and dogs keep to no path at all.
+The park has 84 by 56 m of lawns (open ground), crossed by gravel paths 2.4-3 m wide, and a street with a crossing along
+its south side. A dog run and a basketball court are fenced, each with a gap for a gate; a ramp leads up to the terrace
+of a bandstand. Blankets, tables, bicycles, mowers and forty people and dogs are on and off the paths.
 """
 
 from ..canvas import ground_layers as lay
@@ -92,7 +92,7 @@ def _fronts(c: Canvas) -> None:
 
 
 def _edges(c: Canvas) -> None:
-    """Railings and trees round the park, the street along it."""
+    """Railings and trees around the park, and the street along it."""
     chain(c, "fence", [(0.2, 0.5), (17.6, 0.5)], stretch=2.4)
     chain(c, "fence", [(22.4, 0.5), (39.6, 0.5)], stretch=2.4)
     chain(c, "fence", [(44.4, 0.5), (61.6, 0.5)], stretch=2.4)
@@ -157,7 +157,7 @@ def _edges(c: Canvas) -> None:
 
 
 def _dogs(c: Canvas) -> None:
-    """The dog run, and dogs that are not in it."""
+    """The dog run, and dogs outside of it."""
     chain(c, "fence", [(9.0, 31.0), (15.6, 31.0)], stretch=2.4)
     chain(c, "fence", [(17.4, 31.0), (27.0, 31.0)], stretch=2.4)
     chain(c, "fence", [(27.0, 31.0), (27.0, 44.0)], stretch=2.4)
@@ -212,7 +212,7 @@ def _dogs(c: Canvas) -> None:
 
 
 def _sports(c: Canvas) -> None:
-    """The court behind its fence, and the games beside it."""
+    """The fenced court, and the games beside it."""
     c.put("basketball court", 60.0, 37.8, 0.0, 0)
     for line in ([(45.2, 29.9), (57.4, 29.9)], [(59.4, 29.9), (74.8, 29.9)], [(74.8, 29.9), (74.8, 45.8)]):
         chain(c, "fence", line, 1, 2.4)
@@ -339,7 +339,7 @@ def _paths(c: Canvas) -> None:
         c.put("lamppost", x, y, 0.0, 0)
     for x, y in ((77.5, 14.0), (77.5, 42.0), (58.0, 50.5)):
         c.put("lamppost", x, y, 0.0, 0)
-    # the branch over the north path, and the workers that saw it up
+    # the branch over the north path, and workers sawing it up
     c.put("tree debris", 48.2, 48.0, 70.0, 2)
     c.put("tree debris", 50.6, 49.4, 10.0, 1)
     c.put("gardener", 46.0, 48.9, 0.0)

@@ -1,8 +1,8 @@
 """A courtyard behind the town hall: a fountain in a sunken square with chairs around it.
 
-The square (38 by 26 m) lies 20 cm below the walk that runs along its four fronts; ramps lead down in four places and
-nowhere else. Stalls, a concert, a wedding, terraces, a scaffold and planters stand on both levels; a passage in the
-west leads to a yard of bins and bicycles, one in the north past deliveries. No road anywhere.
+The square (38 by 26 m) lies 20 cm below the walk along its four fronts, and only four ramps lead down to it. Stalls, a
+concert, a wedding, terraces, a scaffold and planters stand on both levels. A passage in the west leads to a yard of
+bins and bicycles, one in the north past deliveries. The scene has no road.
 """
 
 from ..canvas import ground_layers as lay
@@ -46,7 +46,7 @@ def _ground(c: Canvas) -> None:
     c.ramp("ramp_north", (9.0, 13.0), 90.0, 1.0, RAMP, parted=False)
     c.ramp("ramp_south", (-8.0, -13.0), -90.0, 1.0, RAMP)
     c.wear((-21.0, 0.0), "sidewalk/flags_buff")
-    # a layer with holes falls into parts, and each part is named
+    # a layer with holes is split into parts, each with its own name
     for spot in ((-17.7, -2.2), (-10.7, -1.2), (10.6, 0.0), (16.1, 3.3)):
         c.wear(spot, "sidewalk/limestone_polished")
     for spot in ((-5.7, 0.0), (5.7, 0.0)):
@@ -131,7 +131,7 @@ def _beds(c: Canvas) -> None:
 
 
 def _concert(c: Canvas) -> None:
-    """The stage in the square's north-west, and its listeners."""
+    """The stage in the square's north-west, and the audience."""
     c.put("stage", -15.6, 9.6, -45.0, 2)
     c.put("stereo sound system", -17.8, 6.9, -45.0, 1)
     c.put("stereo sound system", -12.9, 11.9, -45.0, 1)

@@ -1,8 +1,8 @@
-"""The procedural set `places`: alleys, parks, courtyards, markets, precincts, works, lots, as various as a city.
+"""The procedural set `places`: alleys, parks, courtyards, markets, pedestrian streets, works and parking lots.
 
-The streets of `procedural` have one section and a lane free along each pavement; policies trained there fail where it
-is narrow, open or shut. Here nine templates take turns. A net of winding lanes, `site.LANE` wide, stays free; objects
-may stand anywhere else.
+The streets of `procedural` have one cross-section and a free lane along each pavement; policies trained there fail on
+narrow, open or closed ground. This set cycles through nine templates. A network of winding lanes, `site.LANE` wide,
+stays free; objects may stand anywhere else.
 """
 
 import dataclasses
@@ -30,15 +30,15 @@ TEMPLATES: dict[str, Callable[[str, random.Random], Site]] = {
 
 
 def template_of(index: int) -> str:
-    """Name of the template of scene `index`; they take turns."""
+    """Returns the name of the template of scene `index`; the templates are used in turn."""
     return list(TEMPLATES)[index % len(TEMPLATES)]
 
 
 def site_of(index: int) -> Site:
-    """Scene number `index` of `COUNT` with its parameters: lanes and density.
+    """Returns the site of scene `index` of `COUNT` with its lanes and density.
 
     Raises:
-      ValidationError: no such number.
+      ValidationError: the index is out of range.
     """
     v.integer(index, "place", 0, COUNT - 1)
     name = template_of(index)
@@ -46,10 +46,10 @@ def site_of(index: int) -> Site:
 
 
 def build(index: int) -> SceneGraph:
-    """Place number `index` of `COUNT`, the same on every machine.
+    """Returns the graph of place `index` of `COUNT`; it is identical on every machine.
 
     Raises:
-      ValidationError: no such number.
+      ValidationError: the index is out of range.
     """
     source = Source(f"procedural {template_of(index)}", "Apache-2.0", "none", "none")
     return dataclasses.replace(site_of(index).graph(), source=source)

@@ -1,4 +1,4 @@
-"""Narrow alley and pedestrian precinct."""
+"""Templates: narrow alley and pedestrian precinct."""
 
 import itertools
 import math
@@ -13,8 +13,8 @@ from .site import LANE, Site
 
 
 def alley(scene_id: str, rng: random.Random) -> Site:
-    """A lane of 1.8 to 4 m between walls, with bends, a side branch and small courts; kitchens put out their tables and
-    bins."""
+    """Builds an alley of 1.8 to 4 m between walls, with bends, a side branch, small courts, and tables and bins of
+    restaurants."""
     site = Site(scene_id, rng)
     points = winding(rng, rng.randint(4, 6), 14.0, 24.0, 75.0)
     base = rng.uniform(2.0, 3.8)
@@ -69,8 +69,8 @@ def alley(scene_id: str, rng: random.Random) -> Site:
 
 
 def precinct(scene_id: str, rng: random.Random) -> Site:
-    """A street without cars, 8 to 14 m wide, with a bend: terraces before the fronts, trees, kiosks and planters in its
-    middle, bollards across it."""
+    """Builds a car-free street, 8 to 14 m wide, with a bend: terraces before the fronts, trees, kiosks and planters in
+    its middle, bollards across it."""
     site = Site(scene_id, rng)
     wide = rng.uniform(8.0, 14.0)
     points = winding(rng, rng.randint(2, 3), 26.0, 40.0, 45.0)
@@ -120,7 +120,7 @@ def _precinct_objects(
                 groups.cafe(site, start, groups.at(*a, heading, min(s + stretch, length), 0.0), deep, zone)
             s += stretch + rng.uniform(0.5, 4.0)
     s = 2.0
-    while s < line.length - 2.0:  # what stands in the middle
+    while s < line.length - 2.0:  # objects in the middle
         p, q = line.interpolate(s), line.interpolate(s + 0.1)
         heading = math.degrees(math.atan2(q.y - p.y, q.x - p.x))
         label = rng.choice(stock.MIXES["middle"])

@@ -1,4 +1,4 @@
-"""Objects that belong together: a laid table, a stall with its goods, bicycles at a rail, a heap, a queue, works."""
+"""Groups of objects: a table with chairs, a stall with its goods, bicycles at a rail, a heap, a queue, works."""
 
 import itertools
 import math
@@ -13,13 +13,13 @@ from .site import Site
 
 
 def at(x: float, y: float, degrees: float, ahead: float, left: float) -> Corner:
-    """The place `ahead` and `left` (m) of a pose."""
+    """Returns the point `ahead` and `left` (m) of a pose."""
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     return x + ahead * c - left * s, y + ahead * s + left * c
 
 
 def table(site: Site, x: float, y: float, zone: BaseGeometry | None) -> bool:
-    """A table with up to four seats drawn up or pushed back, sometimes a sunshade over it."""
+    """Places a table with up to four seats at varying distances, sometimes with a sunshade over it."""
     turn = site.uniform(-180.0, 180.0)
     size = site.size_of("table")
     if not site.put("table", x, y, turn, zone, size):
@@ -36,8 +36,8 @@ def table(site: Site, x: float, y: float, zone: BaseGeometry | None) -> bool:
 
 
 def cafe(site: Site, a: Corner, b: Corner, deep: float, zone: BaseGeometry | None) -> None:
-    """A terrace along a front from a to b, `deep` metres to its left: tables where they fall, a fence or pots at its
-    ends."""
+    """Places a terrace along a front from a to b, `deep` metres to its left: tables at random positions, a fence or
+    pots at its ends."""
     length = math.dist(a, b)
     degrees = math.degrees(math.atan2(b[1] - a[1], b[0] - a[0]))
     s = 0.8
@@ -54,7 +54,7 @@ def cafe(site: Site, a: Corner, b: Corner, deep: float, zone: BaseGeometry | Non
 
 
 def stall(site: Site, x: float, y: float, degrees: float, zone: BaseGeometry | None) -> bool:
-    """A stall, its keeper, and goods piled around it."""
+    """Places a stall, its keeper, and goods around it."""
     label = site.rng.choice(("street food stall", "street food stall", "canopy", "table", "table", "counter"))
     size = site.size_of(label)
     if not site.put(label, x, y, degrees, zone, size):
@@ -70,7 +70,7 @@ def stall(site: Site, x: float, y: float, degrees: float, zone: BaseGeometry | N
 
 
 def bicycles(site: Site, x: float, y: float, degrees: float, count: int, zone: BaseGeometry | None) -> None:
-    """Two-wheelers side by side, not quite straight, one of them fallen now and then."""
+    """Places two-wheelers side by side, slightly rotated; occasionally one has fallen over."""
     label = site.rng.choice(("bicycle", "bicycle", "scooter", "motorcycle", "dirt bike"))
     for k in range(count):
         size = site.size_of(label)
@@ -79,14 +79,14 @@ def bicycles(site: Site, x: float, y: float, degrees: float, count: int, zone: B
 
 
 def heap(site: Site, x: float, y: float, zone: BaseGeometry | None, mix: Sequence[str], count: int) -> None:
-    """Objects put out together within a metre or so of a place."""
+    """Places objects of a mix within about a metre of a point."""
     for _ in range(count):
         away, bearing = site.uniform(0.0, 1.3), site.uniform(-180.0, 180.0)
         site.put(site.rng.choice(mix), *at(x, y, bearing, away, 0.0), site.uniform(-180.0, 180.0), zone, gap=0.02)
 
 
 def queue(site: Site, x: float, y: float, degrees: float, count: int, zone: BaseGeometry | None) -> None:
-    """People behind one another, a bend in their line."""
+    """Places people in a queue with a bend."""
     who = ("pedestrian adult", "pedestrian adult", "elderly person", "pedestrian child", "stroller", "suitcase")
     turn = degrees
     for _ in range(count):
@@ -96,7 +96,7 @@ def queue(site: Site, x: float, y: float, degrees: float, count: int, zone: Base
 
 
 def hedge(site: Site, points: Sequence[Corner], zone: BaseGeometry | None, skip: float) -> None:
-    """A clipped hedge along a line, pieces of it missing."""
+    """Places a clipped hedge along a line with some pieces missing."""
     across = catalogue.HEDGE[1]
     for a, b in itertools.pairwise(points):
         length = math.dist(a, b)
@@ -109,7 +109,7 @@ def hedge(site: Site, points: Sequence[Corner], zone: BaseGeometry | None, skip:
 
 
 def works(site: Site, x0: float, x1: float, y0: float, y1: float, zone: BaseGeometry | None) -> None:
-    """A closed-off stretch: barriers around a box (m), machines and material in it."""
+    """Places a closed-off area: barriers around a box (m), machines and material inside."""
     label = site.rng.choice(("traffic barricade", "fence", "jersey barrier", "guard rail", "traffic cone"))
     wide = site.size_of(label)[1] + (0.12 if label != "traffic cone" else 1.0)
     for a, b in (((x0, y0), (x1, y0)), ((x1, y1), (x0, y1)), ((x0, y1), (x0, y0)), ((x1, y0), (x1, y1))):

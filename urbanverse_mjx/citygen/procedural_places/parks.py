@@ -1,4 +1,4 @@
-"""Park and parking lot."""
+"""Templates: park and parking lot."""
 
 import itertools
 import math
@@ -12,13 +12,13 @@ from . import groups, stock
 from .outlines import Corner, corners, inside, ring
 from .site import Site
 
-#: m, depth of a parking bay, and of two rows of them with a strip to walk on between.
+#: m, depth of a parking bay, and of two rows of bays with a walkway between them.
 BAY, DEEP = 5.2, 12.4
 
 
 def park(scene_id: str, rng: random.Random) -> Site:
-    """Lawns with a ring path and paths across, straight, diagonal and curved; hedges, fences with gaps, play
-    equipment."""
+    """Builds lawns with a ring path and straight, diagonal and curved paths across, with hedges, fences with gaps, and
+    play equipment."""
     site = Site(scene_id, rng)
     long, wide = rng.uniform(48.0, 72.0), rng.uniform(36.0, 54.0)
     outline = shapely.box(0.0, 0.0, round(long, 1), round(wide, 1))
@@ -85,14 +85,14 @@ def _park_objects(
 
 
 def _beside(point: Corner, line: list[Corner], by: float) -> Corner:
-    """A point moved to the left of the straight from a line's first to its last point."""
+    """Returns a point moved to the left of the straight line from a line's first to its last point."""
     (ax, ay), (bx, by_) = line[0], line[-1]
     length = math.dist(line[0], line[-1])
     return point[0] - (by_ - ay) / length * by, point[1] + (bx - ax) / length * by
 
 
 def _bow(a: Corner, b: Corner, bulge: float) -> list[Corner]:
-    """A curve from a to b in five pieces; `bulge`: its height by its length."""
+    """Returns a curve from a to b in five pieces; `bulge`: its height divided by its length."""
     points = []
     for k in range(6):
         t = k / 5
@@ -108,7 +108,8 @@ def _beyond(before: Corner, end: Corner, by: float) -> Corner:
 
 
 def parking(scene_id: str, rng: random.Random) -> Site:
-    """Rows of cars with islands at their ends, trolleys, a walk along the shop front, hedges or fences around."""
+    """Builds rows of cars with islands at their ends, trolleys, a walk along the shop front, and hedges or fences
+    around them."""
     site = Site(scene_id, rng)
     aisle, pitch = rng.uniform(4.2, 6.5), rng.uniform(2.55, 2.9)
     blocks, cars = rng.randint(2, 3), rng.randint(9, 15)
@@ -151,7 +152,7 @@ def parking(scene_id: str, rng: random.Random) -> Site:
 
 
 def _islands(site: Site, long: float, walk: float, blocks: int, aisle: float) -> list[shapely.Polygon]:
-    """Kerbed islands at the ends of the rows."""
+    """Adds kerbed islands at the ends of the rows."""
     found = []
     for k in range(blocks):
         y = walk + aisle + k * (DEEP + aisle) + DEEP / 2

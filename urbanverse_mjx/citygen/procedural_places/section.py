@@ -1,4 +1,4 @@
-"""The straight street with a carriageway: its ground, its lanes, its traffic and what lines it."""
+"""Straight street with a carriageway: its ground, lanes, traffic, and the objects along it."""
 
 import dataclasses
 import math
@@ -20,11 +20,8 @@ class Street:
     """A straight street along +x from 0 to `length`, everything in metres.
 
     Attributes:
-      half: of the carriageway.
-      left, right: ground between kerb and fronts at +y and -y.
-      kerb: height.
-      crossings: x of the crosswalks.
-      yards: how much of the ground on the left and right is front yards.
+      half: half the width of the carriageway. left, right: ground between kerb and fronts at +y and -y. kerb: height.
+      crossings: x of the crosswalks. yards: depth of the front yards on the left and right, part of that ground.
     """
 
     length: float
@@ -43,15 +40,15 @@ class Street:
         return self.left if side > 0 else self.right
 
     def path(self, side: int) -> float:
-        """Width of the pavement proper."""
+        """Returns the width of the pavement without front yards."""
         return self.width(side) - self.yards[0 if side > 0 else 1]
 
     def y(self, side: int, d: float) -> float:
-        """y at d metres behind the kerb of a side."""
+        """Returns y at d metres behind the kerb of a side."""
         return side * (self.half + d)
 
     def walk(self, side: int) -> shapely.Polygon:
-        """Where objects may stand on a pavement."""
+        """Returns the area of a pavement on which objects may stand."""
         a, b = self.y(side, 0.08), self.y(side, self.width(side) - 0.03)
         return shapely.box(-END + 0.05, min(a, b), self.length + END - 0.05, max(a, b))
 
@@ -67,12 +64,11 @@ def lay(
     side_street: float = 0.0,
     labels: Sequence[str] = (),
 ) -> shapely.Polygon:
-    """Ground of a street: pavements and paved ends, road, crosswalks and strips to walk on (side, from x, to x, width)
-    beside the kerb, dropped kerbs; returns the outline.
+    """Lays the ground of a street: pavements and paved ends, road, crosswalks, walkable strips (side, from x, to x,
+    width) beside the kerb, and dropped kerbs; returns the outline.
 
     Args:
-      side_street: x of one that joins from the left, or 0.
-      labels: of the houses; none: a dozen of all.
+      side_street: x of one that joins from the left, or 0. labels: labels of the houses; if empty, twelve random ones.
     """
     c, half, length = site.canvas, street.half, street.length
     outline = street.outline
@@ -115,8 +111,8 @@ def dropped(site: Site, street: Street, side: int, x: float, name: str) -> None:
 
 
 def walks(site: Site, street: Street, shut: Sequence[tuple[int, float, float]] = (), reach: float = 9.0) -> None:
-    """Lanes along both pavements but for the stretches that are shut (side, from x, to x), over the crosswalks and
-    around both ends."""
+    """Adds lanes along both pavements except closed stretches (side, from x, to x), over the crosswalks and around both
+    ends."""
     length = street.length
     for side in (1, -1):
         wide = street.path(side)
@@ -134,7 +130,7 @@ def walks(site: Site, street: Street, shut: Sequence[tuple[int, float, float]] =
 
 
 def side_walks(site: Site, street: Street, turn: float, top: float) -> None:
-    """Lanes where a side street joins from the left: along its pavements and over its crosswalk."""
+    """Adds lanes at a side street on the left: along its pavements and over its crosswalk."""
     y, back = street.y(1, street.path(1) / 2), top - 1.5
     over = street.half + street.left + 2.5
     walks(site, street, shut=[(1, turn - 4.2, turn + 4.2)], reach=0.4)
@@ -150,7 +146,8 @@ def side_walks(site: Site, street: Street, turn: float, top: float) -> None:
 
 
 def traffic(site: Site, street: Street, share: float, parked: float, off: float = 0.35, apart: float = 3.2) -> None:
-    """Cars at the kerbs (`off` metres from them) and on the road; crosswalks stay free for `apart` metres each way."""
+    """Adds cars at the kerbs (`off` metres from them) and on the road; crosswalks stay free for `apart` metres each
+    way."""
     clear = shapely.union_all([shapely.box(x - apart, -street.half, x + apart, street.half) for x in street.crossings])
     zone = street.road.difference(clear)
     for side in (1, -1):
@@ -170,7 +167,8 @@ def traffic(site: Site, street: Street, share: float, parked: float, off: float 
 
 
 def furnish(site: Site, street: Street, side: int, kerb: float, wall: float, strewn: float) -> None:
-    """Objects along the kerb and the fronts of a pavement and scattered on it; gaps (m) where it is crowded."""
+    """Adds objects along the kerb and the fronts of a pavement and scattered on it; `kerb`, `wall`: gaps (m) at full
+    density."""
     zone = street.walk(side)
     ends = (0.5, street.length - 0.5)
     a, b = ends if side > 0 else ends[::-1]

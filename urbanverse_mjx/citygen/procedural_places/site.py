@@ -1,4 +1,4 @@
-"""`Site`: a place under construction: its ground, the lanes that stay free, the houses around it, and its objects."""
+"""`Site`: builder of a place: its ground, the lanes that stay free, the houses around it, and its objects."""
 
 import dataclasses
 import itertools
@@ -17,15 +17,16 @@ from ..stage import JOINT
 from . import stock
 from .outlines import Corner, corners, ring
 
-#: m that a lane stays free: a robot of 0.4 m radius and the 20 cm cells in which paths are planned.
+#: m, free width of a lane: a robot of 0.4 m radius, plus the planner's cells of 20 cm.
 LANE = 1.25
-#: m of ground behind the fronts: less than any house is deep, so that no path leads behind them.
+#: m, depth of the ground under the fronts; less than the depth of any house, so that no path leads behind them.
 APRON = 2.4
-#: Hulls within `REACH` (m) of a point of the raster (`CELL`, m) at most: of 16 slots, the raster may miss some.
+#: At most this many hulls within `REACH` (m) of a point of the raster (`CELL`, m): 16 slots, minus a reserve for points
+#: between those of the raster.
 MOST_HULLS, REACH, CELL = 14, 0.95, 0.3
-#: m between two objects; from what height on an object meets crowns and arms that hang over others.
+#: m, least gap between two objects, and height from which an object collides with overhanging crowns and arms.
 GAP, TALL = 0.06, 1.9
-_BLOCK = 4.0  # m, side of the squares in which neighbours are looked up
+_BLOCK = 4.0  # m, side of the squares of the neighbour index
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,7 +43,7 @@ class _Front:
 
 
 def _front(label: str, size: catalogue.Size, a: Corner, b: Corner, s: float) -> _Front:
-    """A front s metres along the edge from a to b, on its right, facing it."""
+    """Returns a front s metres along the edge from a to b, on its right, facing it."""
     length = math.dist(a, b)
     u, w = (b[0] - a[0]) / length, (b[1] - a[1]) / length
     degrees = math.degrees(math.atan2(u, -w))
@@ -57,7 +58,7 @@ def _front(label: str, size: catalogue.Size, a: Corner, b: Corner, s: float) -> 
 
 
 class _Shapes:
-    """Outlines (m) that later ones must keep off, found by the squares they touch."""
+    """Occupied outlines (m), indexed by the squares that they touch."""
 
     def __init__(self) -> None:
         self._squares: dict[tuple[int, int], list[shapely.Polygon]] = {}
@@ -80,7 +81,7 @@ class _Shapes:
 
 
 def box(x: float, y: float, degrees: float, along: float, across: float) -> shapely.Polygon:
-    """The oriented rectangle (m) around (x, y)."""
+    """Returns the oriented rectangle (m) around (x, y)."""
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     a, b = along / 2, across / 2
     corners = ((a, b), (-a, b), (-a, -b), (a, -b))
@@ -88,16 +89,16 @@ def box(x: float, y: float, degrees: float, along: float, across: float) -> shap
 
 
 class Site:
-    """Collects one place.
+    """Collects the ground and objects of one place.
 
     Args:
-      scene_id: of the graph to be.
-      rng: every choice comes from it.
+      scene_id: id of the graph.
+      rng: source of every random choice.
 
     Attributes:
       canvas: the ground and the objects.
       density: of scattered objects, 0.3 (sparse) to 1 (crowded).
-      lanes: (n, 2) m, middle lines of the lanes that stay free, in pieces.
+      lanes: (n, 2) m each, pieces of the middle lines of the lanes that stay free.
     """
 
     def __init__(self, scene_id: str, rng: random.Random) -> None:
@@ -121,10 +122,10 @@ class Site:
     # Ground and houses.
 
     def enclose(self, outline: shapely.Polygon, z: float, labels: Sequence[str] = (), walls: float = 0.05) -> None:
-        """Decides on the fronts around an outline (m) and lays the ground under them, first of all ground.
+        """Plans the fronts around an outline (m) and lays the ground under them; call it before any other ground.
 
         Args:
-          labels: of the houses; none: a dozen of all.
+          labels: labels of the houses; if empty, twelve random ones.
           walls: share of bare walls, which also fill gaps too small for a house.
         """
         wide = outline.buffer(APRON, join_style="mitre", mitre_limit=2.0)
@@ -139,13 +140,13 @@ class Site:
                 self.canvas.ground(f"lot_{k}", "sidewalk", corners(lot.exterior)[:-1], z)
 
     def houses(self) -> None:
-        """Puts up the fronts."""
+        """Places the planned fronts."""
         for front in self._fronts:
             self._take(front.label, front.shape, front.shape, front.size, house=True)
             self.canvas.put(front.label, front.x, front.y, front.degrees, size=front.size)
 
     def _plan_fronts(self, outline: shapely.Polygon, labels: Sequence[str], walls: float) -> None:
-        """House fronts along an outline, facing in."""
+        """Returns house fronts along an outline, facing in."""
         inside = outline.buffer(-0.02, join_style="mitre")
         taken = _Shapes()
         for a, b in itertools.pairwise(ring(outline)):
@@ -162,7 +163,7 @@ class Site:
                 s += front.size[1] + JOINT if front else min(length - s, 0.5)
 
     def _tried(self, label: str, rest: float, bare: bool) -> list[tuple[str, catalogue.Size]]:
-        """Labels and sizes that fit `rest` metres of an edge, best first."""
+        """Yields labels and sizes that fit `rest` metres of an edge, best first."""
         deep, wide, high = self.rng.choice(stock.SIZES[label])
         tall, some = round(self.uniform(2.6, 5.2), 2), self.uniform(3.0, 6.0)
         first = rest if 0.55 * wide < rest < 1.5 * wide else wide
@@ -174,7 +175,8 @@ class Site:
     # Lanes.
 
     def lane(self, points: Sequence[Corner], reach: float = 0.0, width: float = LANE) -> None:
-        """Keeps a lane free along a line of points (m) that wanders up to `reach` (m) to either side between them."""
+        """Keeps a lane free along a polyline (m); between its points the lane winds up to `reach` (m) to either
+        side."""
         path: list[Corner] = [points[0]]
         for a, b in itertools.pairwise(points):
             length = math.dist(a, b)
@@ -192,7 +194,7 @@ class Site:
             self.canvas.trajectory = corners(line)
 
     def keep(self, shape: BaseGeometry) -> None:
-        """Keeps an area free."""
+        """Keeps an area free of objects."""
         self._kept = self._kept.union(shape)
         shapely.prepare(self._kept)
 
@@ -209,7 +211,8 @@ class Site:
         gap: float = GAP,
         above: float = 0.0,
     ) -> bool:
-        """Sets an object down unless it would leave its zone, stand in a lane or touch another; whether it did."""
+        """Places an object unless it would leave its zone, stand in a lane or touch another; returns whether it was
+        placed."""
         size = size or self.size_of(label)
         stem = catalogue.STEMS.get(label)
         reach = stem.offset * size[0] / 2 if stem else 0.0
@@ -233,7 +236,8 @@ class Site:
     def _take(
         self, label: str, foot: shapely.Polygon, whole: shapely.Polygon, size: catalogue.Size, house: bool = False
     ) -> bool:
-        """Books an object; False where a robot beside it would have more hulls in reach than slots."""
+        """Reserves an object's outline; returns False if a robot beside it would have more hulls in reach than
+        slots."""
         near = foot.buffer(REACH, quad_segs=2)
         x0, y0, x1, y1 = near.bounds
         low = np.maximum(np.floor((np.array([x0, y0]) - self._origin) / CELL).astype(int), 0)
@@ -252,8 +256,8 @@ class Site:
         return True
 
     def scatter(self, zone: BaseGeometry, mix: str, per_100: float, tries: int = 8) -> int:
-        """Strews objects of a mix over a zone in any pose, `per_100` to 100 m² where it is crowded; returns how
-        many."""
+        """Scatters objects of a mix over a zone in any pose, `per_100` per 100 m² at full density; returns their
+        number."""
         if zone.is_empty:
             return 0
         shapely.prepare(zone)
@@ -278,8 +282,8 @@ class Site:
         turn: float = 8.0,
         dense: bool = True,
     ) -> None:
-        """Objects along a line (m), their backs `off` metres to its left, facing away from it; gaps of `apart` metres,
-        longer where it is sparse unless not `dense`."""
+        """Places objects along a line (m), their backs `off` metres to its left, facing away from it, with gaps of
+        `apart` metres, longer at low density if `dense`."""
         labels = stock.MIXES[mix] if isinstance(mix, str) else mix
         loose = 1.0 / self.density if dense else 1.0
         for a, b in itertools.pairwise(line):
@@ -311,7 +315,8 @@ class Site:
         turn: float = 0.0,
         skip: float = 0.0,
     ) -> None:
-        """The same object from one point to another, `apart` metres between middles, a share `skip` left out."""
+        """Places the same object from one point to another, `apart` metres between middles, with a share `skip` left
+        out."""
         length = math.dist(a, b)
         degrees = math.degrees(math.atan2(b[1] - a[1], b[0] - a[0])) + 90.0 + turn
         size = self.size_of(label)

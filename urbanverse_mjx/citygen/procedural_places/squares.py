@@ -1,4 +1,4 @@
-"""Courtyard or plaza, and market street."""
+"""Templates: courtyard or plaza, and market street."""
 
 import itertools
 import math
@@ -14,8 +14,8 @@ from .site import Site
 
 
 def courtyard(scene_id: str, rng: random.Random) -> Site:
-    """A square closed by houses, with passages out of it; planters in rows, benches, something in the middle, sometimes
-    a raised floor with ramps."""
+    """Builds a square enclosed by houses, with passages out of it, planters in rows, benches, a central object, and
+    sometimes a raised floor with ramps."""
     site = Site(scene_id, rng)
     long, wide = round(rng.uniform(26.0, 42.0), 1), round(rng.uniform(22.0, 34.0), 1)
     parts = [shapely.box(0.0, 0.0, long, wide)]
@@ -63,7 +63,8 @@ def courtyard(scene_id: str, rng: random.Random) -> Site:
 
 
 def _deck(site: Site, long: float, wide: float) -> tuple[float, float, float, float]:
-    """A floor 0.15 to 0.4 m up in the middle, a ramp of 1:10 to it from two sides; returns the whole occupied area."""
+    """Adds a floor 0.15 to 0.4 m high in the middle with ramps of 1:10 on two sides; returns the whole occupied
+    area."""
     high = round(site.uniform(0.15, 0.36), 2)
     run, half = round(high * 10.0, 2), round(site.uniform(0.8, 1.4), 2)
     x0, x1 = round(long / 2 - site.uniform(3.0, 4.5), 2), round(long / 2 + site.uniform(3.0, 4.5), 2)
@@ -108,7 +109,7 @@ def _court_objects(site: Site, outline: shapely.Polygon, zone: BaseGeometry, lon
 
 
 def market(scene_id: str, rng: random.Random) -> Site:
-    """A street full of stalls in two or three rows, aisles between them, shoppers and unloaded goods."""
+    """Builds a street with two or three rows of stalls, aisles between them, shoppers and unloaded goods."""
     site = Site(scene_id, rng)
     rows = rng.choice((2, 2, 3))
     aisle = rng.uniform(2.0, 3.0)

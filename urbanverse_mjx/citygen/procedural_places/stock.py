@@ -5,7 +5,7 @@ from ..canvas import object_sizes
 
 SIZES = object_sizes.SIZES
 
-#: Labels for each kind of spot; every draw is uniform over the list.
+#: Labels for each kind of location; every draw is uniform over the list.
 MIXES: dict[str, tuple[str, ...]] = {
     "people": (
         "pedestrian adult", "pedestrian adult", "pedestrian adult", "pedestrian adult", "pedestrian child",
@@ -89,7 +89,7 @@ MIXES: dict[str, tuple[str, ...]] = {
     "planters": ("plant pot", "potted plant", "shrub", "flower", "stone block", "bench"),
 }  # fmt: skip
 
-#: Fronts that close the view.
+#: House fronts around a place.
 HOUSES: tuple[str, ...] = (
     "apartment building", "apartment building", "house", "office building", "hotel", "cafe", "restaurant", "bakery",
     "convenience store", "pharmacy", "bookstore", "bank", "clothing store", "supermarket", "flower shop", "bar",
@@ -98,7 +98,7 @@ HOUSES: tuple[str, ...] = (
     "watch shop", "video game store", "travel agency", "seafood shop", "juice bar", "jewelry store", "cosmetics store",
 )  # fmt: skip
 
-#: Fronts around a parking lot, and of a street where people live.
+#: Fronts around a parking lot, and of a residential street.
 SHEDS = (
     "supermarket", "retail", "garage", "office building", "convenience store", "apartment building", "school", "house",
     "hostel",
@@ -108,7 +108,7 @@ HOMES = (
     "hair salon",
 )  # fmt: skip
 
-#: Hulls of the base shapes that have more than `FEW`, the most of any of a label's.
+#: Number of hulls of the labels that have more than `FEW`, the largest over a label's base shapes.
 FEW = 3
 HULLS: dict[str, int] = {
     "bench": 6, "bicycle": 4, "bicycle parking": 5, "scooter": 4, "motorcycle": 5, "table": 4, "stool": 4,
@@ -130,10 +130,10 @@ HULLS: dict[str, int] = {
     "bulldozer": 12, "motorcycle parking": 12, "truck": 5, "trailer": 12, "concrete tetrapod": 3, "gate": 12,
     "traffic light": 6, "caution sign": 5, "directional sign": 5, "traffic sign": 4, "tree": 5, "utility pole": 4,
 }  # fmt: skip
-#: Of an object longer than `LONG` (m) a robot is near a part of its hulls, of a house near its front's alone.
+#: A robot is close to at most `PART` hulls of an object longer than `LONG` (m), and to the `FRONT` hulls of a house.
 LONG, PART, FRONT = 3.9, 6, 2
 
-#: Growths of trees that fit between houses.
+#: Growth forms of trees that fit between houses.
 SLIM: tuple[catalogue.Size, ...] = (catalogue.TREES["slim"], catalogue.TREES["street"], catalogue.TREES["palm"])
 
 SIDEWALKS: tuple[str, ...] = (
@@ -145,7 +145,7 @@ SIDEWALKS: tuple[str, ...] = (
 
 
 def hulls(label: str, size: catalogue.Size, house: bool = False) -> int:
-    """About how many collision hulls of an object a robot beside it may have to be tested against."""
+    """Returns about how many collision hulls of an object a robot beside it may be tested against."""
     if house:
         return FRONT
     return PART if max(size[:2]) > LONG else HULLS.get(label, FEW)

@@ -1,4 +1,4 @@
-"""Streets with cars: works, narrow residential street, bus stops and a crossing."""
+"""Templates of streets with cars: road works, narrow residential street, bus stops and a crossing."""
 
 import random
 
@@ -11,8 +11,8 @@ from .site import Site
 
 
 def works(scene_id: str, rng: random.Random) -> Site:
-    """A street whose pavements are shut in places by works, scaffolds, vans or scooters: strips on the road lead past
-    them, or the other side does."""
+    """Builds a street whose pavements are closed in places by works, scaffolds, vans or scooters; the detour is a strip
+    on the road or the other pavement."""
     site = Site(scene_id, rng)
     length, half = round(rng.uniform(84.0, 116.0), 1), round(rng.uniform(3.4, 4.6), 2)
     left, right, kerb = round(rng.uniform(2.0, 3.6), 2), round(rng.uniform(2.0, 3.6), 2), rng.choice((0.06, 0.1, 0.15))
@@ -51,7 +51,7 @@ def works(scene_id: str, rng: random.Random) -> Site:
 
 
 def _shut(site: Site, street: Street, side: int, a: float, b: float) -> None:
-    """Barriers that close a pavement from one x to another."""
+    """Places barriers that close a pavement from one x to another."""
     rng, zone, wide = site.rng, street.walk(side), street.width(side)
     y0, y1 = street.y(side, 0.12), street.y(side, wide - 0.12)
     kind = rng.choice(("works", "works", "vans", "scooters", "dumped", "scaffold"))
@@ -91,8 +91,8 @@ def _shut(site: Site, street: Street, side: int, a: float, b: float) -> None:
 
 
 def residential(scene_id: str, rng: random.Random) -> Site:
-    """A narrow street with pavements down to 1.35 m: bins and bags before the doors, poles, cars half on the pavement,
-    front gardens behind hedges on one side now and then."""
+    """Builds a narrow street with pavements down to 1.35 m: bins and bags before the doors, poles, cars half on the
+    pavement, sometimes front gardens behind hedges on one side."""
     site = Site(scene_id, rng)
     length, half = round(rng.uniform(84.0, 120.0), 1), round(rng.uniform(2.3, 3.2), 2)
     left, right = rng.sample((round(rng.uniform(1.4, 1.9), 2), round(rng.uniform(1.8, 2.5), 2)), 2)
@@ -110,7 +110,7 @@ def residential(scene_id: str, rng: random.Random) -> Site:
     else:
         walks(site, street)
     clear = shapely.union_all([shapely.box(x - 3.5, -9, x + 3.5, 9) for x in crossings])
-    if kerb < 0.1:  # low enough to drive up on: half on the pavement where that is wide enough
+    if kerb < 0.1:  # a low kerb: cars park half on the pavement where it is wide enough
         for side in (1, -1):
             x = rng.uniform(4.0, 12.0)
             while x < length - 8.0:
@@ -137,7 +137,7 @@ def residential(scene_id: str, rng: random.Random) -> Site:
 
 
 def _yards(site: Site, street: Street, side: int) -> None:
-    """Front yards: a hedge, fence, wall or no border towards the pavement, a gap before each door."""
+    """Places front yards: a hedge, fence, wall or no border towards the pavement, with a gap before each door."""
     rng, zone = site.rng, street.walk(side)
     y = street.y(side, street.path(side) + 0.4)
     x = 1.0
@@ -161,8 +161,8 @@ def _yards(site: Site, street: Street, side: int) -> None:
 
 
 def crossing(scene_id: str, rng: random.Random) -> Site:
-    """A broad street with bus stops, queues and crowds, islands beside its crosswalks, rails and bollards at the kerbs,
-    and a side street."""
+    """Builds a broad street with bus stops, queues and crowds, islands beside its crosswalks, rails and bollards at the
+    kerbs, and a side street."""
     site = Site(scene_id, rng)
     length, half = round(rng.uniform(64.0, 88.0), 1), round(rng.uniform(4.5, 6.5), 2)
     left, right = round(rng.uniform(3.4, 6.0), 2), round(rng.uniform(3.0, 6.0), 2)
@@ -197,7 +197,7 @@ def crossing(scene_id: str, rng: random.Random) -> Site:
 
 
 def _stop(site: Site, street: Street, side: int) -> None:
-    """A bus stop with waiting people, sometimes the bus; rails or bollards along the kerb elsewhere."""
+    """Places a bus stop with waiting people and sometimes a bus, and rails or bollards along the rest of the kerb."""
     rng, zone = site.rng, street.walk(side)
     for _ in range(rng.randint(1, 3)):
         x = rng.uniform(6.0, street.length - 6.0)

@@ -1,8 +1,8 @@
-"""Procedural scenes, the baseline that cousins of real layouts are compared with.
+"""Procedural scenes, the baseline for cousins of real layouts.
 
-In the manner of URBAN-SIM's generator (docs/sources/reference_systems.md a.2, e.2): five hard-coded street templates
-with random sizes, filled zone by zone from fixed lists of objects, each drawn alone and put at a random free place. It
-follows no city, and omits groups, rows and blocked pavements on purpose.
+The generator follows URBAN-SIM's (docs/sources/reference_systems.md a.2, e.2): five hard-coded street templates with
+random sizes, filled zone by zone from fixed lists of objects, each drawn independently and placed at a random free
+position. It models no city and deliberately omits groups, rows and blocked pavements.
 """
 
 import math
@@ -67,26 +67,26 @@ HOUSES = (
     "bank",
     "supermarket",
 )
-#: Objects per 10 m of one pavement, from and to; of the plaza per 100 m².
+#: Range of objects per 10 m of one pavement; for the plaza per 100 m².
 DENSITY = {"kerb": (1.0, 2.0), "clear": (0.3, 0.9), "front": (0.4, 1.0), "road": (0.2, 0.8), "plaza": (1.0, 2.0)}
-#: m from the kerb that the kerb's zone begins and ends, and m of the zone before the houses.
+#: m, distances from the kerb at which the kerb's zone begins and ends, and depth of the zone before the houses.
 KERB_ZONE, FRONT_ZONE = (0.25, 1.35), 1.0
-#: m between any two objects; m on either side of a crosswalk's middle that stay free.
+#: m, least gap between two objects, and length kept free on either side of a crosswalk's middle.
 APART, MOUTH = 0.3, 3.0
 CAMERA_HEIGHT = 1.6
 _TRIES = 30
 
 
 def template_of(index: int) -> str:
-    """Name of the template of scene `index`; they take turns."""
+    """Returns the name of the template of scene `index`; the templates are used in turn."""
     return list(TEMPLATES)[index % len(TEMPLATES)]
 
 
 def build(index: int) -> SceneGraph:
-    """Procedural scene number `index` of `COUNT`, the same on every machine.
+    """Returns the graph of procedural scene `index` of `COUNT`; it is identical on every machine.
 
     Raises:
-      ValidationError: no such number.
+      ValidationError: the index is out of range.
     """
     v.integer(index, "procedural scene", 0, COUNT - 1)
     rng = random.Random(f"procedural-{index}")
@@ -101,7 +101,7 @@ def build(index: int) -> SceneGraph:
 
 
 def _trajectory(arm: Arm, offset: float) -> tuple[tuple[float, float, float, float], ...]:
-    """A walk at eye level along the right pavement of an arm, a point every 5 m."""
+    """Returns a walk at eye level along the right pavement of an arm, a point every 5 m."""
     path = []
     for k in range(int((arm.free[1] - arm.free[0]) // 5) + 1):
         (x, y), (u, w) = arm.frame(arm.free[0] + 5.0 * k)
@@ -134,8 +134,8 @@ class _Scene:
             self._fill_plaza(self.plan.plaza)
 
     def _houses(self) -> None:
-        """Wall to wall along both sides of each arm and across its closed ends; a house that would stand on a street or
-        in another house is left out, one beside a plaza stands behind it."""
+        """Places houses without gaps along both sides of each arm and across its closed ends. A house that would stand
+        on a street or in another house is left out; one beside a plaza stands behind it."""
         front, plaza = self.plan.half + self.plan.pavement, self.plan.plaza
         for arm in self.plan.arms:
             for side in (1, -1):
@@ -155,7 +155,7 @@ class _Scene:
                     self._close(arm, at_end, front)
 
     def _close(self, arm: Arm, at_end: bool, front: float) -> None:
-        """Houses across an end of an arm, facing along it."""
+        """Places houses across an end of an arm, facing along it."""
         (x, y), (u, w) = arm.frame(arm.line.length if at_end else 0.0)
         facing = (-u, -w) if at_end else (u, w)
         t = -front
@@ -195,14 +195,15 @@ class _Scene:
                 return
 
     def _yaw(self, zone: str, along: float, out: float, side: int) -> float:
-        if zone == "road":  # with the traffic of its side, which keeps to the right
+        if zone == "road":  # headed with the traffic of its side, which drives on the right
             return along + (math.pi if side > 0 else 0.0) + self.rng.uniform(-0.03, 0.03)
         if zone == "front":
             return out + math.pi
         return self.rng.uniform(-math.pi, math.pi) if zone == "clear" else out + math.pi * self.rng.randint(0, 1)
 
     def _offset(self, zone: str, trial: GraphObject, out: tuple[float, float]) -> float | None:
-        """m from the kerb to an object's middle that keeps it in its zone; None where it does not fit."""
+        """Returns a distance (m) from the kerb to an object's middle that keeps it in its zone, or None if it does not
+        fit."""
         reach = max(abs(x * out[0] + y * out[1]) for x, y in clearance.footprint(trial).exterior.coords)
         width = self.plan.pavement
         bounds = {
@@ -224,7 +225,7 @@ class _Scene:
         shape = clearance.footprint(obj)
         if not (self.ground.road if zone == "road" else self._middle).contains(shape):
             return False
-        # A robot must pass between two objects on one pavement, unless they stand in line along its edges.
+        # A robot must be able to pass between two objects on one pavement, unless they stand in line along its edges.
         reach = clearance.CLEARANCE if zone == "clear" else APART
         if shape.buffer(reach).intersects(self._close_by(shape, reach)):
             return False
@@ -254,7 +255,7 @@ class _Scene:
         return self.rng.choice(catalogue.SIZES[label])
 
     def _make(self, label: str, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> GraphObject:
-        """An object whose stem, or else its middle, stands at (x, y)."""
+        """Returns an object with its stem, or its middle where it has none, at (x, y)."""
         ground = 0.0 if self.ground.road.contains(shapely.Point(x, y)) else KERB
         stem = catalogue.STEMS.get(label)
         if stem:

@@ -1,7 +1,7 @@
 """Ground of procedural scenes: roads along arms, pavements beside them, crosswalks with dropped kerbs, lots for houses.
 
-An arm is a centre line; where arms meet, their roads are one. Everything is snapped to the millimetre before it is cut,
-so that neighbours share their corners exactly.
+An arm is a centre line; where arms meet, their roads are merged. Everything is snapped to the millimetre before it is
+cut, so that neighbours share their corners exactly.
 """
 
 import dataclasses
@@ -26,8 +26,8 @@ class Arm:
 
     Attributes:
       points: (x, y) m along the centre line.
-      free: m from and to along it where objects may stand: not in a junction.
-      crosswalks: m along it; only where the arm runs along an axis.
+      free: range (m) along it in which objects may stand, outside junctions.
+      crosswalks: positions (m) along it; only where the arm is parallel to an axis.
       closed: whether a house closes the view at its (start, end).
     """
 
@@ -41,7 +41,7 @@ class Arm:
         return shapely.LineString(self.points)
 
     def frame(self, s: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Place at s metres, and the direction of the arm there."""
+        """Returns the position at s metres and the direction of the arm there."""
         line = self.line
         a, b = line.interpolate(max(0.0, s - 0.01)), line.interpolate(min(line.length, s + 0.01))
         away = math.hypot(b.x - a.x, b.y - a.y)
@@ -65,7 +65,7 @@ class Ground:
 
 
 def lay(arms: Sequence[Arm], half: float, pavement: float, plaza: shapely.Polygon | None = None) -> Ground:
-    """The ground of a scene.
+    """Returns the ground of a scene.
 
     Args:
       half: m, half a carriageway.
@@ -103,12 +103,12 @@ def _snap(shape: BaseGeometry) -> BaseGeometry:
 
 
 def _band(arms: Sequence[Arm], reach: float) -> BaseGeometry:
-    """All that lies within `reach` of the arms, square at their ends."""
+    """Returns the area within `reach` of the arms, with square ends."""
     return shapely.union_all([arm.line.buffer(reach, cap_style="flat", join_style="mitre") for arm in arms])
 
 
 def _end_lot(arm: Arm, at_end: bool, reach: float) -> BaseGeometry:
-    """The ground under the house that closes an end of an arm."""
+    """Returns the ground under the house that closes an end of an arm."""
     (x, y), (u, v) = arm.frame(arm.line.length if at_end else 0.0)
     away = LOT_DEPTH if at_end else -LOT_DEPTH
     end = shapely.LineString([(x, y), (x + u * away, y + v * away)])
@@ -124,7 +124,7 @@ def _crossing(arm: Arm, s: float, half: float) -> BaseGeometry:
 
 
 def _ramp(arm: Arm, s: float, side: int, half: float, name: str) -> list[GroundRegion]:
-    """A dropped kerb and its two flares (see `section._ramp`) on the left (+1) or right (-1) of an arm."""
+    """Returns a dropped kerb and its two flares (see `section._ramp`) on the left (+1) or right (-1) of an arm."""
     (x, y), along = arm.frame(s)
     out = (-along[1] * side, along[0] * side)
     kerb = (x + out[0] * half, y + out[1] * half)
@@ -136,7 +136,8 @@ def _ramp(arm: Arm, s: float, side: int, half: float, name: str) -> list[GroundR
         )
 
     def plane(slope: float, level: float) -> Plane:
-        """Rises outwards from the kerb by the ramp's slope, along the arm by `slope`; `level` at the kerb's middle."""
+        """Returns a plane that rises outwards from the kerb by the ramp's slope and along the arm by `slope`, with
+        `level` at the kerb's middle."""
         rise = KERB / RAMP_RUN
         a, b = rise * out[0] + slope * along[0], rise * out[1] + slope * along[1]
         return round(a, 9), round(b, 9), round(level - a * kerb[0] - b * kerb[1], 9)
@@ -153,7 +154,8 @@ def _ramp(arm: Arm, s: float, side: int, half: float, name: str) -> list[GroundR
 def _regions(
     name: str, kind: str, shape: BaseGeometry, plane: Plane, beside: Sequence[BaseGeometry] = ()
 ) -> Iterator[GroundRegion]:
-    """A region for each simple piece of a shape; pieces with holes are cut through them, and keep off `beside`."""
+    """Returns a region for each simple piece of a shape; pieces with holes are cut through them, and all avoid
+    `beside`."""
     number = 0
     for whole in _without_holes(shape):
         for piece in _apart(whole, beside):
@@ -164,8 +166,8 @@ def _regions(
 
 
 def _apart(piece: shapely.Polygon, beside: Sequence[BaseGeometry]) -> Iterator[shapely.Polygon]:
-    """The piece, cut back by two millimetres from what it lies over: where a cut meets a long edge that runs askew, its
-    corner is snapped, and the edge leaves its neighbour's by up to half of one."""
+    """Returns the piece, cut back by two millimetres from a region that it overlaps. Where a cut meets a long slanted
+    edge its corner is snapped, which moves the edge away from its neighbour's by up to half a millimetre."""
     exact = shapely.set_precision(piece, 0.0)  # on its grid it would share no corner
     over = [other for other in beside if exact.intersection(other).area > MAX_OVERLAP]
     if not over:

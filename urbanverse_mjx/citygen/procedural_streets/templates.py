@@ -1,4 +1,4 @@
-"""The five hard-coded templates of procedural scenes: where streets run, with random lengths, radii and turns."""
+"""The five hard-coded street templates of procedural scenes, with random lengths, radii and turns."""
 
 import dataclasses
 import math
@@ -12,7 +12,7 @@ from .ground import Arm
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """Where streets run.
+    """Layout of the streets of a scene.
 
     Attributes:
       arms: stretches of street.
@@ -34,7 +34,7 @@ def _straight(rng: random.Random, half: float, pavement: float) -> Plan:
 
 
 def _curve(rng: random.Random, half: float, pavement: float) -> Plan:
-    """A straight leg, an arc in steps of 10 degrees, another leg."""
+    """Returns a straight leg, an arc in steps of 10 degrees, and another leg."""
     leg, radius, turn = rng.uniform(55.0, 75.0), rng.uniform(18.0, 30.0), rng.choice((-1, 1)) * rng.randint(4, 9)
     side = 1 if turn > 0 else -1
     points = [(0.0, 0.0), (leg, 0.0)]
@@ -49,7 +49,7 @@ def _curve(rng: random.Random, half: float, pavement: float) -> Plan:
 
 
 def _tee(rng: random.Random, half: float, pavement: float) -> Plan:
-    """A main street and one that ends on it from the left."""
+    """Returns a main street and one that ends on it from the left."""
     arm, stem = round(rng.uniform(60.0, 75.0), 1), round(rng.uniform(50.0, 65.0), 1)
     edge = half + pavement
     main = [Arm(((0.0, 0.0), (side * arm, 0.0)), (edge, arm), (edge + 3.0,), (False, True)) for side in (-1, 1)]
@@ -66,7 +66,7 @@ def _crossing(rng: random.Random, half: float, pavement: float) -> Plan:
 
 
 def _square(rng: random.Random, half: float, pavement: float) -> Plan:
-    """A street with a plaza on its left."""
+    """Returns a street with a plaza on its left."""
     plan = _straight(rng, half, pavement)
     length = plan.arms[0].free[1]
     width, depth = round(rng.uniform(30.0, 45.0), 1), round(rng.uniform(22.0, 32.0), 1)

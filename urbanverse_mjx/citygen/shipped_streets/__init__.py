@@ -1,11 +1,11 @@
-"""The six streets, one module each: a section, authored placements and seeded clutter."""
+"""The six shipped streets, one module each: a cross-section, manual placements and seeded clutter."""
 
 from collections.abc import Callable
 
 from ..composer import StreetComposer
 from . import commercial_bike_lane, commercial_cafes, construction_narrow, park_edge, residential_bins, tourist_scooters
 
-#: Scene id to its builder, in the order of the banks.
+#: Scene id to builder, in the order of the scene banks.
 BUILDERS: dict[str, Callable[[], StreetComposer]] = {
     "residential_bins": residential_bins.build,
     "commercial_cafes": commercial_cafes.build,
@@ -15,7 +15,7 @@ BUILDERS: dict[str, Callable[[], StreetComposer]] = {
     "park_edge": park_edge.build,
 }
 
-#: Which streets may be trained on; the others are only ever evaluated on.
+#: Streets of each split; only those of `train` are used in training, the others in evaluation only.
 SPLITS: dict[str, list[str]] = {
     "train": ["residential_bins", "commercial_cafes", "construction_narrow", "tourist_scooters"],
     "test": ["commercial_bike_lane", "park_edge"],

@@ -1,4 +1,4 @@
-"""A street under repair: fences, barriers and cones squeeze both pavements to a narrow passage."""
+"""A street under repair: fences, barriers and cones narrow both pavements."""
 
 from ..composer import LEFT, RIGHT, StreetComposer
 from ..pieces import lane_paint, parked
@@ -73,7 +73,7 @@ def build() -> StreetComposer:
     street.facades(RIGHT, ("house", "apartment building", "bank", "hotel", "office building", "bar"))
     street.close_view(("office building",), at_end=False)
     street.close_view(("apartment building", "office building", "house"), at_end=True)
-    # the dig on the left: barriers on the road, a fence on the pavement that leaves 1.7 m along the fronts
+    # road works on the left: barriers on the road, a fence on the pavement that leaves 1.7 m along the fronts
     street.row(
         "jersey barrier",
         (18.0, 20.2, 22.4, 24.6, 26.8, 29.0, 31.2, 33.4, 35.6, 37.8, 40.0, 42.2),

@@ -1,4 +1,4 @@
-"""A bar street in a tourist quarter: scooters lying about, vehicles on the pavement, crowds at the doors."""
+"""A bar street in a tourist quarter: scooters and vehicles on the pavement, crowds at the doors."""
 
 from ..composer import LEFT, RIGHT, StreetComposer
 from ..pieces import cafe_set, lane_paint, rubbish
@@ -6,7 +6,7 @@ from ..section import StreetSection
 
 SECTION = StreetSection(length=68.0, carriageway=6.4, left=3.8, right=4.4, crosswalks=(20.0, 50.0))
 
-#: Carelessly parked scooters: across the pavement, in twos and threes.
+#: Carelessly parked scooters: across the pavement, in groups of two or three.
 SCOOTERS = (
     (6.2, LEFT, 1.0, 35.0),
     (9.4, LEFT, 1.5, 100.0),

@@ -1,7 +1,7 @@
-"""Validation streets: eight scenes composed by hand, one module `vNN_...` each with a `build() -> Canvas`.
+"""Validation streets: eight hand-made scenes, one module `vNN_...` each with a `build() -> Canvas`.
 
 Checkpoints, presets and ablations are chosen on them (with the other scenes of `scenes/validation.json`), so that
-CraftBench and AutoBench serve for final tables alone. No plan of CraftBench is used again.
+CraftBench and AutoBench are used for final tables only. Their layouts differ from CraftBench's.
 """
 
 from ...datatypes import SceneGraph
@@ -13,7 +13,7 @@ BUILDERS = discovery.builders(__name__, __path__, "v")
 
 
 def build(scene_id: str) -> SceneGraph:
-    """The graph of one validation street, the same on every machine.
+    """Returns the graph of one validation street; it is identical on every machine.
 
     Raises:
       ValidationError: no scene has this id.

@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.citygen.validation_streets`: faults of the validation streets; `--out` writes graphs."""
+"""`python -m urbanverse_mjx.citygen.validation_streets`: lists faults of these scenes; `--out` writes their graphs."""
 
 import sys
 

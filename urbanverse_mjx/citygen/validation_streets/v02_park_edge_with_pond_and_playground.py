@@ -1,6 +1,6 @@
 """The edge of a park: a round pond with a path around it, a playground on gravel, a kiosk with tables.
 
-A street runs north in the west, behind its pavement the park opens through two gaps in a hedge. Paths lead to the ring
+A street runs north in the west; behind its pavement, two gaps in a hedge lead into the park. Paths lead to the ring
 around the pond (water 40 cm below its bank), on to the playground in the south-east and to the kiosk in the north-east.
 """
 

@@ -1,7 +1,7 @@
-"""Market day on a square with five sides: stalls stand in a fan around a stone cross, between them people queue.
+"""Market day on a five-sided square: stalls stand in rings around a stone cross, with queues between them.
 
-Three lanes lead in through its fronts; before the church in the north lies a terrace (25 cm) with a ramp at one
-end and steps at the other. Crates, carts and hand trolleys stand wherever a stall has no room for them.
+Three lanes lead in between its fronts. Before the church in the north is a terrace (25 cm high) with a ramp at one end
+and steps at the other. Crates, carts and hand trolleys stand around the stalls.
 """
 
 import math
@@ -74,7 +74,7 @@ def _fronts(c: Canvas) -> None:
 
 
 def _stalls(c: Canvas) -> None:
-    """Three rings of stalls: the inner one faces outward, the outer ones inward, people queue between."""
+    """Three rings of stalls: the inner one faces outward, the outer ones inward, with queues between them."""
     c.put("obelisk", *CROSS, 20.0, 0)
     for bearing in (45.0, 135.0, 225.0, 315.0):
         c.put("guard stone", *polar(CROSS, bearing, 1.5), bearing, 0)

@@ -1,8 +1,8 @@
-"""Before a hospital: a drive bends in from the street past the entrance and out again, with two bus stops on it.
+"""A hospital forecourt: a drive leads from the street past the entrance and back, with two bus stops on it.
 
 The street runs east in the south. Its northern pavement (4 m) crosses both mouths of the drive on zebras; inside the
-drive lies a garden with paths, and a raised crossing leads from it to the entrance. Wheelchairs, visitors, taxis that
-wait, ambulances, a bicycle stand and a repair of the paving.
+drive is a garden with paths, and a raised crossing leads from it to the entrance. Objects include wheelchairs,
+visitors, waiting taxis, ambulances, a bicycle stand and a paving repair.
 """
 
 from ..canvas import ground_layers as lay

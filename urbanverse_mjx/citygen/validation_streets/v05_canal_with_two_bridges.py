@@ -1,4 +1,4 @@
-"""Two quays along a canal, joined by a level and by a humped bridge; a ramp lies beside every step.
+"""Two quays along a canal, joined by a level and a humped bridge, with a ramp beside every step.
 
 The canal (8 m wide) runs east. The eastern half of both quays lies 40 cm higher than the western one: a ramp of 1:12
 along the water, steps along the fronts. Trees, moored boats, bicycles, terraces and boxes stand on 5.6 m of quay.
@@ -62,10 +62,10 @@ def _fronts(c: Canvas) -> None:
 
 
 def _rails(c: Canvas) -> None:
-    """Railings on the bridges and the ramps, and their remains along the water."""
+    """Railings on the bridges and the ramps, and remaining pieces along the water."""
     for x, inside in ((WEST_BRIDGE[0], 0.12), (WEST_BRIDGE[1], -0.12)):
         chain(c, "fence", [(x + inside, -3.9), (x + inside, 3.9)], stretch=2.2)
-    # posts on the humped one: a piece of railing would stand on two slopes
+    # posts on the humped bridge, because a piece of railing would stand on two slopes
     for x, inside in ((EAST_BRIDGE[0], 0.2), (EAST_BRIDGE[1], -0.2)):
         for k in range(11):
             c.put("bollard", x + inside, 0.76 * (k - 5), 0.0)

@@ -106,7 +106,7 @@ def _south(c: Canvas) -> None:
             ("minivan", 17.0, -1.25, "+"),
         ],
     )
-    # the bend: a bed narrows the road, parents have stopped on it
+    # the bend: a flower bed narrows the road, and parents' cars stand on it
     c.along(
         L2,
         [

@@ -1,7 +1,7 @@
-"""A supermarket and its car park: raised walkways lead between the bays to the doors, trolleys stand everywhere.
+"""A supermarket and its car park: raised walkways lead between the bays to the doors, with trolleys on them.
 
-The car park is asphalt that no pavement robot drives on; a walkway (2.6 m) runs down its middle, another along its
-west side, with zebras where they cross the aisles and a broad pavement before the doors. A street lies in the south.
+Pavement robots may not drive on the asphalt of the car park. A walkway (2.6 m) runs down its middle, another along its
+west side, with zebra crossings at the aisles and a broad pavement before the doors. A street lies in the south.
 """
 
 from ..canvas import ground_layers as lay

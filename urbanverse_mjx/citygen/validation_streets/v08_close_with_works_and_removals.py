@@ -1,7 +1,8 @@
-"""A housing close that ends in a hammerhead: a trench is open, a family moves out, bins wait on both pavements.
+"""A residential cul-de-sac with a hammerhead: an open trench, a removal, and bins on both pavements.
 
-The close runs north from a street and ends in a bar of asphalt for turning; a footpath between two gardens leads on to
-a lane of garages. Pavements are 2.4 m wide; works, a lorry's load and parked cars on the kerb take most of them.
+The cul-de-sac runs north from a street and ends in a bar of asphalt for turning; a footpath between two gardens leads
+on to a lane of garages. Pavements are 2.4 m wide; works, a lorry's load and parked cars on the kerb occupy most of
+them.
 """
 
 from ..canvas import ground_layers as lay
@@ -101,7 +102,7 @@ def _gardens(c: Canvas) -> None:
 
 
 def _left(c: Canvas) -> None:
-    """Works: a trench in the western pavement, its spoil and signs; before and behind it the bins."""
+    """Works: a trench in the western pavement with its spoil and signs, and bins before and behind it."""
     c.along(
         LEFT,
         [
@@ -134,7 +135,7 @@ def _left(c: Canvas) -> None:
 
 
 def _right(c: Canvas) -> None:
-    """A removal: the van stands at the kerb, half the household on the pavement."""
+    """A removal: a van at the kerb and furniture on the pavement."""
     c.along(
         RIGHT,
         [
