@@ -253,7 +253,7 @@ def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path
 
 def test_the_fit_can_be_finer_and_its_options_are_checked(tmp_path: pathlib.Path) -> None:
     rough, fine = (
-        load_with_fits(write(tmp_path, fit={"tolerance": 0.005, "spheres": n}))[1][0].cover.error for n in (6, 40)
+        load_with_fits(write(tmp_path, fit={"tolerance": 0.005, "spheres": n}))[1][0].cover.error for n in (3, 12)
     )
     assert fine < 0.8 * rough
     with pytest.raises(ValidationError, match=r"fit\.spheres"):
