@@ -4,6 +4,7 @@ import fcntl
 import gc
 import os
 import pathlib
+import random
 import sys
 
 import pytest
@@ -27,6 +28,12 @@ LONG = (
 def programs_folder() -> pathlib.Path:
     """Where compiled programs are kept."""
     return settings.cache_dir("tests", "jax")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Adds `--shuffle SEED`."""
+    told = "run the modules, and the tests of each, in an order drawn from a seed"
+    parser.addoption("--shuffle", type=int, metavar="SEED", help=told)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -62,12 +69,26 @@ def pytest_unconfigure(config: pytest.Config) -> None:
         remove_least_recent(programs_folder(), KEPT)
 
 
+def shuffled(items: list[pytest.Item], seed: int) -> list[pytest.Item]:
+    """Modules in any order, and the tests of each: none may need another one, nor be harmed by it."""
+    draw, modules = random.Random(seed), dict[pathlib.Path, list[pytest.Item]]()
+    for item in items:
+        modules.setdefault(item.path, []).append(item)
+    order = list(modules.values())
+    draw.shuffle(order)
+    return [item for module in order for item in draw.sample(module, len(module))]
+
+
 @pytest.hookimpl(trylast=True)  # when slow tests are out of the list
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Deals the folders of long tests to xdist's workers, so that quick tests are left when the first worker is done.
 
     Each worker begins with a part of the list, all of them equally long; whole folders share fixtures.
     """
+    seed = config.getoption("shuffle")
+    if seed is not None:
+        items[:] = shuffled(items, seed)
+        return
     workers = getattr(config, "workerinput", {}).get("workercount", 1)
     if workers == 1:
         return
