@@ -237,11 +237,13 @@ def test_it_stops_at_a_wall_where_c_mujoco_stops_its_own_shapes(folder: pathlib.
 def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path: pathlib.Path, capsys) -> None:
     drawing = tmp_path / "fit.png"
     assert cli.main(["robot", str(folder), "--picture", str(drawing)]) == 0
-    *lines, clearance, stability, last = capsys.readouterr().out.splitlines()
+    *lines, clearance, stability, start, last = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == ["chassis", "bumper", "battery", "caster", "left_tyre", "right_tyre"]
     said = json.loads(last)
     assert clearance == f"lowest part that is no foot: {said['clearance']:.3f} m above the ground"
     assert stability.endswith(f"tips over at {said['tips_at']:.1f} m/s²")
+    assert start.startswith("starts at full speed on level ground: ")
+    assert (said["start_touches"] or "only its feet") in start
     assert (said["fitted"], said["robot"]) == (6, "cart")
     assert 0.0 < said["largest_error"] < 0.1
     from PIL import Image
