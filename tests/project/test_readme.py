@@ -83,7 +83,7 @@ def test_the_counts_are_those_of_the_tables() -> None:
     sets = {name: library.scene_set(name) for name in library.sets()}
     layouts = {name: len(s.graphs()) for name, s in sets.items()}
     procedural_scenes, by_hand = procedural_streets.COUNT, len(craftbench.BUILDERS) + len(validation_streets.BUILDERS)
-    assert f"{layouts['urbanverse160']} layouts after the paper's cities" in INCLUDED
+    assert f"{layouts['urbanverse160']} layouts modelled on the paper's cities" in INCLUDED
     assert f"{procedural_scenes} procedural scenes" in INCLUDED
     assert f"{procedural_places.COUNT} procedural places" in INCLUDED
     made = procedural_scenes + procedural_places.COUNT + by_hand
