@@ -221,6 +221,8 @@ def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:
         ValidationError, match="found 'go_to_gaol', needed a policy or run folder, or one of zero, random"
     ):
         evaluate(["go_to_gaol"])
+    with pytest.raises(ValidationError, match="ONNX files are scored by `urbanverse benchmark`"):
+        evaluate(["student.onnx"])
 
 
 def test_the_video_shows_a_random_draw_with_how_each_episode_ended(

@@ -234,6 +234,19 @@ def test_a_run_that_another_process_is_at_is_refused(session: Session) -> None:
     assert not half.exists(), "what a killed process left half written"
 
 
+def test_a_bank_without_test_streets_is_refused_before_the_training(session: Session) -> None:
+    """`scene library urbanverse160` and `scene join` make such banks; the evaluation at the end would fail."""
+    meta = {**session.bank.meta, "splits": ["train", "validation", "validation"][: session.bank.num_scenes]}
+    session.bank = dataclasses.replace(session.bank, meta=meta)
+    asked = ["--preset", "cpu", "--logdir", str(session.folder), "--quiet"]
+    with pytest.raises(ValidationError, match="scenes of the split train, validation alone, needed some of the split"):
+        cli_train.main([*asked, "--num-episodes", "4"])
+    assert session.trainer.calls == []
+    assert list(session.folder.iterdir()) == []
+    session.killed()
+    assert len(session.trainer.calls) == 1, "without an evaluation it is trained"
+
+
 def test_a_run_that_fails_before_it_begins_leaves_no_folder(session: Session) -> None:
     with pytest.raises(ValidationError, match="no such file"):
         session.train("--preset", "cpu", "--bank", str(session.folder / "nowhere.npz"))

@@ -115,6 +115,8 @@ def test_play_drives_the_policy_that_it_is_given(
     assert {r["agent"] for r in done["results"]} == {"trained"}
     with pytest.raises(ValidationError, match="--policy: found it beside --agent planner, needed one of them"):
         play(tmp_path / "a.mp4", dataclasses.replace(options, agent="planner"))
+    with pytest.raises(ValidationError, match="needed a policy or run folder; ONNX files are driven by"):
+        play(tmp_path / "a.mp4", dataclasses.replace(options, policy=tmp_path / "a.onnx"))
     for chosen in (dataclasses.replace(options, dynamic=True), PlayOptions(bank=bank, scenes="all", dynamic=True)):
         play(tmp_path / "a.mp4", chosen)
     assert [config.scenario for config, _ in loads] == ["static", "dynamic", "dynamic"]
@@ -155,6 +157,11 @@ def test_evaluate_drives_a_changed_config_and_records_it(
     evaluate_policy("zero", scenes, out, 4, 0, False, True, "all", env_overrides={"success_radius": 2.5})
     assert loads[0][0].success_radius == 2.5
     assert BenchmarkReport.load(out / "report.json").record["overrides"] == {"success_radius": 2.5}
+
+
+def test_a_bank_in_place_of_a_benchmark_is_refused_with_how_to_make_one(bank: pathlib.Path) -> None:
+    with pytest.raises(ValidationError, match="json file that `python -m benchmarks"):
+        benchmark(str(bank), bank.parent / "out")
 
 
 def test_a_benchmark_names_overrides_and_keeps_what_it_fixes(

@@ -65,7 +65,8 @@ def main(argv: Sequence[str]) -> int:
         environment, preset = args.env_name or spec.environment, spec.env_config.get("preset")
     else:
         raise ValidationError(
-            f"policy: found {args.policy!r}, needed a policy or run folder, or one of {', '.join(SCRIPTED)}."
+            f"policy: found {args.policy!r}, needed a policy or run folder, or one of {', '.join(SCRIPTED)}; ONNX "
+            "files are scored by `urbanverse benchmark`."
         )
     out = args.out or out
     bank = bank_of(environment, args.quiet, preset, args.bank)

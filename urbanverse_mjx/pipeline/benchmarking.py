@@ -96,7 +96,10 @@ def protocol_file(name: str) -> pathlib.Path:
     folder = settings.protocol_root()
     known = sorted(p.stem for p in folder.glob("*.json"))
     if name not in known:
-        raise ValidationError(f"benchmark: found {name!r}, needed one of {', '.join(known)} or a file.")
+        raise ValidationError(
+            f"benchmark: found {name!r}, needed one of {', '.join(known)}, or a .json file that `python -m "
+            "benchmarks.freeze` makes of a bank (docs/tutorials/benchmark.md)."
+        )
     return folder / f"{name}.json"
 
 

@@ -149,6 +149,11 @@ def _chosen(who: str, options: PlayOptions) -> tuple["Agent | Privileged | None"
         raise ValidationError(f"--agent: found {who!r}, needed trained, planner, {', '.join(BASELINES)}.")
     if options.policy is None:
         raise ValidationError("--policy: found nothing, needed a policy or run folder for --agent trained.")
+    if options.policy.suffix == ".onnx":
+        raise ValidationError(
+            f"--policy: found {str(options.policy)!r}, needed a policy or run folder; ONNX files are driven by "
+            "`urbanverse view`, `record` and `benchmark`."
+        )
     from ml_collections import ConfigDict
 
     from ..training.policy import load_policy

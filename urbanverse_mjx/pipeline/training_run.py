@@ -140,6 +140,13 @@ def _train(
     _say(f"run folder: {folder}", quiet)
     bank = bank_of(name, quiet, config.get("preset"), options.bank)
     env = registry.load(name, config=config, bank=bank)
+    if options.num_episodes and isinstance(env, NavEnv) and "test" not in bank.meta["splits"]:
+        known = ", ".join(sorted(set(bank.meta["splits"])))
+        raise ValidationError(
+            f"--num-episodes: found {options.num_episodes} and a bank with scenes of the split {known} alone, needed "
+            "some of the split test for the evaluation at the end; take --num-episodes 0, or add such scenes by "
+            "`urbanverse scene join`."
+        )
     built = time.monotonic()
     if in_stages:
         result = _teach_and_imitate(name, env, ppo, folder, options, quiet)
