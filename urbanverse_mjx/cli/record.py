@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pathlib
+import sys
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -45,5 +46,6 @@ class RecordArgs(RecordOptions):
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse record`."""
     args = tyro.cli(RecordArgs, args=list(argv), prog="urbanverse record")
-    print(json.dumps(pipeline.record(args.out, args)))
+    said = pipeline.record(args.out, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
+    print(json.dumps(said))
     return 0

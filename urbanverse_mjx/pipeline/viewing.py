@@ -18,7 +18,26 @@ _KEPT = 3
 
 
 @dataclasses.dataclass(frozen=True)
-class ViewOptions:
+class PageOptions:
+    """Address of a page, and driving by hand in it."""
+
+    host: str = "127.0.0.1"
+    """Address to listen on; 0.0.0.0 allows access from other machines."""
+    port: int = 8080
+    """Port; 0 for any free one."""
+    open: bool = True
+    """Open the page in a browser."""
+    give_back_after: float = 2.0
+    """Seconds without a key after which the policy drives again; 0: only by the key T."""
+
+    def check(self) -> None:
+        """Raises ValidationError where a number is out of range."""
+        v.integer(self.port, "--port", 0, 65535)
+        v.number(self.give_back_after, "--give-back-after", 0.0, 60.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class ViewOptions(PageOptions):
     """Initial contents and address of the page."""
 
     policy: str = "planner"
@@ -31,14 +50,6 @@ class ViewOptions:
     """With moving people and vehicles."""
     env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     """Flat dotted keys of the environment's config, such as the robot."""
-    host: str = "127.0.0.1"
-    """Address to listen on; 0.0.0.0 allows access from other machines."""
-    port: int = 8080
-    """Port; 0 for any free one."""
-    open: bool = True
-    """Open the page in a browser."""
-    give_back_after: float = 2.0
-    """Seconds without a key after which the policy drives again; 0: only by the key T."""
 
 
 class _Choices:
@@ -97,9 +108,8 @@ def view(
     from ..viewer.teleop import Teleop
 
     options = options or ViewOptions()
-    v.integer(options.port, "--port", 0, 65535)
+    options.check()
     v.integer(options.robots, "--robots", 1, 8)
-    v.number(options.give_back_after, "--give-back-after", 0.0, 60.0)
     settings.use_compilation_cache()
     scenes = ViewScenes([scene] if scene is not None else [])
     choices = _Choices(scenes, options.env_name, options.env_overrides)

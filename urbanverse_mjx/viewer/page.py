@@ -1,35 +1,13 @@
-"""The page: buttons, lists and sliders beside the street, and the loop that drives.
+"""The page of `urbanverse view`: any episode of any scene, driven by any policy."""
 
-viser calls back from threads of its own; they only leave orders, and one loop (`Page.run`) does all the work.
-"""
+from collections.abc import Sequence
+from typing import Protocol
 
-import queue
-import time
-from collections.abc import Callable, Sequence
-from typing import Any, Protocol
-
-import numpy as np
 import viser
 
-from ..datatypes import ValidationError
-from ..viz.video import OUTCOMES
-from .recording import html_recording, set_initial_view
+from .drive_page import DrivePage
 from .session import Machine, Session
-from .stage import LAYERS, Stage, chase_view
-from .street import StreetMeshes
-from .teleop import Command, Teleop, status
-
-#: Views of the camera: where it is put while an episode runs.
-VIEWS = ("behind the robot", "from above", "free")
-SPEEDS = ("1x", "2x", "4x", "as fast as possible")
-_FACTOR = {"1x": 1.0, "2x": 2.0, "4x": 4.0}
-_IDLE = 0.02  # s
-_HIGH = 28.0  # m, of the view from above
-#: The policy that stands still.
-NOBODY = "zero"
-#: px, at least, of the robot's camera on the page.
-_WIDTH = 320
-_COMPILING = "compiling the first step: up to half a minute; later ones take it from the cache"
+from .teleop import Teleop
 
 
 class Choices(Protocol):
@@ -58,7 +36,7 @@ class Choices(Protocol):
         ...
 
 
-class Page:
+class Page(DrivePage):
     """One page on a port.
 
     Args:
@@ -80,152 +58,16 @@ class Page:
         people: bool = False,
         teleop: Teleop | None = None,
     ) -> None:
-        self._server, self._choices, self._teleop = server, choices, teleop or Teleop()
-        self._orders: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._stopped = self._held = False
-        self.playing = False
-        self.index = 0
-        #: For the page's lower edge, see `teleop.html`.
-        self.state: dict[str, Any] = {}
+        self._choices, self._first = choices, (scene, policy, robots, people)
         self._machine, self._row = choices.open(scene, 0, policy, people)
-        self.session: Session
-        self.stage: Stage
-        self._build(scene, policy, robots, people)
+        super().__init__(server, teleop)
+        self._order(self._which, lambda: self._go(self.index))
+        self._order(self._opener, self._open)
+        self._order(self._episode, self._begin)
         self._begin()
-
-    # The loop.
-
-    def run(self, until: Callable[[], bool] = lambda: False) -> None:
-        """Processes the page's requests and runs the simulation until `stop` is called, or `until` returns True."""
-        late = time.monotonic()
-        while not (self._stopped or until()):
-            self._obey()
-            command = self._command()
-            # The simulation pauses while no browser is connected.
-            if not self.playing or not self._server.get_clients():
-                time.sleep(_IDLE)
-                late = time.monotonic()
-                continue
-            self._tick(command)
-            # A person drives in real time.
-            factor = _FACTOR.get(self._speed.value) if command is None else 1.0
-            if factor is not None:
-                late = max(late + self._machine.env.dt / factor, time.monotonic() - 0.5)
-                time.sleep(max(0.0, late - time.monotonic()))
-
-    def stop(self) -> None:
-        """Ends `run`."""
-        self._stopped = True
-
-    def _obey(self) -> None:
-        while True:
-            try:
-                order = self._orders.get_nowait()
-            except queue.Empty:
-                return
-            try:
-                order()
-            except ValidationError as error:
-                self._pause()
-                self._say(f"**{error}**")
-
-    def _command(self) -> Command | None:
-        """What a person commands now; taking over starts the simulation, and giving back to nobody stops it."""
-        if self.session.over:
-            self._teleop.give_back()
-        command = self._teleop.command(time.monotonic())
-        if (command is not None) != self._held:
-            self._held = command is not None
-            if self._held:
-                self._go(len(self.session) - 1)
-                self._run()
-            elif not self._held and self._machine.driver.name == NOBODY:
-                self._pause()
-            self._tell()
-        return command
-
-    def _tell(self) -> None:
-        """Puts together what the page's lower edge shows."""
-        session = self.session
-        name = session.machine.driver.name
-        policy = "nobody" if name == NOBODY else name
-        who, note = f"{policy} drives", ""
-        if session.over:
-            who, note = "the episode has ended", ""
-        elif not self.playing:
-            who, note = "paused", "W drives" if name == NOBODY else f"W takes over from {policy}"
-        self.state = {
-            "mode": "hand" if self._held else "policy",
-            "who": "you drive" if self._held else who,
-            "note": "" if self._held else note,
-            **status(self._teleop, session.by_hand(self.index, self._robot()), self._machine.env.dt),
-        }
-
-    def _tick(self, command: Command | None = None) -> None:
-        """One frame on: one that was driven before, or a new one."""
-        if self.index == len(self.session) - 1:
-            if self.session.over:
-                self._pause()
-                return
-            try:
-                if len(self.session) == 1:
-                    self._say(_COMPILING)
-                    self.session.compile()
-                    # A key that was pressed long ago.
-                    self._teleop.forget()
-                self.session.step({} if command is None else {self._robot(): self._machine.action_of(command)})
-                self._teleop.applied(time.monotonic())
-            except ValidationError as error:
-                self._pause()
-                self._say(f"**{error}**")
-                return
-        self._go(self.index + 1)
-
-    def _go(self, index: int) -> None:
-        """Shows a frame."""
-        self.index = int(np.clip(index, 0, len(self.session) - 1))
-        with self._server.atomic():
-            self.stage.show(self.index)
-        self._time.max = max(1, len(self.session) - 1)
-        self._time.value = self.index
-        self._look()
-        self._report()
-
-    def _look(self) -> None:
-        """Puts the cameras of the browsers where the chosen view has them, and draws the robot's own."""
-        robot = self._robot()
-        if self._view.value != VIEWS[2]:
-            position, target = chase_view(self.session, self.index, robot)
-            if self._view.value == VIEWS[1]:
-                position = target + [-0.3 * _HIGH, 0.0, _HIGH]
-            for client in self._server.get_clients().values():
-                with client.atomic():
-                    client.camera.position, client.camera.look_at = position, target
-        image = self.session.camera_image(self.index, robot) if self._sees.value else None
-        self._image.visible = image is not None
-        if image is not None:
-            # As large pixels: browsers would blur them.
-            times = -(-_WIDTH // image.shape[1])
-            self._image.image = image.repeat(times, 0).repeat(times, 1)
-
-    def _report(self) -> None:
-        robot, session = self._robot(), self.session
-        nav = session.frames[self.index].nav
-        seconds = float(np.asarray(nav.steps)[robot]) * self._machine.env.dt
-        away = float(np.asarray(nav.goal_distance)[robot])
-        outcome = session.outcome(self.index, robot)
-        done = float(np.asarray(nav.route_done)[robot] / max(float(np.asarray(nav.route_length)[robot]), 1e-6))
-        how = "under way" if outcome is None else OUTCOMES[outcome]
-        self._tell()
-        self._say(f"{seconds:.1f} s · {away:.1f} m to the goal · {100 * done:.0f} % of the route · **{how}**")
-
-    def _say(self, text: str) -> None:
-        self._status.content = text
 
     def _robot(self) -> int:
         return min(int(self._which.value) - 1, self.session.num_robots - 1)
-
-    # Orders.
 
     def _begin(self) -> None:
         """A new session of the choice; the page shows its first frame."""
@@ -239,14 +81,7 @@ class Page:
         self._which.disabled = count == 1
         self._which.value = min(int(self._which.value), count)
         rows = [(first + i) % number for i in range(min(count, number))]
-        session = Session(self._machine, self._row, rows)
-        self.stage = Stage(self._server, session, StreetMeshes(bank, self._row))
-        self.session = session
-        for layer, box in self._layers.items():
-            self.stage.switch(layer, box.value, 0)
-        set_initial_view(self._server, self.session)
-        self._pause()
-        self._go(0)
+        self.begin(Session(self._machine, self._row, rows))
 
     def _open(self) -> None:
         """Opens the chosen scene with the chosen driver."""
@@ -257,66 +92,8 @@ class Page:
         self._machine, self._row = self._choices.open(scene, cousin, policy, self._people.value)
         self._begin()
 
-    def _pause(self) -> None:
-        self.playing, self._held = False, False
-        self._teleop.give_back()
-        self._play.label = "Play"
-        self._tell()
-
-    def _run(self) -> None:
-        self.playing = True
-        self._play.label = "Pause"
-        self._tell()
-
-    def _toggle(self) -> None:
-        (self._pause if self.playing else self._run)()
-
-    def _step(self) -> None:
-        self._pause()
-        self._tick()
-
-    def _share(self, client: viser.ClientHandle | None) -> None:
-        """Sends a recording of the drive so far to the browser that requested it."""
-        if client is None:
-            return
-        self._say("writing the recording")
-        page = html_recording(self.session, StreetMeshes(self._machine.env.bank, self._row), self._shown())
-        name = f"{self._scene.value}_{self.session.machine.driver.name}.html".replace("/", "-")
-        client.send_file_download(name, page.encode(), save_immediately=True)
-        self._report()
-
-    def _shown(self) -> tuple[str, ...]:
-        return tuple(layer for layer, box in self._layers.items() if box.value)
-
-    # The page's parts.
-
-    def _order(self, handle: Any, order: Callable[[], None]) -> None:
-        """Lets a click or a change by a person leave an order."""
-        register = handle.on_click if hasattr(handle, "on_click") else handle.on_update
-
-        @register
-        def _(event: Any) -> None:
-            if event.client is not None:
-                self._orders.put(order)
-
-    def _build(self, scene: str, policy: str, robots: int, people: bool) -> None:
-        gui, choices = self._server.gui, self._choices
-        gui.configure_theme(show_logo=False, show_share_button=False)
-        gui.main_panel.dock_right()
-        gui.set_panel_label("UrbanVerse")
-        self._status = gui.add_markdown("")
-        with gui.add_folder("Drive"):
-            self._play = gui.add_button("Play")
-            self._forward = gui.add_button("Step")
-            self._restart = gui.add_button("Begin again")
-            self._time = gui.add_slider("frame", 0, 1, 1, 0, hint="Step of the drive so far; Play continues from here.")
-            self._speed = gui.add_dropdown("speed", SPEEDS)
-            self._view = gui.add_dropdown("view", VIEWS)
-            hint = "Seconds without a key after which the policy drives again; 0: only by T."
-            self._after = gui.add_number("give back after", self._teleop.give_back_after, min=0, max=60, hint=hint)
-        with gui.add_folder("Robot's camera"):
-            self._sees = gui.add_checkbox("shown", True)
-            self._image = gui.add_image(np.zeros((9, 16, 3), np.uint8))
+    def _build_choices(self, gui: viser.GuiApi) -> None:
+        choices, (scene, policy, robots, people) = self._choices, self._first
         with gui.add_folder("Choose"):
             self._scene = gui.add_dropdown("scene", list(choices.scenes), initial_value=scene)
             self._cousin = gui.add_number("cousin", 1, min=1, max=64, step=1, hint="Same places, other assets and sky.")
@@ -328,34 +105,3 @@ class Page:
             self._robots = gui.add_slider("robots", 1, 8, 1, robots, hint="Each drives an episode of its own.")
             self._which = gui.add_slider("robot shown", 1, 2, 1, 1, disabled=True)
             self._opener = gui.add_button("Open")
-        with gui.add_folder("Layers"):
-            self._layers = {name: gui.add_checkbox(name, shown) for name, shown in LAYERS.items()}
-        with gui.add_folder("Share"):
-            self._sharer = gui.add_button("Save the drive as a page")
-        self._connect()
-
-    def _connect(self) -> None:
-        self._order(self._play, self._toggle)
-        self._order(self._forward, self._step)
-        self._order(self._restart, self._begin)
-        self._order(self._time, lambda: self._scrub(int(self._time.value)))
-        self._order(self._view, self._look)
-        self._order(self._after, lambda: setattr(self._teleop, "give_back_after", float(self._after.value)))
-        self._order(self._sees, self._look)
-        self._order(self._which, lambda: self._go(self.index))
-        self._order(self._opener, self._open)
-        self._order(self._episode, self._begin)
-        for name, box in self._layers.items():
-            self._order(box, lambda name=name, box=box: self.stage.switch(name, box.value, self.index))
-
-        @self._sharer.on_click
-        def _(event: viser.GuiEvent) -> None:
-            self._orders.put(lambda: self._share(event.client))
-
-        @self._server.on_client_connect
-        def _(_: viser.ClientHandle) -> None:
-            self._orders.put(self._look)
-
-    def _scrub(self, index: int) -> None:
-        self._pause()
-        self._go(index)

@@ -120,13 +120,20 @@ class Session:
       rows: (n,) of the scene's episode table, one for each robot; robots do not interact.
       seed: of random drivers and streets.
       keys: (n,) of the episodes in its place, as `EpisodeSet.keys`.
+      known: (n, ...) what `evaluation.agents.told` gives of the episodes, where it was computed before.
 
     Raises:
       ValidationError: no such scene or row, or no robot.
     """
 
     def __init__(
-        self, machine: Machine, scene: int, rows: Sequence[int], seed: int = 0, keys: jax.Array | None = None
+        self,
+        machine: Machine,
+        scene: int,
+        rows: Sequence[int],
+        seed: int = 0,
+        keys: jax.Array | None = None,
+        known: Any = None,
     ) -> None:
         bank = machine.env.bank
         if not 0 <= scene < bank.num_scenes:
@@ -146,7 +153,7 @@ class Session:
             if isinstance(agent, Beginning):
                 agent.begin(count)
         else:
-            self._known = told(agent, scenes, episodes.episodes)
+            self._known = told(agent, scenes, episodes.episodes) if known is None else known
             first = agent.first_memory() if isinstance(agent, Recurrent) else ()
             self._memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), first)
         nothing = np.zeros((count, machine.env.action_size), np.float32)

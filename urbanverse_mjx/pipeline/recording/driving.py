@@ -78,6 +78,7 @@ class Driven:
       steps: fields (T, ...) of its T steps.
       result: how it ended, of `datatypes.RESULTS`.
       route_completion: share of the route.
+      by_hand: (T,) bool, which steps a person drove; None where nobody could.
     """
 
     scene: int
@@ -86,6 +87,7 @@ class Driven:
     steps: Steps
     result: str
     route_completion: float
+    by_hand: np.ndarray | None = None
 
 
 def drawn_episodes(bank: SceneBank, scenes: np.ndarray, count: int, seed: int) -> EpisodeSet:

@@ -5,13 +5,14 @@ import dataclasses
 import os
 import pathlib
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from ...datatypes import RESULTS
 from ...datatypes import validation as v
+from ..viewing import PageOptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,11 +28,13 @@ TASK = "drive to the goal over the pavement without touching anything"
 
 
 @dataclasses.dataclass(frozen=True)
-class RecordOptions:
-    """Who drives, where, and what is recorded."""
+class RecordOptions(PageOptions):
+    """Who drives, where, and what is recorded; the page's address is for --teleop."""
 
-    policy: str = "planner"
-    """zero, random, go_to_goal, planner, a policy or run folder, or an ONNX file."""
+    policy: str | None = None
+    """zero, random, go_to_goal, planner, a policy or run folder, or an ONNX file; default: planner, by teleop zero."""
+    teleop: bool = False
+    """Drive by hand in a web page, at --host and --port, one episode after another; else the policy drives."""
     num_episodes: int = 20
     """Episodes that are driven, all different."""
     format: Literal["lerobot"] = "lerobot"
@@ -62,10 +65,21 @@ class RecordOptions:
     """No progress bars."""
 
 
-def record(out: str | os.PathLike[str], options: RecordOptions | None = None) -> dict[str, Any]:
+def record(
+    out: str | os.PathLike[str],
+    options: RecordOptions | None = None,
+    on_ready: Callable[[str], None] = lambda _: None,
+    until: Callable[[], bool] = lambda: False,
+) -> dict[str, Any]:
     """Records episodes into a new dataset. Whenever it is interrupted, all episodes written so far are complete.
 
     The camera is drawn from the driven poses: a policy without images, or with small ones, drives as fast as ever.
+
+    Args:
+      out: new or empty folder.
+      options: see there.
+      on_ready: with `teleop`, called with the page's address once it can be opened.
+      until: with `teleop`, called often; the recording ends when it returns True.
 
     Returns:
       dataset: the folder; episodes, frames: in it; results: how many of the driven ones ended how; seconds: from the
@@ -82,9 +96,10 @@ def record(out: str | os.PathLike[str], options: RecordOptions | None = None) ->
     from .driving import BatchDrive, drawn_episodes
 
     options = options or RecordOptions()
+    options = dataclasses.replace(options, policy=options.policy or ("zero" if options.teleop else "planner"))
     folder, sensors = pathlib.Path(out), _checked(options)
     require_new(folder)
-    env, drive, scenes, features = _prepared(options, sensors)
+    env, machine, scenes, features = _prepared(options, sensors)
     episodes = drawn_episodes(env.bank, scenes, options.num_episodes, options.seed)
     results: collections.Counter[str] = collections.Counter()
     origin = _origin(options, env, scenes, sensors)
@@ -94,8 +109,14 @@ def record(out: str | os.PathLike[str], options: RecordOptions | None = None) ->
     ):
         began = time.perf_counter()
         report = progress.task("recording", options.num_episodes, unit="episodes")
-        camera, driver = Camera(env, *options.size, sensors), BatchDrive(drive)
-        for group in _filmable(driver.run(episodes, options.num_envs)):
+        camera = Camera(env, *options.size, sensors)
+        if options.teleop:
+            from .by_hand import HandDrive
+
+            groups = HandDrive(machine, options, on_ready, until).run(episodes)
+        else:
+            groups = _filmable(BatchDrive(machine).run(episodes, options.num_envs))
+        for group in groups:
             results.update(episode.result for episode in group)
             kept = [e for e in group if e.result == "goal" or not options.only_successes]
             for filmed in camera.film(kept) if kept else ():
@@ -103,6 +124,10 @@ def record(out: str | os.PathLike[str], options: RecordOptions | None = None) ->
                 report(writer.num_episodes, note=f"{writer.num_frames:,} frames")
             report(results.total())
         seconds = time.perf_counter() - began
+    if not writer.num_episodes and options.teleop:
+        raise v.fail(
+            "--teleop", f"{results.total()} driven episodes, none to be written", "one that is driven to its end"
+        )
     if not writer.num_episodes:
         raise v.fail("--only-successes", f"none among {options.num_episodes} episodes", "one", "drive more")
     return {
@@ -134,6 +159,11 @@ def _checked(options: RecordOptions) -> tuple[str, ...]:
     """
     from .cameras import GROUPS, SENSORS
 
+    if options.teleop:
+        from ...viewer.recording import free_port
+
+        options.check()
+        free_port(options.host, options.port)
     v.integer(options.num_episodes, "--num-episodes", 1)
     v.integer(options.num_envs, "--num-envs", 1)
     v.integer(options.seed, "--seed", 0)
@@ -150,21 +180,27 @@ def _prepared(
 ) -> tuple["NavEnv", Any, np.ndarray, dict[str, "Feature"]]:
     """The environment, its policy, the scenes' rows of the bank, and the dataset's features."""
     from ...envs.navigation.scenarios import select_scenes
-    from ..drivers import load_machine
+    from ..drivers import IMAGE_SIZE, load_machine
     from ..training_run import bank_of
 
     bank = bank_of(options.env_name or "CocoNav", options.quiet, options.preset, options.bank)
     scenes = np.asarray(select_scenes(bank, options.scenes))
+    assert options.policy is not None
     where = (bank, options.people, options.env_name, options.preset)
-    machine = load_machine(options.policy, *where, None, options.env_overrides)
+    image = IMAGE_SIZE if options.teleop else None  # for the page
+    machine = load_machine(options.policy, *where, image, options.env_overrides)
     env = machine.env
+    if options.teleop:
+        from ...viewer.teleop import STOP
+
+        machine.action_of(STOP)
     rate = 1.0 / env.dt
     if abs(rate - round(rate)) > 1e-6:
         raise v.fail("config.ctrl_dt", f"{rate:g} steps a second", "a whole number of them", "LeRobot counts in these")
-    return env, machine, scenes, _features(env, options.size, sensors)
+    return env, machine, scenes, _features(env, options, sensors)
 
 
-def _features(env: "NavEnv", size: tuple[int, int], sensors: tuple[str, ...]) -> dict[str, "Feature"]:
+def _features(env: "NavEnv", options: RecordOptions, sensors: tuple[str, ...]) -> dict[str, "Feature"]:
     from ...datasets import Feature
     from .cameras import camera_features
 
@@ -173,7 +209,7 @@ def _features(env: "NavEnv", size: tuple[int, int], sensors: tuple[str, ...]) ->
     speed = ("speed_forward", "speed_left", "yaw_rate")
     pose = ("x", "y", "z", "qw", "qx", "qy", "qz")
     return {
-        **camera_features(*size, sensors),
+        **camera_features(*options.size, sensors),
         "observation.state": Feature("float32", (3 + len(action),), (*speed, *(f"last_{name}" for name in action))),
         "observation.environment_state": Feature("float32", (2,), ("goal_forward", "goal_left")),
         "action": Feature("float32", (len(action),), action),
@@ -184,6 +220,7 @@ def _features(env: "NavEnv", size: tuple[int, int], sensors: tuple[str, ...]) ->
         "pose": Feature("float32", (7,), pose),
         "scene_index": Feature("int64", (1,)),
         "episode_row": Feature("int64", (1,)),
+        **({"intervention": Feature("bool", (1,))} if options.teleop else {}),
     }
 
 
@@ -209,7 +246,7 @@ def _episode(
         "scene_index": np.full(length, driven.scene),
         "episode_row": np.full(length, driven.row),
     }
-    told = {
+    told: dict[str, Any] = {
         "scene": env.bank.scene_ids[driven.scene],
         "scene_index": driven.scene,
         "episode_row": driven.row,
@@ -217,6 +254,11 @@ def _episode(
         "result": driven.result,
         "route_completion": driven.route_completion,
     }
+    if driven.by_hand is not None:
+        from ...viewer.teleop import interventions
+
+        columns["intervention"] = driven.by_hand
+        told["interventions"] = interventions(driven.by_hand)
     return Episode(TASK, columns, images, {FRONT: video}, stats, told)
 
 
@@ -227,6 +269,7 @@ def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: 
     bank = env.bank
     body: dict[str, Any] = {
         "policy": options.policy,
+        **({"teleop": True} if options.teleop else {}),
         "environment_config": env.config.to_dict(),
         "scenes": {str(row): bank.scene_ids[row] for row in scenes.tolist()},
         "seed": options.seed,
