@@ -1,1 +1,1 @@
-"""Runnable measurements; `python -m benchmarks.<name> --help` explains each."""
+"""Benchmark scripts; `python -m benchmarks.<name> --help` describes each."""

@@ -1,4 +1,4 @@
-"""The asset index in figures: contents, consistency, agreement with published objects, and speed.
+"""Measures the asset index: contents, consistency, agreement with published objects, and speed.
 
     python -m benchmarks.assets --json
 
@@ -51,11 +51,11 @@ FILTERS: dict[str, Any] = {
     "surface_finish": ["glossy", "smooth"],
     "asset_composition_type": "single",
 }
-RANGE_STEP = 1e-3  # relative, forgiven at the ends of a range
+RANGE_STEP = 1e-3  # relative tolerance at the ends of a range
 
 
 def counts(table: pa.Table) -> dict[str, Any]:
-    """How many there are of everything, and which leaves have another number of records than the authors'."""
+    """Counts records, and lists the leaves whose number of records differs from the authors'."""
     found = collections.Counter(table["category"].to_pylist())
     index = load_index()
     return {
@@ -71,7 +71,7 @@ def counts(table: pa.Table) -> dict[str, Any]:
 
 
 def agreement(table: pa.Table) -> dict[str, Any]:
-    """Share of the records whose fields agree, and of those with meshes that lie within their leaf's ranges."""
+    """Returns the share of records with consistent fields, and of those with meshes within their leaf's ranges."""
     inside = {}
     shown = np.array([name is not None for name in table["recipe"].to_pylist()])
     rows = [prior(leaf) for leaf in table["category"].to_pylist()]
@@ -85,7 +85,7 @@ def agreement(table: pa.Table) -> dict[str, Any]:
 
 
 def hulls() -> dict[str, Any]:
-    """The shipped collision hulls."""
+    """Returns statistics of the shipped collision hulls."""
     sets = list(HullStore.load(hulls_path()).hulls.values())
     number, corners = [len(s) for s in sets], [len(h) for s in sets for h in s]
     return {
@@ -99,8 +99,8 @@ def hulls() -> dict[str, Any]:
 
 
 def against_published(table: pa.Table) -> dict[str, Any]:
-    """Mean absolute relative errors against the pages' figures: of the leaves' median records, and of the priors'
-    medians."""
+    """Returns mean absolute relative errors of the leaves' median records and of the priors' medians against published
+    figures."""
     leaves, wanted = np.array(table["category"].to_pylist()), ground_truths(published())
     columns = {q: table[q].to_numpy() for q in QUANTITIES}
     records = {leaf: {q: float(np.median(x[leaves == leaf])) for q, x in columns.items()} for leaf in wanted}
@@ -118,7 +118,7 @@ def against_published(table: pa.Table) -> dict[str, Any]:
 
 
 def filter_latencies(objects: ObjectLibrary, repeats: int = 5) -> dict[str, Any]:
-    """ms of each filter, the first time (its column is decoded) and the median of later ones."""
+    """Returns the time (ms) of each filter: the first call, which decodes its column, and the median of later ones."""
     first, later = {}, {}
     for name, value in FILTERS.items():
         spent = []

@@ -1,9 +1,10 @@
-"""A policy on AutoBench: `python benchmarks/autobench.py --policy planner --impl auto --out DIR`; see --help."""
+"""Evaluates a policy on AutoBench: `python benchmarks/autobench.py --policy planner --impl auto --out DIR`; see
+--help."""
 
 import pathlib
 import sys
 
-# Run as a script, from any folder.
+# Allows running as a script from any folder.
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from benchmarks.lib.protocol import run

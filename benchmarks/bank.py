@@ -1,4 +1,4 @@
-"""Makes a seeded benchmark bank: long streets, each with its own objects at its own places, many hulls an object.
+"""Builds a seeded benchmark bank of long streets with random objects and many hulls per object.
 
     python -m benchmarks.bank --layouts 16 --objects 200-300 --hulls 6-10 --seed 0 --out bank16.npz
 
@@ -7,7 +7,7 @@ and skies. Meshes and hulls are the shipped index's; a hull is cut in halves unt
 so the solid stays the same. Episodes are planned over the free pavement; unlike those of the shipped streets they are
 not driven once. `--hulls-per-scene` thins the collision set out (whole objects lose their hulls, images and episodes
 stay), which is how cost over the number of hulls is measured; benchmarks.throughput can do that to a bank as it loads.
-Prints one JSON line. The same options give the same content hash.
+It prints one JSON line. The same options give the same content hash.
 """
 
 import argparse
@@ -58,7 +58,7 @@ class Options:
 
 
 class CutHulls:
-    """Hulls of records, cut to a seeded number each."""
+    """Hulls of records, each cut into a random number of pieces."""
 
     def __init__(self, low: int, high: int, seed: int) -> None:
         self._range, self._seed = (low, high), seed
@@ -73,10 +73,10 @@ class CutHulls:
 
 
 def map_stride(cell: float) -> int:
-    """How many of a compiled scene's map cells make one of `cell` m.
+    """Returns how many of a compiled scene's map cells one cell of `cell` m spans.
 
     Raises:
-      ValidationError: no whole number does.
+      ValidationError: `cell` is not a multiple of the map's cell size.
     """
     stride = round(cell / RESOLUTION)
     if stride < 1 or abs(stride * RESOLUTION - cell) > 1e-6:
@@ -85,7 +85,7 @@ def map_stride(cell: float) -> int:
 
 
 def coarser(scene_map: SceneMap, stride: int) -> SceneMap:
-    """Every `stride`-th cell of a map, the middle one of those it stands for."""
+    """Returns every `stride`-th cell of a map, the middle one of each block."""
     middle = slice(stride // 2, None, stride)
     # Copies: a view would keep the fine map alive.
     fields = {name: getattr(scene_map, name)[middle, middle].copy() for name in ("height", "kind", "clearance")}
@@ -118,7 +118,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
     stride = map_stride(options.map_cell)
     index = load_index()
     source = AssetSource(build_mesh, CutHulls(*options.hulls, options.seed))
-    # All layouts first: what does not fit is found before minutes of work.
+    # All layouts come first, so that invalid options fail before minutes of work.
     numbers = range(options.first, options.first + options.layouts)
     layouts = [streets.make_layout(options.seed, i, index, options.objects) for i in numbers]
     hashes = {layout.id: layout.content_hash() for layout in layouts}
@@ -129,7 +129,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
             progress(len(scenes), options.layouts)
     chosen = dataclasses.asdict(options)
     if options.first == 0:
-        del chosen["first"]  # the hashes from before there was a choice hold on
+        del chosen["first"]  # keeps the hashes of banks made before this option existed
     hashes["bank"] = content_hash({"options": chosen, "layouts": hashes})
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
     bank = with_agents(pack(scenes, ["train"] * len(scenes), skies, hashes), agent_appearances())

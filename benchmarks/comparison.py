@@ -4,9 +4,9 @@
         --steps 4000000 --seed 0 --out runs/procedural_0
 
 The same number of steps on other banks, or on one scene of a bank (`--scenes`), gives the rows of the paper's
-comparison of training streets. Nothing is chosen: the parameters at the end are scored, by the frozen protocols, all
-episodes. A run that was broken off begins again at its newest checkpoint. Writes log.jsonl, result.json and the policy
-to `--out`.
+comparison of training streets. No checkpoint is selected: the final parameters are scored on all episodes of the frozen
+protocols. An interrupted run continues from its newest checkpoint. Writes log.jsonl, result.json and the policy to
+`--out`.
 """
 
 import argparse
@@ -39,7 +39,7 @@ def arguments() -> argparse.Namespace:
 
 
 def trained(args: argparse.Namespace, env: Any) -> pathlib.Path:
-    """The policy after `--steps` env-steps."""
+    """Returns the policy after `--steps` env-steps."""
     from urbanverse_mjx.training import run as training
     from urbanverse_mjx.training.config import default_ppo_config
     from urbanverse_mjx.training.policy import PolicySpec, latest_policy

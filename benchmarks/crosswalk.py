@@ -1,4 +1,4 @@
-"""A robot that waits for people at a crosswalk, as a video.
+"""Renders a video of a robot that waits for people at a crosswalk.
 
     python -m benchmarks.crosswalk --impl warp --seconds 32 --every 2 --quality 3 --out docs/crosswalk.mp4
 
@@ -34,19 +34,19 @@ from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viz.video import write_video
 
 HEIGHT, WIDTH, FOV = 180, 320, 0.9
-#: m: how far ahead of the robot it aims, before the crosswalk it waits, and within which it stops for people ahead.
+#: m: look-ahead distance, waiting distance before the crosswalk, and distance at which it stops for people ahead.
 _AHEAD, _LINE, _STOP = 0.8, 0.7, 1.3
-#: m ahead of its middle at which it detects the crosswalk.
+#: m ahead of the robot's middle, points at which it checks for the crosswalk.
 _FRONT = (0.7, 0.9, 1.1)
-#: rad, largest deviation from its direction, and m from its centre to obstacles (COCO touches at 0.4).
+#: rad, candidate deviations from the direction; m, least distance from its centre to obstacles (contact at 0.4).
 _TURNS, _CLEAR = jnp.radians(jnp.arange(-75.0, 76.0, 15.0)), 0.6
-#: m of route that a row has at least before its crosswalk (and twice that at most) and behind it.
+#: m, least length of the route before the crosswalk (at most twice that) and behind it.
 _BEFORE, _BEHIND = 4.5, 2.6
-#: m from a crosswalk at which a moving vehicle keeps the robot from it, and the slowest (m/s) that counts.
+#: m, the robot waits for vehicles within this distance of the crosswalk that are at least this fast (m/s).
 _VEHICLE, _ROLLING = 12.0, 0.8
-#: m/s, how fast people come over: unhurried, so that they are still on the crosswalk when the robot comes to it.
+#: m/s, speeds of the people, so slow that they are still on the crosswalk when the robot arrives.
 _STROLL = (0.7, 0.6, 0.55, 0.5)
-#: m of the camera on the crosswalk, beside and above the robot's path across.
+#: m, position of the crosswalk camera beside and above the robot's path.
 _CAMERA_POSITION = (6.0, 6.0)
 
 
@@ -65,8 +65,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 
 def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]:
-    """Rows of a scene's episode table whose route uses a crosswalk: row, where it begins and ends there (m), first
-    those that cross the straightest."""
+    """Returns the rows of a scene's episode table whose route uses a crosswalk, with the start and end of the crossing
+    (m), straightest crossings first."""
     origin, side = bank.map_origin[scene], float(bank.map_resolution)
     rows = []
     for row in range(int(bank.num_episodes[scene])):
@@ -89,7 +89,8 @@ def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]
 
 
 def people_coming(start: Any, waypoints: Any, first: float, last: float) -> behaviours.Script:
-    """Four people that start on the far pavement, two on either side of the route, and come over the crosswalk."""
+    """Returns four people that start on the far pavement, two on either side of the route, and cross towards the
+    robot."""
     scripts = []
     places = ((1.2, 2.0), (1.6, -2.2), (2.2, 1.0), (2.6, -1.2))
     for (back, left), speed in zip(places, _STROLL, strict=True):
@@ -103,7 +104,7 @@ def people_coming(start: Any, waypoints: Any, first: float, last: float) -> beha
 
 
 class Controller:
-    """The rule; an action for a state of one env."""
+    """Rule-based controller; returns an action for a state of one env."""
 
     def __init__(self, env: NavEnv, scene: int, row: int, first: float, last: float) -> None:
         assert env.dynamic is not None, "the scenario is dynamic"
@@ -119,7 +120,7 @@ class Controller:
         self.drives = jnp.array([k.surface == "road" for k in self.dynamic.model.kinds])
 
     def taken(self, crowd: Any) -> Any:
-        """() bool: a person is on the crosswalk or about to be, or a moving vehicle approaches it."""
+        """Returns () bool, whether a person is on or close to the crosswalk, or a moving vehicle approaches it."""
         body = crowd.bodies
         reach = jnp.array([0.0, 0.8])[:, None]
         x, y = (p + reach * f(body.heading) for p, f in ((body.x, jnp.cos), (body.y, jnp.sin)))
@@ -129,7 +130,7 @@ class Controller:
         return (crowd.present & (on | nears)).any()
 
     def __call__(self, nav: Any) -> tuple[Any, Any]:
-        """Action (2,), and () bool: it stands and waits."""
+        """Returns the action (2,), and () bool, whether the robot waits."""
         root = self.env.mj_model.body(self.env.robot.root_body).id
         p_xy, yaw = nav.sim.xpos[root, :2], rotations.yaw_of(nav.sim.xquat[root])
         arc = terms.route_position(p_xy, self.start[:3], self.waypoints)
@@ -137,7 +138,8 @@ class Controller:
         front = p_xy + terms.to_world(jnp.array([[0.0, 0.0], *([d, 0.0] for d in _FRONT)]), yaw)
         here, *edge = crossing_at(self.table, self.scene, front[:, 0], front[:, 1]) == self.number
         taken = self.taken(nav.crowd)
-        # It leaves its route to go around objects: the distance ahead counts, not only the distance driven.
+        # The robot may leave its route to go around objects, so the distance ahead is checked as well as the distance
+        # driven.
         comes = ~here & jnp.stack(edge).any()
         waits = taken & ((arc < self.first) | comes) & ~here
         aim = jnp.where(waits, jnp.minimum(arc + _AHEAD, line), arc + _AHEAD)
@@ -166,7 +168,7 @@ class Controller:
 
 
 def drive(env: NavEnv, controller: Controller, nav: Any, steps: int) -> tuple[Any, Any]:
-    """The last state, and places, waiting and people's distance at each step."""
+    """Returns the last state, and the positions, waiting flags and distances to people at each step."""
     step = jax.jit(env.advance)
     act, where = jax.jit(controller), jax.jit(controller.dynamic.places)
     path = []
@@ -181,7 +183,7 @@ def drive(env: NavEnv, controller: Controller, nav: Any, steps: int) -> tuple[An
 
 
 def film(env: NavEnv, controller: Controller, path: Any, every: int) -> list[np.ndarray]:
-    """The robot's camera image, next to the crosswalk from above."""
+    """Renders the robot's camera image next to a view of the crosswalk from above."""
     assert env.dynamic is not None, "the scenario is dynamic"
     appearances = slot_appearances(env.dynamic.kinds, env.bank)
     renderer = Renderer(env.bank, env.robot, HEIGHT, WIDTH, shadows=True, agents=appearances)

@@ -1,4 +1,4 @@
-"""Throughput of crowds: of their avoidance alone, in agent-steps per second, and of environments with them.
+"""Measures the throughput of crowd avoidance alone, in agent-steps per second, and of environments with crowds.
 
     python -m benchmarks.crowds --json
 
@@ -58,7 +58,7 @@ MIXES = ("walkers", "street")
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """One size: envs, agents an env, neighbours an agent, and what else is fixed in a run."""
+    """One case: envs, agents per env, neighbours per agent, and further fixed options."""
 
     envs: int
     agents: int
@@ -86,7 +86,7 @@ class Case:
 
 
 def numbers(size: str) -> tuple[int, int, int]:
-    """Envs, agents and neighbours of a size such as 4096x32x8."""
+    """Parses envs, agents and neighbours from a size such as 4096x32x8."""
     envs, agents, neighbours = (int(part) for part in size.split("x"))
     return envs, agents, neighbours
 
@@ -140,7 +140,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 
 def start(case: Case, seed: int) -> tuple[Bodies, Traits, Any]:
-    """Bodies and traits (E, A) on a jittered lattice, and the directions (E, A) rad in which they head."""
+    """Returns bodies and traits (E, A) on a jittered lattice, and their directions (E, A) rad."""
     rng = np.random.default_rng(seed)
     shape = (case.envs, case.agents)
     rows = int(np.ceil(case.agents**0.5))
@@ -156,7 +156,8 @@ def start(case: Case, seed: int) -> tuple[Bodies, Traits, Any]:
 
 
 def fence(case: Case, bodies: Bodies, traits: Traits, end: float) -> HalfPlanes:
-    """Flats (M, A) at the sides of the square for one env: for the discs at the front (end 1) or the rear (-1)."""
+    """Returns half-planes (M, A) at the sides of the square for one env, for the discs at the front (end 1) or the rear
+    (-1)."""
     angle = 2.0 * np.pi * np.arange(case.walls) / max(case.walls, 1)
     mx, my = (jnp.asarray(f(angle), jnp.float32)[:, None] for f in (np.cos, np.sin))
     half = 0.5 * case.side
@@ -168,7 +169,7 @@ def fence(case: Case, bodies: Bodies, traits: Traits, end: float) -> HalfPlanes:
 
 
 def stepper(case: Case, dt: float, seed: int) -> Any:
-    """A function (bodies, traits, directions, number of steps) -> bodies."""
+    """Returns a function (bodies, traits, directions, number of steps) -> bodies."""
     step, collisions = make_step(case.options(dt)), resolve_collisions.make_resolve_collisions(num_long(case.kinds()))
     rolling = num_wheeled(case.kinds())
 
@@ -193,7 +194,7 @@ def stepper(case: Case, dt: float, seed: int) -> Any:
 
 
 def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments: argparse.Namespace) -> dict[str, Any]:
-    """Seconds of one step that each part takes alone, over the state that the timed run left."""
+    """Returns the seconds per step of each part alone, from the final state of the timed run."""
     options = case.options(arguments.dt)
     walls = jax.vmap(lambda b, t: fence(case, b, t, 1.0), out_axes=-1)(bodies, traits)
     bodies, traits = jax.tree.map(lambda a: a.T, (bodies, traits))

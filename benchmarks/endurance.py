@@ -1,10 +1,11 @@
-"""A million random resets on one device: no NaN, no growth of memory, no compilation after the first steps.
+"""Runs a million random resets on one device and checks for NaN, growing memory, and recompilation after the first
+steps.
 
     python -m benchmarks.endurance --bank bank160.npz --num-envs 4096 --pixels 36x64 --resets 1000000 --json
 
-Envs step with random actions and short episodes, so that every few steps each begins anew in a random scene. Prints the
-log of the run on stderr, a line per tenth, and one JSON line; exits with 1 where anything is wrong. Slow on a CPU: ask
-for fewer resets there.
+Envs take random actions in short episodes, so that every few steps each is reset to a random scene. Prints a log line
+per tenth of the run on stderr, and one JSON line; exits with 1 if a check fails. Use fewer resets on a CPU, where it is
+slow.
 """
 
 import argparse
@@ -23,12 +24,12 @@ from benchmarks.lib.memory import in_use_mib
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import registry, wrap_for_training
 
-#: MiB by which the memory in use may grow after the first steps: allocators round.
+#: MiB, tolerated growth of memory in use after the first steps, because allocators round.
 SLACK = 16.0
 
 
 class Compilations:
-    """Counts what JAX compiles from now on."""
+    """Counts JAX compilations from its creation on."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -40,7 +41,7 @@ class Compilations:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
-    """The run; every count in the result is of the whole of it."""
+    """Runs the benchmark; counts in the result are totals of the run."""
     case = Case(
         preset=arguments.preset,
         impl=arguments.impl,

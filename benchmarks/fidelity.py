@@ -1,16 +1,16 @@
-"""Fidelity of graphs distilled from recordings: the paper's table on streets with known ground truth.
+"""Measures the fidelity of graphs distilled from recordings: the paper's table on streets with known ground truth.
 
     python -m benchmarks.fidelity --banks bank16.npz --scenes 10 --frames 180 --markdown fidelity.md --json
 
-films captures through the streets of banks (default: the six shipped ones), distils each and scores the graph against
+renders captures through the streets of banks (default: the six shipped ones), distils each and scores the graph against
 the true one. Alignment: SE(3) on the trajectory, no scale. Matching: Hungarian on the distance of centres, 5 m gate,
-whatever the label. Columns, over matches: Cat, share of right labels; Dist, m between centres; Ori, degrees between
+independent of labels. Columns, over matches: Cat, share of right labels; Dist, m between centres; Ori, degrees between
 headings modulo half a turn (depth and masks do not distinguish front and back; front_percent is the share with the
 correct sign), of objects whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
 average precision at a 3D IoU of 0.25), of objects under 50 m^3; Ast, share of matches whose chosen base shape is the
-filmed one (`lib.fidelity_captures.retrieved`), where the graph has descriptors. Recall and precision over objects. A
-true object counts as visible where it covers 0.15 % of some frame; detecting one that was hardly visible counts neither
-as right nor as wrong.
+filmed one (`lib.fidelity_captures.retrieved`), if the graph has descriptors. Recall and precision are over objects. A
+true object counts as visible if it covers 0.15 % of some frame; a detection of a less visible one counts as neither
+right nor wrong.
 
 Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from its view of median size alone and fused;
 with --rgb, from captures with images: perfect inputs with Ast, the small network on true poses and depth, and all from
@@ -53,7 +53,8 @@ from urbanverse_mjx.pipeline.generation.distilling import DESCRIBE
 from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.work_folder import work_folder
 
-#: The paper's table (45 sequences of KITTI-360, MASt3R and YoWorldSAM2); other streets, shown without a claim.
+#: The paper's table (45 sequences of KITTI-360, MASt3R and YoWorldSAM2); its streets differ, so it is shown for
+#: orientation only.
 PAPER = {"cat_percent": 93.1, "dist_m": 1.4, "ori_deg": 19.8, "scale_m3": 0.8, "map25": 28.2, "ast_percent": 75.1}
 SINGLE = DistilOptions(single_view=True, depth_scale=False, close_loops=False, place=False)
 _COLUMNS = (
@@ -63,7 +64,7 @@ _COLUMNS = (
 
 
 def without_tracks(recording: Recording) -> Recording:
-    """The recording as a detector without a tracker would give it."""
+    """Returns the recording without tracks, like the output of a detector without a tracker."""
     frames = tuple(
         dataclasses.replace(f, detections=tuple(dataclasses.replace(d, track=None) for d in f.detections))
         for f in recording.frames
@@ -149,7 +150,7 @@ class Street:
 
 @dataclasses.dataclass(frozen=True)
 class Work:
-    """Results of a street: its name, row -> scores, row -> reason of a failure, peak memory in MB."""
+    """Results of a street: name, scores by row, failure reasons by row, peak memory in MB."""
 
     name: str
     rows: dict[str, fidelity_store.Row]
@@ -158,7 +159,7 @@ class Work:
 
 
 def street_rows(street: Street) -> Work:
-    """Films a street, or takes an earlier capture, and scores the rows that have no scores yet."""
+    """Renders a capture of a street, or reuses an earlier one, and scores the rows without scores."""
     priors = LabelPriors(load_index())
     if street.recording is not None:
         filmed = imported(street.recording)
@@ -229,7 +230,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 
 def streets_of(arguments: argparse.Namespace, captures: pathlib.Path) -> list[Street]:
-    """The work that the arguments ask for."""
+    """Returns the work for the given arguments."""
     paths = list(arguments.banks)
     if arguments.shipped or not (paths or arguments.kitti360):
         ensure_default_bank(quiet=True)
@@ -240,7 +241,7 @@ def streets_of(arguments: argparse.Namespace, captures: pathlib.Path) -> list[St
     felt = {"frames": arguments.frames, "size": tuple(arguments.size), "rgb": False}
     work = [Street(None, 0, path, **felt, **common) for path in arguments.kitti360]
     scenes = [(path, range(min(SceneBank.load(path).num_scenes, arguments.scenes))) for path in paths]
-    # Those with images take longest: they come first.
+    # Streets with images take longest, so they come first.
     work += [Street(path, z, None, **seen, **common) for path, rows in scenes for z in rows if z < arguments.rgb]
     return work + [Street(path, z, None, **felt, **common) for path, rows in scenes for z in rows]
 
@@ -305,7 +306,7 @@ def _worked(streets: Sequence[Street], processes: int, threads: int) -> Iterator
 
 
 def _pin_to_cores(taken: Any, threads: int) -> None:
-    """Keeps this process on cores of its own, not used by the others: XLA starts one thread for each visible core."""
+    """Pins this process to separate cores, because XLA starts one thread for each visible core."""
     if hasattr(os, "sched_setaffinity"):
         cores = sorted(os.sched_getaffinity(0))
         with taken.get_lock():

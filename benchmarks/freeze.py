@@ -1,12 +1,12 @@
-"""Freezes a benchmark: which episodes of which scenes it drives, from then on.
+"""Freezes a benchmark: writes the list of its scenes and episodes.
 
     python -m benchmarks.freeze craftbench --bank BANK --extra 03_residential... 12_courtyard...
 
 writes benchmarks/protocols/NAME.json with 64 episodes of every scene of a bank, spread evenly over the scene's episode
 table, in random order, with their seeds and the scene's canonical hash. The same bank, name and seed give the same
-file. `--half` keeps to paths within the first half of each scene, at most 100 m of it, under the name NAME_half.
-Prints one JSON line. Existing lists are replaced only with --force: that makes another benchmark of them, which
-`--version` numbers. `--pin` keeps the episodes of a list and writes down anew what its scenes and robots are.
+file. `--half` keeps to paths within the first half of each scene, at most 100 m of it, under the name NAME_half. Prints
+one JSON line. Existing lists are replaced only with --force, which makes them a different benchmark, numbered with
+`--version`. `--pin` keeps the episodes of a list and updates the digests of its scenes and robots.
 """
 
 import argparse

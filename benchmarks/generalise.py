@@ -29,15 +29,15 @@ from urbanverse_mjx.evaluation.held_out import Suite
 from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
 SAVED_AS = {"student": "student", "finetune": "finetuned"}
-"""Folder of `--out` that the parameters of a stage are written to whenever they are the best so far."""
+"""Folder in `--out` of a stage's best parameters so far."""
 
 
 class TimeUp(Exception):
-    """The seconds of a stage are over."""
+    """Raised when the time of a stage is over."""
 
 
 def teacher_config(args: argparse.Namespace) -> ConfigDict:
-    """PPO of the camera-less teacher."""
+    """Returns the PPO config of the teacher without camera."""
     from urbanverse_mjx.training.config import default_ppo_config
 
     config = default_ppo_config("fast").copy_and_resolve_references().unlock()
@@ -52,7 +52,7 @@ def teacher_config(args: argparse.Namespace) -> ConfigDict:
 
 
 def train_teacher(args: argparse.Namespace, env: Any, log: Log) -> pathlib.Path:
-    """PPO until the seconds are over; returns the newest policy."""
+    """Trains with PPO until the time is over; returns the newest policy."""
     from urbanverse_mjx.training import run as training
     from urbanverse_mjx.training.policy import latest_policy
 
@@ -79,7 +79,7 @@ def train_teacher(args: argparse.Namespace, env: Any, log: Log) -> pathlib.Path:
 
 
 class StudentTraining:
-    """Imitation, then PPO; the parameters that do best on the validation streets are kept in each stage."""
+    """Imitation, then PPO; each stage keeps the parameters with the best score on the validation streets."""
 
     def __init__(self, args: argparse.Namespace, env: Any, suite: Suite, log: Log) -> None:
         from urbanverse_mjx.training import dagger, finetune
@@ -113,7 +113,7 @@ class StudentTraining:
         self.steps = 0
 
     def compile_finetune(self) -> threading.Thread:
-        """Beside the imitation, in a thread of its own."""
+        """Compiles the PPO stage in a thread during the imitation."""
         shapes = jax.eval_shape(self.imitation.begin).params
 
         def work() -> None:
@@ -125,7 +125,8 @@ class StudentTraining:
         return thread
 
     def stage(self, name: str, learner: Any, state: Any, seconds: float, iterations: int) -> Any:
-        """Iterates; returns the actor's parameters that did best on the validation streets."""
+        """Runs the iterations of a stage; returns the actor's parameters with the best score on the validation
+        streets."""
         from urbanverse_mjx.training import sequences
 
         best: list[Any] = [-1.0, None]
@@ -168,7 +169,7 @@ class StudentTraining:
         save_student(self.args.out / name, params, PolicySpec.of(self.args.environment, self.env, config, steps))
 
     def start(self) -> Any:
-        """The parameters that `--start` names, or None."""
+        """Returns the parameters of `--start`, or None."""
         from flax import serialization
 
         from urbanverse_mjx.training.policy import latest_policy, load_params
@@ -181,7 +182,7 @@ class StudentTraining:
         return serialization.msgpack_restore(path.read_bytes())
 
     def wait_for_teacher(self) -> None:
-        """Takes over the teacher's parameters once it is done; without one its untrained network stays."""
+        """Loads the teacher's parameters once its run is done; without a teacher its network stays untrained."""
         from urbanverse_mjx.training.policy import latest_policy, load_params
 
         if self.args.teacher is None:
@@ -194,7 +195,7 @@ class StudentTraining:
         self.imitation.teacher_params = self.ppo.teacher_params = actor
 
     def run(self) -> dict[str, Any]:
-        """The parameters of each stage, by its name; those it began with where no stage has seconds."""
+        """Returns the parameters of each stage by name, or the initial ones if no stage has time."""
         args = self.args
         start = best = self.start()
         made: dict[str, Any] = {}

@@ -2,9 +2,9 @@
 
     python -m benchmarks.go2_gait --json
 
-walks the shipped gait of the Go2 (or `--gait`, a gait file): random commands on level ground (velocity error, falls,
-cost of transport, foot slip, torque, speed and joint limits), full speed ahead, kicks, kerbs up and down by height,
-ramps. One JSON line holds the results and which goals are met; the exit status is 1 if one is not.
+evaluates the shipped gait of the Go2 (or `--gait`, a gait file) with random commands on level ground (velocity error,
+falls, cost of transport, foot slip, torque, speed and joint limits), full speed ahead, kicks, kerbs up and down by
+height, ramps. One JSON line holds the results and which goals are met; the exit status is 1 if one is not.
 
 Without `--json` it prints two tables: the results with the goals, and with published figures (`lib.gait_published`).
 `--show FILE` prints them for an earlier JSON line. The whole benchmark is 47,000 s of walking, half an hour of one
@@ -29,7 +29,7 @@ from urbanverse_mjx.robots.go2 import load_gait
 from .lib.gait_published import goals_table, published_table
 from .lib.gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps, judge_straight
 
-#: Goals of a gait: upper or lower limits. Kerbs up and down, every ramp of a street (1:8).
+#: Goals of a gait as upper or lower limits: kerbs up and down, every ramp of a street (1:8).
 AT_MOST = {"error_linear_m_s": 0.1, "error_angular_rad_s": 0.15, "falls_percent": 1.0}
 KERB_GOALS = {0.12: 90.0, 0.15: 70.0}
 PUSH_GOAL, RAMP_GOAL = 95.0, 100.0
@@ -57,7 +57,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 
 def judge_all(arguments: argparse.Namespace) -> dict[str, Any]:
-    """All trials of a gait."""
+    """Runs all trials of a gait."""
     if arguments.processes == 1:
         return _judge(arguments, Judge(make_go2(), load_gait(arguments.gait)))
     with worker_pool(arguments.processes) as pool:
@@ -88,7 +88,7 @@ def _judge(arguments: argparse.Namespace, judge: Judge) -> dict[str, Any]:
 
 
 def goals(found: dict[str, Any]) -> dict[str, bool]:
-    """Which of the goals hold, of those that were tried."""
+    """Returns whether each tested goal is met."""
     flat = found["flat"]
     reached = {name: flat[name] is not None and flat[name] <= limit for name, limit in AT_MOST.items()}
     reached["kicks_survived"] = found["pushes"]["survived_percent"] >= PUSH_GOAL
@@ -107,7 +107,7 @@ def tables(found: Mapping[str, Any]) -> str:
 
 
 def _earlier(path: pathlib.Path) -> Mapping[str, Any]:
-    """Results of an earlier run."""
+    """Reads the results of an earlier run."""
     parts = ("gait", "meta", "seed", "flat", "straight", "pushes", "kerbs", "ramps", "goals", "wall_seconds")
     return v.mapping(v.read_json(path, "what the judge found"), str(path), parts)
 

@@ -1,10 +1,10 @@
-"""How straight the borders of distilled ground are, and how near the filmed block: committed graphs, before and after.
+"""Measures how straight and accurate the borders of distilled ground are, for committed graphs and regenerated ones.
 
     python -m benchmarks.ground_borders [--set autobench] [--only Kyoto] [--graphs DIR] [--before DIR]
         [--pictures DIR]
 
-The ground of every committed graph is drawn on cells again and goes through `distillation.ground_regions`, as a new
-recording's does; what stands at most `HIDES` m away counts as hidden, because a graph does not say what was seen. With
+The ground of every committed graph is rasterised again and processed by `distillation.ground_regions`, like that of a
+new recording; cells within `HIDES` m of an object count as hidden, because a graph does not record visibility. With
 --graphs, graphs of `benchmarks.library_captures` (DIR/<set>/<layout>/graph.json.gz) are measured instead, beside the
 committed ones; --before is a folder like `scenes/` with former graphs to use for the committed ones. The reference is
 the filmed block. Ground under houses counts for neither.
@@ -94,7 +94,7 @@ def _words(row: dict[str, float]) -> str:
 
 
 def cleaned(graph: SceneGraph, priors: LabelPriors) -> SceneGraph:
-    """The graph with its ground made anew."""
+    """Returns the graph with regenerated ground."""
     hidden = shapely.union_all([_box(o).buffer(HIDES) for o in graph.objects if not priors(o.label).faces_road])
     seen = _cells(graph.ground, hidden)
     regions = ground_regions.regions(completed(seen, _houses(graph, priors)))
@@ -128,7 +128,7 @@ def _cells(regions: tuple[GroundRegion, ...], hidden: BaseGeometry) -> ground.Gr
 
 
 def measure(graph: SceneGraph, true: SceneGraph, priors: LabelPriors) -> dict[str, float]:
-    """One row of the table."""
+    """Returns one row of the table."""
     solid = [r for r in graph.ground if r.kind not in PAINT_KINDS]
     found, reference = _by_kind(graph), _by_kind(true)
     whole = shapely.union_all(list(found.values())).buffer(0.03, join_style="mitre").buffer(-0.03, join_style="mitre")
@@ -159,12 +159,13 @@ def _by_kind(graph: SceneGraph) -> dict[str, BaseGeometry]:
 
 
 def _kerb(kinds: dict[str, BaseGeometry]) -> BaseGeometry:
-    """Where the road borders on what is walked on."""
+    """Returns the borders between the road and walkable ground."""
     return kinds["road"].boundary.intersection(shapely.union_all([kinds["sidewalk"], kinds["ground"]]).buffer(0.05))
 
 
 def _straightness(found: dict[str, BaseGeometry], reference: dict[str, BaseGeometry]) -> tuple[np.ndarray, float]:
-    """m: how far points of found kerbs lie from the line along each long true kerb, and that line from the true one."""
+    """Returns (m) the distances of points on found kerbs from the best line along each long true kerb, and of that line
+    from the true kerb."""
     parts = [p for p in shapely.get_parts(_kerb(found)) if p.length > 0.1]
     points = np.concatenate([shapely.get_coordinates(p.segmentize(0.05)) for p in parts])
     off, shifts = [], []
@@ -184,7 +185,7 @@ def _straightness(found: dict[str, BaseGeometry], reference: dict[str, BaseGeome
 
 
 def _middle_line(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The line with the least sum of absolute errors, by reweighted squares."""
+    """Fits the line with the least sum of absolute errors, by iteratively reweighted least squares."""
     weight, line = np.ones(len(x)), np.zeros(2)
     for _ in range(10):
         line = np.polyfit(x, y, 1, w=weight)
@@ -193,7 +194,7 @@ def _middle_line(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def draw(graphs: dict[str, SceneGraph], file: pathlib.Path) -> None:
-    """Ground and boxes from above, one graph under the other."""
+    """Draws ground and boxes from above, one graph under the other."""
     mpl.use("Agg")
     colours = {"road": "#777777", "crosswalk": "#dddddd", "sidewalk": "#d9b38c", "ground": "#8fbf6f"}
     figure, axes = plt.subplots(len(graphs), 1, figsize=(30, 7 * len(graphs)), sharex=True, sharey=True)

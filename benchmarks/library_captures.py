@@ -1,4 +1,4 @@
-"""Films and distils the layouts of UrbanVerse-160 and AutoBench: a block after each city, through UrbanVerse-Gen.
+"""Renders captures of the city blocks of UrbanVerse-160 and AutoBench and distils them with UrbanVerse-Gen.
 
     python -m benchmarks.library_captures --out DIR [--set autobench] [--only Tokyo] [--workers 16]
 
@@ -46,7 +46,8 @@ def main(argv: list[str] | None = None) -> int:
         if arguments.only in layout and not all(p.is_file() for p in _files(arguments.out, name, layout))
     ]
     begin, failed = time.monotonic(), {}
-    # Every process draws on one core: its threads would fight with the others'. JAX and Warp stay on the CPU.
+    # Every process renders on one core, because threads of several processes would compete. JAX and Warp stay on the
+    # CPU.
     os.environ |= {"OMP_NUM_THREADS": "1", "URBANVERSE_THREADS": "1", "JAX_PLATFORMS": "cpu"}
     for number, (task, (figures, error)) in enumerate(results_as_completed(_film, jobs, arguments.workers), 1):
         layout = jobs[task][1]
@@ -63,7 +64,7 @@ def _files(out: pathlib.Path, name: str, layout: str) -> tuple[pathlib.Path, pat
 
 
 def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> tuple[dict[str, Any], str]:
-    """The figures of one layout, or no figures and why it cannot be filmed."""
+    """Returns the figures of one layout, or the reason why it cannot be captured."""
     try:
         return _figures(name, layout, out, keep, length), ""
     except ValidationError as error:
@@ -71,7 +72,7 @@ def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) 
 
 
 def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
-    """One layout in this process: its graph and its scores."""
+    """Processes one layout in this process: writes its graph and its scores."""
     from urbanverse_mjx.capture.ground_truth import object_id, object_slots
     from urbanverse_mjx.pipeline.library.captures import film
 
@@ -107,7 +108,7 @@ def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: floa
 
 
 def _sheet(recording: Recording, path: pathlib.Path) -> None:
-    """Twelve frames of a capture, four in a row."""
+    """Writes an image of twelve frames of a capture, four in a row."""
     frames = [recording.rgb(int(i)) for i in np.linspace(1, len(recording) - 2, 12)]
     rows = [np.concatenate(frames[k : k + 4], axis=1) for k in range(0, 12, 4)]
     image = Image.fromarray(np.concatenate(rows))

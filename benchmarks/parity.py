@@ -1,17 +1,17 @@
-"""How far the engines part from C MuJoCo.
+"""Measures the differences between the engines and C MuJoCo.
 
     python -m benchmarks.parity --impl all --json
 
-drives robots through the shipped streets (compiled anew, C MuJoCo in each saved `scene.xml`) and through box streets,
+drives robots through the shipped streets (recompiled, with C MuJoCo in each saved `scene.xml`) and through box streets,
 each engine with all drives of a suite in one batch: free driving, ramps, kerbs, grazing and head-on hits, gaps too
 narrow for the robot, and drives aimed at objects at any angle. One JSON line holds, per engine and suite, the largest
 difference before the first contact and one second after it, in which scene, drive and second, the physics steps between
-the onsets, and other differences. The exit status is 1 where a tolerance of the design is broken: 1 mm before contact,
+the onsets, and other differences. The exit status is 1 if a tolerance of the design is exceeded: 1 mm before contact,
 onset within one physics step, one second later 5 mm in the median and 50 mm at most, no hit in one engine alone, and no
 episode that would end for another reason.
 
-    python -m benchmarks.parity --keep FOLDER                     # C MuJoCo's part, where scenes can be compiled
-    python -m benchmarks.parity --kept FOLDER --impl warp --json # on a GPU machine, which needs the runtime alone
+    python -m benchmarks.parity --keep FOLDER                     # C MuJoCo's part, on a machine that can compile
+    scenes python -m benchmarks.parity --kept FOLDER --impl warp --json # on a GPU machine with only the runtime
 """
 
 import argparse
@@ -35,13 +35,13 @@ from urbanverse_mjx.work_folder import work_folder
 CONTROL_DT = 0.2
 TOLERANCES = {"before_contact_max_mm": 1.0, "onset_max_steps": 1, "after_1s_median_mm": 5.0, "after_1s_max_mm": 50.0}
 NEVER = ("hit_flags_differ", "objects_differ", "ends_differ")
-#: Figures and the drive and the time they occurred in.
+#: Figures that are reported with the drive and time of their maximum.
 LARGEST = ("before_contact", "after_1s")
 
 
 @dataclasses.dataclass(frozen=True)
 class Suite:
-    """Drives in some scenes and what C MuJoCo makes of them."""
+    """Drives in some scenes with C MuJoCo's results."""
 
     bank: SceneBank
     drives: c_mujoco.Drives
@@ -57,7 +57,7 @@ class Suite:
 
     @staticmethod
     def load(folder: pathlib.Path) -> "Suite":
-        """Raises `ValidationError` where the folder was not written by `save`."""
+        """Reads a folder written by `save`; raises `ValidationError` for any other."""
         try:
             with np.load(folder / "truth.npz") as file:
                 kept = {name: file[name] for name in file.files}
@@ -94,7 +94,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 def make_suite(
     bank: SceneBank, scenes: Sequence[mujoco.MjSpec], robot: RobotSpec, count: int, seconds: float, seed: int
 ) -> Suite:
-    """`count` drives of all kinds by turns in all scenes by turns, driven in C MuJoCo."""
+    """Returns `count` drives that cycle through all kinds and scenes, simulated in C MuJoCo."""
     drives = c_mujoco.mixed_drives(bank, robot, count, round(seconds / CONTROL_DT), CONTROL_DT, seed)
     models = [c_mujoco.reference_model(scene, robot) for scene in scenes]
     return Suite(bank, drives, c_mujoco.drive_reference(models, robot, drives, CONTROL_DT))
@@ -104,7 +104,7 @@ def make_suite(
 
 
 def street_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
-    """Drives in scene graphs, compiled into a folder that is gone afterwards."""
+    """Returns drives in scene graphs, compiled into a temporary folder."""
     from urbanverse_mjx.pipeline import compile_graph, shipped_scenes
     from urbanverse_mjx.scene import pack_bank
 
@@ -132,7 +132,7 @@ def box_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
 
 
 def judge(suite: Suite, found: c_mujoco.Trace, robot: RobotSpec) -> dict[str, Any]:
-    """The figures of one engine in one suite, where they are largest, and which tolerances they break."""
+    """Returns the figures of one engine in one suite, the location of their maxima, and the exceeded tolerances."""
     figures = c_mujoco.compare(suite.expected, found, robot).summary()
     for name in LARGEST:
         drive = figures[f"{name}_worst_drive"]
@@ -145,7 +145,7 @@ def judge(suite: Suite, found: c_mujoco.Trace, robot: RobotSpec) -> dict[str, An
 
 
 def make_suites(arguments: argparse.Namespace, robot: RobotSpec) -> dict[str, Suite]:
-    """The suites by name, kept ones where there are."""
+    """Returns the suites by name, stored ones if there are any."""
     makers = {"boxes": (arguments.boxes, box_suite), "streets": (arguments.drives, street_suite)}
     asked = {name: make for name, (count, make) in makers.items() if count}
     if arguments.kept is not None:
@@ -177,7 +177,7 @@ def measure(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def largest(engines: dict[str, dict[str, dict[str, Any]]]) -> dict[str, str]:
-    """In words: the largest difference before and after contact, and where."""
+    """Returns text with the largest difference before and after contact and its location."""
     words = {}
     for name in LARGEST:
         found = [

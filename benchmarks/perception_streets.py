@@ -1,13 +1,13 @@
-"""Makes the training and test streets of the small network: for images only, without collision hulls.
+"""Builds the training and test streets of the perception model, for rendering only, without collision hulls.
 
     python -m benchmarks.perception_streets --split train --layouts 256 --processes 16 --out perception_train.npz
     python -m benchmarks.perception_streets --split test --layouts 20 --out perception_test.npz
 
 The two splits share no layout, no asset (the last variant of every leaf that has three or more is the test's), no sky
-and, where a kind of ground has four materials or more, no material of it. The training streets show their variants
-in more sizes, proportions and paints besides, as the catalogue has them. Streets are shorter than the benchmark's and
-more mixed: parks, front yards, lane markings, junctions, and everything that stands in the shipped streets.
-Prints one JSON line. The same options give the same content hash, whatever the number of processes.
+and, where a kind of ground has four materials or more, no material of it. The training streets also contain their
+variants in further sizes, proportions and paints, as in the catalogue. Streets are shorter than the benchmark's and
+more varied, with parks, front yards, lane markings, junctions, and all objects of the shipped streets. Prints one JSON
+line. The same options give the same content hash, whatever the number of processes.
 """
 
 import argparse
@@ -40,12 +40,12 @@ from urbanverse_mjx.scene.compiler import AssetSource, scene_geometry
 from urbanverse_mjx.scene.geometry import EpisodeTable, SceneGeometry
 
 SPLITS = ("train", "test")
-#: One of each family: low sun, closed grey, and clouds with sun.
+#: One sky of each family: low sun, overcast, and clouds with sun.
 TEST_SKIES = ("golden_hour", "overcast_grey", "partly_cloudy")
 #: Layouts of the splits come from different seeds.
 SEEDS = {"train": 11, "test": 12}
 LENGTH = 70.0  # m; farther objects are a few pixels high from a camera at 1.5 m
-#: Houses among them; the more there stands, the more there is to learn from a image.
+#: Range of the number of objects, houses included; training streets are denser for more labels per image.
 OBJECTS = {"train": (90, 140), "test": (70, 120)}
 #: Number of instances added to the training variants of each leaf.
 INSTANCES = 16
@@ -76,7 +76,7 @@ _MORE = {
 
 
 def of_split(split: str, index: AssetIndex) -> AssetIndex:
-    """The records of a split: the last variant of every leaf with three or more is the test's.
+    """Returns the records of a split; the last variant of every leaf with three or more belongs to the test split.
 
     Leaves with fewer are in both, so that the test's streets hold the same kinds of objects. In training every leaf
     of the streets has `INSTANCES` of its variants besides.
@@ -106,7 +106,7 @@ def _instances(leaf: str, bases: tuple[AssetRecord, ...]) -> list[AssetRecord]:
 
 
 def shown_leaves() -> frozenset[str]:
-    """Everything that stands in some street of either split."""
+    """Returns all leaves that occur in a street of either split."""
     objects = (*HOUSES, *itertools.chain(*_leaves().values()))
     return frozenset(objects)
 
@@ -132,7 +132,7 @@ def materials_of(split: str, kind: str) -> tuple[str, ...]:
 
 
 def make_ground(split: str, number: int) -> streets.Ground:
-    """The ground of street `number`: parks, yards, junctions and markings as they come."""
+    """Returns the ground of street `number`, with random parks, yards, junctions and markings."""
     rng = np.random.default_rng([SEEDS[split], 1, number])
     carriageway = float(rng.choice([6.0, 7.0, 8.0, 9.0]))
     left, right = (float(w) for w in rng.choice([5.0, 5.5, 6.0, 6.5], 2))
@@ -163,7 +163,8 @@ def _paint(street: section.StreetSection, rng: np.random.Generator) -> list[Grou
 
 
 def _point_hull(_: AssetRecord) -> HullSet:
-    """A tetrahedron of a millimetre: these streets are never simulated, and hulls take most of a bank."""
+    """Returns a tetrahedron of a millimetre, because these streets are never simulated and hulls make up most of a
+    bank."""
     return HullSet((np.concatenate([np.zeros((1, 3)), np.eye(3)]).astype(np.float32) * 1e-3,))
 
 
@@ -176,7 +177,7 @@ def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout
 
 
 def _walk(street: section.StreetSection) -> EpisodeTable:
-    """The one episode that a bank needs of every scene: along the left pavement's middle."""
+    """Returns one episode along the middle of the left pavement, because a bank needs one for every scene."""
     y, z = street.half + street.left / 2.0, section.KERB
     start, goal = np.array([[1.0, y, z, 0.0]]), np.array([[street.length - 1.0, y, z]])
     length = goal[0, 0] - start[0, 0]
@@ -187,7 +188,7 @@ def _walk(street: section.StreetSection) -> EpisodeTable:
 
 
 def build(split: str, layouts: int, progress: Any = None, processes: int = 1, first: int = 0) -> SceneBank:
-    """The bank of a split's streets from `first` on; `progress` is called with (streets done, streets in all)."""
+    """Returns the bank of a split's streets from `first` on; `progress` is called with (streets done, total)."""
     scenes, hashes = [], {}
     for geometry, name, content in _made(split, range(first, first + layouts), processes):
         scenes.append(geometry)

@@ -1,4 +1,5 @@
-"""`python -m benchmarks.realism --out FILE.png NAME=FOLDER ...`: families of compiled scenes beside real streets.
+"""`python -m benchmarks.realism --out FILE.png NAME=FOLDER ...`: compares families of compiled scenes with real
+streets.
 
 Objects, categories, spacing, pavement widths, their free parts, trees and kerbs of every scene, from the scenes' own
 `metadata.json`; differences between cousins, layouts and procedural scenes, from their layouts. One figure, and a JSON
@@ -33,8 +34,8 @@ class Published:
     address: str
 
 
-#: Read on 2026-11-22 from the store of public pages. A measure that is not here: no page that was found gave it
-#: (objects per 100 m, categories, spacing, and the share of pavement that is blocked).
+#: Taken from public pages on 2026-11-22. No source was found for the other measures (objects per 100 m, categories,
+#: spacing, and the share of blocked pavement).
 PUBLISHED: dict[str, tuple[Published, ...]] = {
     "under_2_m": (
         Published(
@@ -58,7 +59,7 @@ PUBLISHED: dict[str, tuple[Published, ...]] = {
             "https://www.localgov.co.uk/Majority-of-pavements-are-too-narrow-for-social-distancing-analysis-reveals/50570",
         ),
     ),
-    # 25 to 40 feet apart are 8.2 to 13.1 trees on 100 m of kerb that is planted throughout.
+    # A spacing of 25 to 40 feet is 8.2 to 13.1 trees per 100 m of fully planted kerb.
     "trees": (
         Published(
             8.2, 13.1, "Los Angeles' spacing rule", "https://bss.lacity.org/UrbanForestry/StreetTree/TreeSpacing.htm"
@@ -69,7 +70,7 @@ PUBLISHED: dict[str, tuple[Published, ...]] = {
         Published(0.10, 0.15, "4 to 6 inches, U.S.", "https://ofstandard.com/general/standard-dimensions-of-curb"),
     ),
 }
-#: Measure -> what its panel is called. All are one number per scene.
+#: Measure -> title of its panel. Each is one number per scene.
 MEASURES = {
     "objects": "objects on 100 m of pavement, houses apart",
     "categories": "categories in a scene",
@@ -81,12 +82,12 @@ MEASURES = {
     "blocked": "share that leaves under 0.70 m (robot)",
     "under_prowag": "share that leaves under 1.22 m (PROWAG)",
 }
-#: Most scenes of a family that diversity is taken over: pairs grow with the square.
+#: Largest number of scenes per family for diversity, because the number of pairs grows quadratically.
 MOST = 400
 
 
 def measures(metadata: Mapping[str, Any]) -> dict[str, float]:
-    """The numbers of one scene, by `MEASURES`."""
+    """Returns the numbers of one scene, by `MEASURES`."""
     s = metadata["statistics"]
     pavement = s["pavement"]
     hundreds = max(pavement["length_m"], 1.0) / 100.0
@@ -104,7 +105,7 @@ def measures(metadata: Mapping[str, Any]) -> dict[str, float]:
 
 
 def diversity(layouts: Sequence[SceneLayout]) -> dict[str, float]:
-    """Difference of scenes: mean Bray-Curtis distance of their counts (0 equal, 1 disjoint).
+    """Returns the diversity of scenes: the mean Bray-Curtis distance of their counts (0 equal, 1 disjoint).
 
     Returns:
       `cousin_assets`, `cousin_objects`: between cousins of one graph, by asset and by category; `layout_assets`,
@@ -126,7 +127,7 @@ def diversity(layouts: Sequence[SceneLayout]) -> dict[str, float]:
 
 
 def _counts(bags: Sequence[Sequence[str]]) -> np.ndarray:
-    """(n, k) how often each name is in each bag."""
+    """Returns (n, k), how often each name occurs in each bag."""
     number = {name: i for i, name in enumerate(sorted({name for bag in bags for name in bag}))}
     table = np.zeros((len(bags), max(1, len(number))))
     for row, bag in zip(table, bags, strict=True):
@@ -136,7 +137,7 @@ def _counts(bags: Sequence[Sequence[str]]) -> np.ndarray:
 
 
 def measure(families: Mapping[str, Sequence[pathlib.Path]]) -> dict[str, Any]:
-    """Everything the figure shows, by family."""
+    """Returns all data of the figure, by family."""
     told = {}
     for name, folders in families.items():
         scenes = [measures(read_json(f / "metadata.json", "scene's metadata")) for f in folders]
@@ -153,10 +154,10 @@ def measure(families: Mapping[str, Sequence[pathlib.Path]]) -> dict[str, Any]:
 
 
 def families_of(texts: Sequence[str]) -> dict[str, list[pathlib.Path]]:
-    """NAME=FOLDER ... as names and compiled scenes.
+    """Parses NAME=FOLDER ... as names and compiled scenes.
 
     Raises:
-      ValidationError: a text is none of these, or a folder holds no scene.
+      ValidationError: an argument has another form, or a folder contains no scene.
     """
     found: dict[str, list[pathlib.Path]] = {}
     for text in texts:

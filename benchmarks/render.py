@@ -1,12 +1,13 @@
-"""Throughput of the renderer alone: frames a second of each shading, style and size, and of the stock renderer.
+"""Measures the throughput of the renderer alone: frames per second of each shading, style and size, and of other
+renderers.
 
     python -m benchmarks.render --cases 135x240@1024,36x64@4096 --styles plain,shadows
 
-draws robots at random places of all scenes' routes, every env at another, new places in every frame. Each result is
-one JSON line, written to `--out` (and printed with `--json`) as soon as it is known; a configuration that fails writes
-its error and the next one follows. Beside our two shadings: `megakernel` is mujoco-warp-pbr as it comes (what `pbr`
-shows, with a tree per world), `stock` MuJoCo Warp's own renderer over the same scenes, meshes and trees; both without
-JAX and on one thread.
+renders robots at random positions on all scenes' routes, different in every env and frame. Each result is one JSON
+line, written to `--out` (and printed with `--json`) immediately; a failed configuration writes its error and the next
+one follows. In addition to our two shadings, `megakernel` is the original mujoco-warp-pbr (the images of `pbr`, with a
+tree per world) and `stock` is MuJoCo Warp's renderer over the same scenes, meshes and trees; both run without JAX on
+one thread.
 
 `frames_per_s` counts frames through `jax.jit(lax.scan(vmap(renderer)))`; `bare_ms` is a batch without JAX, and
 `place_ms` the part of it before any ray is cast (poses, and the refit of trees where there are any).
@@ -40,7 +41,7 @@ from urbanverse_mjx.simulation.rendering.model import build_render_model
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 SHADINGS = ("matte", "pbr", "megakernel", "stock")
-#: Changes of a style to the default: sky, textures, no shadows, one ray a pixel.
+#: Options of each style that differ from the default: sky, textures, no shadows, one ray per pixel.
 STYLES: dict[str, dict[str, Any]] = {
     "plain": {},
     "shadows": {"shadows": True},
@@ -49,7 +50,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "four-rays": {"samples": 2},
     "all-outputs": {"outputs": ("rgb", "depth", "category", "object", "normal")},
 }
-#: Places of all envs, used in turn.
+#: Number of sets of positions, used in turn.
 PLACES = 4
 KEPT_FRAMES = 6
 
@@ -84,7 +85,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 
 def random_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int) -> tuple[np.ndarray, ...]:
-    """scene (n,), xpos (n, nbody, 3), xquat (n, nbody, 4): robots on routes of all scenes, heading anywhere."""
+    """Returns scene (n,), xpos (n, nbody, 3), xquat (n, nbody, 4) of robots on routes of all scenes with random
+    headings."""
     rng = np.random.default_rng(seed)
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     data = mujoco.MjData(model)
@@ -100,18 +102,18 @@ def random_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int) -> 
     xpos = np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (number, len(z)))], -1) + place[:, None]
     xpos[..., 2] += robot.spawn_height
     xquat = rotations.product(rotations.from_yaw(yaw[:, None]), data.xquat)
-    # The world body is static and not drawn.
+    # The world body is static and not rendered.
     return scene, xpos.astype(np.float32), xquat.astype(np.float32)
 
 
 def through_jax(renderer: Renderer, places: list[tuple[np.ndarray, ...]], frames: int) -> Callable[[], Any]:
-    """A compiled call that draws `frames` batches in a scan, the places in turn."""
+    """Returns a compiled call that renders `frames` batches in a scan with the positions in turn."""
     stacked = tuple(jnp.asarray(np.stack([p[i] for p in places])) for i in range(3))
 
     def scan(arrays: Any) -> Any:
         def frame(total: Any, number: Any) -> tuple[Any, None]:
             pixels = jax.vmap(renderer)(*(x[number % len(places)] for x in arrays))["rgb"]
-            # A sum over a few pixels keeps the frame alive at no cost.
+            # A sum over a few pixels prevents the compiler from removing the frame, at no cost.
             return total + pixels[:, 0, 0].astype(jnp.float32).sum(), None
 
         return jax.lax.scan(frame, jnp.float32(0.0), jnp.arange(frames))[0]
@@ -121,7 +123,7 @@ def through_jax(renderer: Renderer, places: list[tuple[np.ndarray, ...]], frames
 
 
 class Bare:
-    """The same frames without JAX, by Warp arrays that are there already."""
+    """Renders the same frames without JAX from existing Warp arrays."""
 
     def __init__(self, renderer: Renderer, place: tuple[np.ndarray, ...]) -> None:
         scene, xpos, xquat = place
@@ -154,14 +156,14 @@ class Bare:
             self.renderer._render(self.inputs, list(self.outputs.values()))
 
     def place(self) -> None:
-        """Work before the rays."""
+        """Runs the work before ray casting."""
         _, batch = self.renderer._batch(self.device, self.number)
         with wp.ScopedDevice(self.device):
             batch.jobs(self.inputs, self.outputs)
 
 
 class Megakernel(Bare):
-    """mujoco-warp-pbr's own kernel, a tree per world; `stock`: MuJoCo Warp's own renderer over the same trees."""
+    """mujoco-warp-pbr's kernel with a tree per world; `stock`: MuJoCo Warp's renderer over the same trees."""
 
     def __init__(self, renderer: Renderer, place: tuple[np.ndarray, ...], stock: bool) -> None:
         super().__init__(renderer, place)
@@ -208,7 +210,7 @@ class Megakernel(Bare):
 
 
 def time_bare(call: Callable[[], None], repeats: int) -> float:
-    """Median seconds of a call, with the device waited for."""
+    """Returns the median seconds of a call, including device synchronisation."""
     wp.synchronize()
     seconds = []
     for _ in range(repeats):
@@ -220,7 +222,7 @@ def time_bare(call: Callable[[], None], repeats: int) -> float:
 
 
 def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: str, style: str, arguments: Any) -> Any:
-    """(result, a few frames) of one configuration."""
+    """Returns (result, a few frames) of one configuration."""
     height, width, number = case
     options = dict(STYLES[style])
     if not options.pop("textures", True):
@@ -272,7 +274,7 @@ def configurations(arguments: argparse.Namespace) -> Any:
 
 
 def load_bank(path: pathlib.Path | None) -> SceneBank:
-    # Scenes are compiled only where no bank is given: a GPU machine brings its own and has no CoACD or trimesh.
+    # Scenes are compiled only if no bank is given, because a GPU machine may lack CoACD and trimesh.
     if path:
         return SceneBank.load(path)
     from urbanverse_mjx.pipeline import ensure_default_bank

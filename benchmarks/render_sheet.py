@@ -1,8 +1,8 @@
-"""Cost and effect of each style of the renderer, side by side in one image.
+"""Draws an image that compares cost and appearance of each style of the renderer.
 
     python -m benchmarks.render_sheet --results render_1.jsonl --out docs/renderer_looks.jpg
 
-draws the same places once in every style, the costs beside them as `benchmarks.render --out` measured them.
+renders the same positions once in every style, with the costs measured by `benchmarks.render --out` beside them.
 """
 
 import argparse
@@ -34,14 +34,14 @@ ROWS = (
     (36, 64, "pbr", "plain"),
 )
 SHOWN = (135, 240)
-#: Pixels left of the images and above them.
+#: Pixels of the margins left of the images and above them.
 LABEL, TITLE = 190, 36
 
 
 def costs(results: pathlib.Path | None) -> dict[str, dict[str, Any]]:
-    """Measured lines by "HEIGHTxWIDTH shading style", and the machine under "title".
+    """Returns measured lines by "HEIGHTxWIDTH shading style", and the machine under "title".
 
-    The first of each counts, before any tried block sizes.
+    The first line of each is used, which precedes lines of other block sizes.
     """
     found: dict[str, dict[str, Any]] = {}
     for line in results.read_text().splitlines() if results else []:
@@ -56,7 +56,7 @@ def costs(results: pathlib.Path | None) -> dict[str, dict[str, Any]]:
 
 
 def frames(bank: SceneBank, robot: RobotSpec, row: tuple[int, int, str, str], places: tuple) -> np.ndarray:
-    """(n, 135, 240, 3) u8: each place in one style; smaller images with their pixels enlarged."""
+    """Returns (n, 135, 240, 3) u8: each position in one style; smaller images are enlarged."""
     height, width, shading, style = row
     options = dict(render.STYLES[style])
     if not options.pop("textures", True):

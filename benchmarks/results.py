@@ -1,13 +1,13 @@
-"""The table and the figure of all policies on CraftBench and AutoBench, from the rows in `benchmarks/scores`.
+"""Writes the table and the figure of all policies on CraftBench and AutoBench from the rows in `benchmarks/scores`.
 
     python -m benchmarks.results
     python -m benchmarks.results --add runs/student/result.json --agent student --policy student --robot COCO --seed 0
 
-The second first adds the rows of an agent in a result.json of `benchmarks.generalise` or `benchmarks.comparison`, in
-place of those of the same policy, robot and seed. `by_scene.csv` has a row per policy, training seed and scene;
-`totals.csv` policies whose scenes are not kept, with the standard error over scenes. Writes the table between the marks
-in docs/results.md, and docs/results.png. Intervals are those of a bootstrap that draws seeds (where there are several)
-and scenes.
+The second command first adds the rows of an agent in a result.json of `benchmarks.generalise` or
+`benchmarks.comparison`, replacing those of the same policy, robot and seed. `by_scene.csv` has a row per policy,
+training seed and scene; `totals.csv` policies whose scenes are not kept, with the standard error over scenes. Writes
+the table between the marks in docs/results.md, and docs/results.png. Intervals come from a bootstrap that samples seeds
+(if there are several) and scenes.
 """
 
 import argparse
@@ -25,14 +25,14 @@ SCORES = ROOT / "benchmarks" / "scores"
 PAGE, FIGURE = ROOT / "docs" / "results.md", ROOT / "docs" / "results.png"
 MARKS = "<!-- table: python -m benchmarks.results -->", "<!-- end of table -->"
 BENCHMARKS = {"craftbench": "CraftBench", "autobench": "AutoBench"}
-#: Draws of the bootstrap and their seed.
+#: Number of bootstrap samples, and their seed.
 DRAWS, SEED = 10_000, 0
 #: Standard errors from the mean to the end of a 95 % interval.
 NORMAL = 1.96
 
 
 class Score(NamedTuple):
-    """Success rate, %, with its 95 % interval; seeds: of training, 0 where nothing was trained."""
+    """Success rate, %, with its 95 % interval; seeds: number of training seeds, 0 for untrained policies."""
 
     mean: float
     low: float
@@ -41,7 +41,7 @@ class Score(NamedTuple):
 
 
 def over_seeds_and_scenes(rates: np.ndarray) -> Score:
-    """The mean of (seeds, scenes) rates in percent, each of as many episodes."""
+    """Returns the mean of (seeds, scenes) rates in percent, all over the same number of episodes."""
     seeds, scenes = rates.shape
     rng = np.random.default_rng(SEED)
     rows = rng.integers(0, seeds, (DRAWS, seeds, 1))
@@ -51,7 +51,7 @@ def over_seeds_and_scenes(rates: np.ndarray) -> Score:
 
 
 def read(folder: pathlib.Path) -> dict[tuple[str, str], dict[str, Score]]:
-    """(policy, robot) -> benchmark -> score, from the worst on CraftBench to the best."""
+    """Returns (policy, robot) -> benchmark -> score, sorted by the score on CraftBench."""
     found: dict[tuple[str, str], dict[str, Score]] = collections.defaultdict(dict)
     with (folder / "totals.csv").open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -85,13 +85,13 @@ def table(scores: dict[tuple[str, str], dict[str, Score]]) -> str:
 
 
 def with_table(page: str, text: str) -> str:
-    """A page with another table between the marks."""
+    """Returns a page with the table between the marks replaced."""
     before, rest = page.split(MARKS[0])
     return f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{rest.split(MARKS[1])[1]}"
 
 
 def draw(scores: dict[tuple[str, str], dict[str, Score]], path: pathlib.Path) -> None:
-    """Points with intervals, a panel for each benchmark."""
+    """Draws points with intervals, a panel for each benchmark."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -113,7 +113,7 @@ def draw(scores: dict[tuple[str, str], dict[str, Score]], path: pathlib.Path) ->
 
 
 def add(folder: pathlib.Path, result: pathlib.Path, agent: str, policy: str, robot: str, seed: int) -> None:
-    """Writes an agent's rows of result.json into by_scene.csv, in place of those of this policy, robot and seed."""
+    """Writes an agent's rows of result.json into by_scene.csv, replacing those of this policy, robot and seed."""
     body = json.loads(result.read_text(encoding="utf-8"))
     if agent not in body:
         raise SystemExit(f"error: {result}: found no agent {agent!r}, needed one of {sorted(set(body) - {'steps'})}.")

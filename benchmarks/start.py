@@ -1,10 +1,10 @@
-"""Seconds and memory of each stage until an environment with a camera has made its first step.
+"""Measures time and memory of each stage up to the first step of an environment with a camera.
 
     python -m benchmarks.start --banks validation/bank.npz craftbench/bank.npz
 
-Prints a JSON line a stage: seconds, processor seconds, resident memory now and at most so far (MiB). Memory that the
-system shares or may take back at any time, such as files, is in it. Programs that JAX has compiled come from its cache,
-as with all commands (`settings.use_compilation_cache`).
+Prints a JSON line per stage: seconds, processor seconds, current and peak resident memory (MiB). This includes memory
+that is shared or can be reclaimed, such as mapped files. Compiled JAX programs come from its cache, as in all commands
+(`settings.use_compilation_cache`).
 """
 
 import argparse
@@ -23,7 +23,7 @@ from urbanverse_mjx.envs import registry
 
 
 class Stages:
-    """Prints what each stage took."""
+    """Prints time and memory of each stage."""
 
     def __init__(self) -> None:
         self._clocks = time.monotonic(), time.process_time()

@@ -1,25 +1,25 @@
-"""The speedometer: throughput of the whole environment step, of its parts, of training, and of what else one could use.
+"""Measures the throughput of the whole environment step, of its parts, of training, and of other simulators.
 
     python -m benchmarks.throughput --impl jax --num-envs 64 --pixels 36x64 --json
 
 prints one JSON line: env-steps/s with auto-reset and one frame a step, as in PPO; the seconds of a step for physics,
-refit and render, and resets, each run alone over the same states, and the rest; compile seconds; peak memory; and the
-physics alone at the most expensive places of the bank (robots driven into the nearest object), with its cost as a ratio
-to the same robot on the same ground without hull slots. Every figure is the median over the repeats; `*_spread` is
-(slowest - fastest) / median. Without --json the same is printed one figure a line.
+refit and render, and resets, each run alone over the same states, and the remainder; compile seconds; peak memory; and
+the physics alone at the most expensive positions of the bank (robots driven into the nearest object), with its cost as
+a ratio to the same robot on the same ground without hull slots. Every figure is the median over the repeats; `*_spread`
+is (slowest - fastest) / median. Without --json the same is printed one figure a line.
 
-Options that take a comma list are measured in every combination, and --grid FILE names the combinations one by one (a
-JSON list of objects with fields of `benchmarks.lib.cases.Case`):
+Options that take a comma list are measured in every combination; --grid FILE lists combinations explicitly (a JSON list
+of objects with fields of `benchmarks.lib.cases.Case`):
 
     python -m benchmarks.throughput --bank bank160.npz --preset paper --num-envs 1024,4096 --pixels 135x240,36x64 \\
         --scenes 16,160 --measure step,parts,learn --baselines mjx,warp,c --append rows.jsonl --isolate --json
     python -m benchmarks.throughput --bank bank160.npz --grid benchmarks/grids/gpu.json --isolate --append rows.jsonl
 
-Each row is appended to --append's file as soon as it is known. A configuration that fails (out of memory, say) becomes
-a row with "error", and the next one is measured; with --isolate each runs in a process of its own, so that memory peaks
-are separate and a crash affects no other. --compare BASELINE exits with 1 where a rate is slower than the baseline by
-more than --tolerance, or a row failed. Measures: step, parts, refit (what a frame costs before its pixels), active (the
-most expensive physics), policy (inference, and rollouts with it), learn (the whole PPO training of the preset).
+Each row is appended to --append's file immediately. A configuration that fails (for example out of memory) becomes a
+row with "error", and the next one is measured. With --isolate each runs in its own process, so that memory peaks are
+separate and a crash affects no other. --compare BASELINE exits with 1 if a rate is slower than the baseline by more
+than --tolerance, or a row failed. Measures: step, parts, refit (what a frame costs before its pixels), active (the most
+expensive physics), policy (inference, and rollouts with it), learn (the whole PPO training of the preset).
 """
 
 import argparse
@@ -46,9 +46,9 @@ from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.simulation.engines import IMPLS
 
-#: Options that take a comma list, and what each value of it is; their names are fields of `Case`.
+#: Options that take a comma list, and the type of their values; their names are fields of `Case`.
 AXES = {"impl": str, "num_envs": int, "pixels": str, "scenes": int, "hulls": int, "substeps": int, "preset": str}
-#: Stands for the baseline of this device kind where --compare or --save-baseline names no file.
+#: Placeholder for the baseline of this device kind if --compare or --save-baseline has no file.
 _OWN = pathlib.Path()
 
 
@@ -121,10 +121,10 @@ def _settings(pairs: Sequence[str], option: str) -> dict[str, Any]:
 
 
 def cases_of(arguments: argparse.Namespace) -> list[Case]:
-    """All configurations that the options name.
+    """Returns all configurations of the options.
 
     Raises:
-      ValidationError: a value that does not fit.
+      ValidationError: a value is invalid.
     """
     measure = _list(arguments.measure, str, "measure") + ["learn"] * arguments.learn
     same = ("env", "num_slots", "shading", "shadows", "sky", "steps", "repeats", "iterations", "seed")
@@ -149,7 +149,7 @@ def cases_of(arguments: argparse.Namespace) -> list[Case]:
 
 @functools.lru_cache(maxsize=2)
 def _load_bank(path: str | None) -> SceneBank:
-    # Scenes are compiled only where no bank is given: a GPU machine brings its own and has no CoACD or trimesh.
+    # Scenes are compiled only if no bank is given, because a GPU machine may lack CoACD and trimesh.
     if path:
         return SceneBank.load(path)
     from urbanverse_mjx.pipeline import ensure_default_bank
@@ -158,7 +158,7 @@ def _load_bank(path: str | None) -> SceneBank:
 
 
 def load_env(case: Case) -> Any:
-    """The environment of a case over its bank, reduced to the case's scenes."""
+    """Returns the environment of a case over its bank, reduced to the case's scenes."""
     bank = _load_bank(case.bank)
     if case.scenes is not None:
         bank = banks.first_scenes(bank, case.scenes)
@@ -169,7 +169,7 @@ def load_env(case: Case) -> Any:
 
 
 def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str, Any]]:
-    """Measures a case and then its baselines, one row after the other; what fails becomes a row with "error"."""
+    """Measures a case and then its baselines, one row each; a failure becomes a row with "error"."""
     row = {**report.planned(case), "machine": report.machine()}
     env = None
     try:
@@ -190,7 +190,7 @@ def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str,
 
 
 def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
-    """The case's measurements, in parts, so that those before a failure are kept."""
+    """Yields the case's measurements one by one, so that those before a failure are kept."""
     wanted = set(case.measure)
     if wanted - {"learn"}:
         run = measurements.start(env, case)
@@ -203,7 +203,7 @@ def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[
                 report.proof_sheet(np.asarray(run.state.obs["pixels/front"][: report.PROOF]), proof)
             if "parts" in wanted:
                 split = measurements.parts(run, whole)
-                # The split of a step stands at the top level, where it always stood.
+                # The parts of a step stay at the top level, as in earlier files.
                 top = ("seconds_per_step", "seconds_per_step_spread", "share")
                 yield {name: split.pop(name) for name in top} | {"parts": split}
             if "refit" in wanted and env.renderer is not None:
@@ -225,7 +225,7 @@ def _baseline_row(name: str, env: Any, case: Case) -> dict[str, Any]:
 
 
 def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator[dict[str, Any]]:
-    """The rows of a case, measured by a process of its own."""
+    """Yields the rows of a case, measured in a separate process."""
     command = [sys.executable, "-m", "benchmarks.throughput", "--grid", "/dev/stdin", "--json"]
     command += ["--proof", str(proof)] if proof else []
     try:
@@ -251,7 +251,7 @@ def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator
 
 
 def measure_all(arguments: argparse.Namespace, cases: Sequence[Case]) -> list[dict[str, Any]]:
-    """Rows of all cases, each written down as soon as it is known."""
+    """Yields the rows of all cases, each written immediately."""
     rows = []
     for number, case in enumerate(cases):
         proof = arguments.proof
@@ -283,7 +283,7 @@ def _baseline(path: pathlib.Path, rows: Sequence[dict[str, Any]]) -> pathlib.Pat
 
 
 def _judge(arguments: argparse.Namespace, rows: Sequence[dict[str, Any]]) -> int:
-    """Table, baseline and comparison; the exit status."""
+    """Writes table, baseline and comparison; returns the exit status."""
     if arguments.markdown:
         table = report.markdown(rows)
         write_atomically(arguments.markdown, lambda temporary: temporary.write_text(table, encoding="utf-8"))

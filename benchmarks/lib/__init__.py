@@ -1,1 +1,1 @@
-"""Common parts of the benchmark scripts: cases, measurements, trials and how results are reported."""
+"""Common parts of the benchmark scripts: cases, measurements, trials and reports."""

@@ -1,4 +1,4 @@
-"""How good each step of matching is, on objects it has not been given."""
+"""Measures the accuracy of each matching step on held-out objects."""
 
 import random
 import time
@@ -17,11 +17,12 @@ from urbanverse_mjx.assets.selection.search import ObjectLibrary
 
 HELD_OUT = 5  # one in so many of the vocabularies' labels
 RENDER = (128, 128)  # pixels of a crop
-YAWS = (-32.0, 20.0, 140.0)  # degrees: the thumbnails' view, and two that no descriptor was made for
+YAWS = (-32.0, 20.0, 140.0)  # degrees: the thumbnails' view, and two without descriptors
 
 
 def semantic(seed: int = 0) -> dict[str, Any]:
-    """Labels of public vocabularies taken out of the index, synonym and all, and looked up by letters alone."""
+    """Looks up labels of public vocabularies by spelling alone, after removing them and their synonyms from the
+    index."""
     rows = {
         (ontology.normalised(row.label.rpartition("=")[2]), row.leaf)
         for row in mapped_labels().values()
@@ -40,7 +41,7 @@ def semantic(seed: int = 0) -> dict[str, Any]:
 
 
 def geometric(objects: ObjectLibrary, matcher: Matcher, count: int, seed: int = 0) -> dict[str, Any]:
-    """Records looked up by their own box with 3 % of noise a side: their rank among those of their leaf."""
+    """Looks up records by their box with 3 % of noise per side; returns their rank among those of their leaf."""
     rng = np.random.default_rng(seed)
     ranks, sizes = [], []
     for record in _sample(objects, rng, count):

@@ -1,4 +1,4 @@
-"""Smaller banks out of a large one: fewer scenes or fewer hulls, everything else as it was. Runs on a GPU machine."""
+"""Makes smaller banks from a large one with fewer scenes or hulls, without the scene compiler."""
 
 import dataclasses
 
@@ -11,10 +11,10 @@ _BY_SCENE = ("inst_", "prism_", "grid_origin", "hull_grid", "map_kind", "map_ori
 
 
 def first_scenes(bank: SceneBank, count: int) -> SceneBank:
-    """The first `count` scenes with the meshes that they show; hulls, textures and skies stay.
+    """Returns the first `count` scenes with their visible meshes; hulls, textures and skies stay.
 
     Raises:
-      ValidationError: the bank holds fewer.
+      ValidationError: the bank has fewer scenes.
     """
     if not 1 <= count <= bank.num_scenes:
         raise ValidationError(f"--scenes: found {count}, needed 1 to {bank.num_scenes}, the scenes of the bank.")
@@ -25,7 +25,7 @@ def first_scenes(bank: SceneBank, count: int) -> SceneBank:
 
 
 def _without_unseen_meshes(bank: SceneBank) -> SceneBank:
-    """The bank with the meshes alone that some slot or agent shows."""
+    """Returns the bank with only the meshes that a slot or agent uses."""
     agents = bank.agents
     used = np.unique(np.concatenate([bank.slot_mesh[bank.slot_mesh >= 0], np.array(agents["mesh"], np.int32)]))
     number = np.full(bank.num_meshes + 1, -1, np.int32)
@@ -41,7 +41,7 @@ def _without_unseen_meshes(bank: SceneBank) -> SceneBank:
 
 
 def with_hulls(bank: SceneBank, count: int, seed: int = 0) -> SceneBank:
-    """At most `count` hulls a scene: objects in a seeded order keep theirs until there are so many.
+    """Returns the bank with at most `count` hulls per scene; objects keep theirs in a random order until the limit.
 
     Visual meshes, the map and the episodes do not change, so costs can be compared.
 
@@ -60,7 +60,7 @@ def with_hulls(bank: SceneBank, count: int, seed: int = 0) -> SceneBank:
         listed = grid[scene]
         gone = (listed >= 0) & (hull[scene][listed] < 0)
         grid[scene] = np.where(gone, -1, listed)
-    # The nearest to a cell's middle still come first, the empty places after them.
+    # The hulls nearest to a cell's middle stay first, empty entries last.
     order = np.argsort(grid < 0, axis=-1, kind="stable")
     grid = np.take_along_axis(grid, order, -1)
     depth = max(1, int((grid >= 0).sum(-1).max(initial=0)))

@@ -1,6 +1,6 @@
 """Other simulators on the same scene with the same robot: each row states what it includes and omits.
 
-None of them puts envs in different scenes, and none resets: these costs are missing in their figures.
+None of them uses different scenes per env, and none resets, so their figures do not include these costs.
 """
 
 import dataclasses
@@ -22,7 +22,7 @@ from benchmarks.lib.street_model import HIT, ROBOT, SEEN, street_model
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.settings import num_threads
 
-#: Scene of the bank that all of them run in.
+#: Scene of the bank for all baselines.
 SCENE = 0
 #: MJX compiles a collision function for every distinct mesh (docs/sources/measured.md: 256 take 54 s), so its scene is
 #: cut.
@@ -31,7 +31,7 @@ MJX_HULLS, MJX_PRISMS = 48, 8
 MJX_CONTACTS = 12
 #: Room for contacts and constraint rows per world in MuJoCo Warp: twice the measured maximum.
 WARP_CONTACTS, WARP_ROWS = 64, 256
-#: C MuJoCo runs so many envs per core at most, and draws so many frames: its rates do not grow with the number.
+#: Largest number of envs per core for C MuJoCo, and number of frames; its rates do not grow beyond.
 ENVS_PER_CORE, FRAMES = 64, 40
 
 
@@ -58,7 +58,7 @@ class Drive:
 
     @property
     def count(self) -> int:
-        """Env-steps in one run."""
+        """Returns the env-steps of one run."""
         return self.ctrl.shape[0] * self.ctrl.shape[1]
 
     def model(self, **options: Any) -> mujoco.MjModel:
@@ -67,7 +67,7 @@ class Drive:
 
 
 def make_drive(env: Any, case: Case) -> Drive:
-    """The case's number of robots at starts of the scene, driving forward with a random turn."""
+    """Returns a drive of the case's number of robots from starts of the scene, forward with random turns."""
     bank, robot = env.bank, env.robot
     rows = np.arange(case.num_envs) % int(bank.num_episodes[SCENE])
     start = bank.episode_start[SCENE, rows]
@@ -82,13 +82,13 @@ def make_drive(env: Any, case: Case) -> Drive:
 
 
 def _row(drive: Drive, seconds: float, does: str, **more: Any) -> dict[str, Any]:
-    """The figures of one run of all env-steps."""
+    """Returns the figures of one run of all env-steps."""
     rate = drive.count / seconds
     return {"physics_steps_per_s": rate * drive.substeps, "does": does, **more}
 
 
 def stock_mjx(drive: Drive, repeats: int) -> dict[str, Any]:
-    """MJX-JAX, the scene cut around one start where all robots begin."""
+    """Measures MJX-JAX with the scene cut around one start, where all robots begin."""
     start = drive.bank.episode_start[SCENE, 0, :2]
     limits = {"max_contact_points": MJX_CONTACTS}
     model = drive.model(near=start, hulls=MJX_HULLS, prisms=MJX_PRISMS, numeric=limits)
@@ -109,7 +109,7 @@ def stock_mjx(drive: Drive, repeats: int) -> dict[str, Any]:
 
 
 def direct_warp(drive: Drive, repeats: int) -> dict[str, Any]:
-    """MuJoCo Warp called from Python, with its own renderer where frames are asked for; no JAX."""
+    """Measures MuJoCo Warp called from Python without JAX, with its renderer if frames are requested."""
     import mujoco_warp as mjw
     import warp as wp
 
@@ -164,7 +164,7 @@ def _warp_context(mjw: Any, model: mujoco.MjModel, count: int, size: tuple[int, 
 
 
 def _captured(wp: Any, calls: dict[str, Callable[[], None]]) -> dict[str, Callable[[], None]]:
-    """The same launches as CUDA graphs."""
+    """Returns the same launches as CUDA graphs."""
     graphs = {}
     for name, call in calls.items():
         with wp.ScopedCapture() as capture:
@@ -174,7 +174,7 @@ def _captured(wp: Any, calls: dict[str, Callable[[], None]]) -> dict[str, Callab
 
 
 def c_mujoco(drive: Drive, repeats: int) -> dict[str, Any]:
-    """C MuJoCo: `mujoco.rollout` on all cores, and its own renderer for one robot after the other."""
+    """Measures C MuJoCo: `mujoco.rollout` on all cores, and its renderer for one robot after the other."""
     cores = num_threads()
     begin = time.perf_counter()
     model = drive.model(seen=drive.size is not None)
@@ -208,7 +208,7 @@ def _full_state(model: mujoco.MjModel, data: mujoco.MjData, qpos: np.ndarray) ->
 def _c_frames(
     model: mujoco.MjModel, data: mujoco.MjData, drive: Drive, found: dict[str, Any], does: str
 ) -> dict[str, Any]:
-    """Frames/s of MuJoCo's renderer, and env-steps/s when every one is drawn; reports a missing OpenGL."""
+    """Measures frames/s of MuJoCo's renderer, and env-steps/s with every step rendered; reports a missing OpenGL."""
     assert drive.size is not None
     option = mujoco.MjvOption()
     option.geomgroup[:] = 0
@@ -245,6 +245,6 @@ BASELINES: dict[str, Callable[[Drive, int], dict[str, Any]]] = {
 
 
 def measure(name: str, env: Any, case: Case) -> dict[str, Any]:
-    """The row of one baseline beside a case."""
+    """Returns the row of one baseline for a case."""
     row = BASELINES[name](make_drive(env, case), case.repeats)
     return {"rival": {"mjx": "stock MJX", "warp": "MuJoCo Warp, no JAX", "c": "C MuJoCo, mujoco.rollout"}[name], **row}

@@ -16,18 +16,18 @@ MEASURES = ("step", "parts", "refit", "active", "policy", "learn")
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """One configuration. Fields that are None are left as the preset has them.
+    """One configuration. Fields that are None keep the preset's values.
 
     Attributes:
       bank: file; None = the shipped streets.
-      scenes: keep the first so many scenes.
-      hulls: keep at most so many hulls a scene (`banks.with_hulls`).
+      scenes: number of scenes to keep, from the first.
+      hulls: largest number of hulls per scene (`banks.with_hulls`).
       pixels: "HxW", or "none" for an environment without camera.
       substeps: physics steps per control step.
       overrides: further env config, flat dotted keys.
-      ppo: the same of the training config (measure "learn").
+      ppo: further training config (measure "learn").
       measure: of `MEASURES`.
-      rivals: of `baselines.BASELINES`, measured beside the case.
+      rivals: `baselines.BASELINES` to measure in addition.
       steps: control steps in one timed run.
       repeats: timed runs.
       iterations: PPO iterations of "learn".
@@ -100,10 +100,10 @@ class Case:
 
     @staticmethod
     def from_json(value: Mapping[str, Any]) -> "Case":
-        """A case from a mapping of some of its fields.
+        """Makes a case from a mapping of some of its fields.
 
         Raises:
-          ValidationError: a key that is no field, or a value that does not fit.
+          ValidationError: a key is not a field, or a value is invalid.
         """
         names = [f.name for f in dataclasses.fields(Case)]
         unknown = [k for k in value if k not in names]
@@ -122,7 +122,7 @@ def _texts(value: Any, key: str) -> tuple[str, ...]:
 
 
 def product(base: Case, axes: Mapping[str, Iterable[Any]]) -> list[Case]:
-    """`base` with every combination of the values of `axes` (field name to values), the last axis fastest."""
+    """Returns `base` with every combination of the values of `axes` (field name to values), the last axis fastest."""
     names = list(axes)
     return [
         dataclasses.replace(base, **dict(zip(names, values, strict=True)))
@@ -131,7 +131,7 @@ def product(base: Case, axes: Mapping[str, Iterable[Any]]) -> list[Case]:
 
 
 def read_grid(path: pathlib.Path, base: Case) -> list[Case]:
-    """Cases of a JSON file: a list of objects, each some fields of `Case`; the rest is `base`'s.
+    """Reads cases from a JSON file: a list of objects with some fields of `Case`; the others are `base`'s.
 
     Raises:
       ValidationError: no such file, no list of objects, or a wrong key.

@@ -1,4 +1,4 @@
-"""Crowds in streets: their cost in an environment, and statistics of a long run without one."""
+"""Measures crowds in streets: their cost in an environment, and statistics of a long run without one."""
 
 import argparse
 import time
@@ -21,7 +21,7 @@ from urbanverse_mjx.envs.registry import load_default_bank
 from urbanverse_mjx.geometry.grids import cell_of
 from urbanverse_mjx.simulation.collision_slots import body_slots
 
-#: s after which an agent with a goal that has hardly moved is stuck, and m that bodies may overlap.
+#: s after which an agent with a goal that has hardly moved counts as stuck, and m, tolerated overlap of bodies.
 STUCK, OVERLAP = 20.0, 0.02
 
 
@@ -84,7 +84,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _moving_bodies(run: measure.Run | None) -> dict[str, Any]:
-    """How many objects of an env moved in the timed steps, on average, and how many were no longer in their places."""
+    """Returns the mean number of objects per env that moved in the timed steps, and of displaced ones."""
     if run is None:
         return {}
     bodies = run.sims.bodies
@@ -119,7 +119,7 @@ def _clearances(bank: SceneBank, scenes: list[int]) -> tuple[dict[str, Any], Any
 
 
 def agent_minutes(arguments: argparse.Namespace) -> dict[str, Any]:
-    """A long run without robot: overlaps, agents inside obstacles, and how many are stuck."""
+    """Simulates a long run without a robot; returns overlaps, agents inside obstacles, and stuck agents."""
     bank = SceneBank.load(arguments.bank) if arguments.bank else load_default_bank()
     scenes = list(range(bank.num_scenes))[: arguments.scenes]
     kinds = slot_kinds(registry.get_default_config("CocoNav").crowd)

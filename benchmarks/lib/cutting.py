@@ -1,4 +1,4 @@
-"""Cuts convex hulls into more of them: the same solid, a dearer collision set."""
+"""Cuts convex hulls into smaller ones: the same solid with more collision shapes."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,7 +9,7 @@ from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES
 from urbanverse_mjx.scene.hulls import ConvexPart, convex_part
 
-#: Where between its ends a hull is cut, the middle first.
+#: Relative positions of cuts between a hull's ends, the middle first.
 _SHARES = (0.5, 0.4, 0.6, 0.3, 0.7)
 
 
@@ -40,7 +40,7 @@ def _thinned(ring: np.ndarray, most: int) -> np.ndarray:
 
 
 def halves(part: ConvexPart, exact: bool = True) -> tuple[ConvexPart, ConvexPart] | None:
-    """A hull cut in two hulls of at most 32 corners, across its longest side and in the middle where that works.
+    """Cuts a hull into two hulls of at most 32 corners, across its longest side and in the middle if possible.
 
     Args:
       exact: whether the two must fill the hull; else they may miss slivers along the cut, where it has many corners.
@@ -69,11 +69,11 @@ def halves(part: ConvexPart, exact: bool = True) -> tuple[ConvexPart, ConvexPart
 
 
 def cut(hulls: Sequence[np.ndarray], number: int) -> tuple[np.ndarray, ...]:
-    """The same solid in `number` hulls: the largest piece is cut in two until there are so many.
+    """Returns the same solid as `number` hulls by repeatedly cutting the largest piece in two.
 
     Args:
       hulls: (n, 3) float32 corners each, m.
-      number: wanted; fewer are returned where no hull can be cut any more, more where there were more.
+      number: desired number; fewer are returned if no hull can be cut further, more if there were more.
     """
     whole = [convex_part(h) for h in hulls]
     done: list[ConvexPart] = []

@@ -1,4 +1,4 @@
-"""Captures of the fidelity benchmark: filmed streets with their ground truth, and their recordings by a row's
+"""Captures of the fidelity benchmark: rendered streets with ground truth, and their recordings by each row's
 perception."""
 
 import dataclasses
@@ -47,8 +47,8 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
         recording = Recording.load(folder)
     else:
         options = FilmOptions(width=size[0], height=size[1], rgb=rgb)
-        # With images he turns in some seconds, as `urbanverse capture` films: of a turn between two frames, which no
-        # video shows, no image could tell the angle.
+        # With images the camera turns over several seconds, as in `urbanverse capture`; the angle of a turn between two
+        # frames could not be estimated.
         path = PathOptions(frames=frames, rate=RGB_RATE) if rgb else PathOptions(frames=frames, turn_time=0.0)
         recording = film_scene(bank, scene, folder, path, options)
     ground_truth = SceneGraph.load(folder / "truth.json").objects
@@ -80,7 +80,8 @@ def _with_ground_truth(recording: Recording, ground_truth: Any, turnable: dict[s
 
 
 def from_images(filmed: Capture, folder: pathlib.Path) -> Recording:
-    """Everything from the images alone: COLMAP's poses and the small network's objects, surfaces and depth."""
+    """Returns a recording from the images alone: COLMAP's poses and the perception model's objects, surfaces and
+    depth."""
     (folder / "frames").mkdir(parents=True)
     names = []
     for k, frame in enumerate(filmed.recording.frames):
@@ -94,7 +95,7 @@ def from_images(filmed: Capture, folder: pathlib.Path) -> Recording:
 
 
 def seen_by_the_model(filmed: Capture, folder: pathlib.Path) -> Recording:
-    """True poses and depth; objects and surfaces by the small network."""
+    """Returns a recording with true poses and depth, and objects and surfaces of the perception model."""
     model, given = PerceptionModel.load(), filmed.recording
     writer = RecordingWriter(folder / "eye", given.id, given.source, given.camera, given.depth_unit_m, lossless=False)
     for k, frame in enumerate(given.frames):
@@ -113,11 +114,11 @@ def seen_by_the_model(filmed: Capture, folder: pathlib.Path) -> Recording:
 
 
 def retrieved(filmed: Capture, graph: SceneGraph, pairs: list[tuple[str, str]]) -> np.ndarray | None:
-    """(n,) bool over matches whose true asset is known: whether the first cousin stands on the same base shape.
+    """Returns (n,) bool over matches with known true asset, whether the first cousin uses the same base shape.
 
-    The paper's Ast is the share of correctly retrieved objects; people judged correctness there. Here an object counts
-    where the asset chosen among the catalogue's 102,444 has the filmed base shape, whatever its size and tint. None
-    where the street is none of the shipped ones, whose assets are known.
+    The paper's Ast is the share of correctly retrieved objects as judged by people. Here an object counts if the asset
+    chosen among the catalogue's 102,444 has the true base shape, with any size and tint. Returns None except for the
+    shipped streets, whose assets are known.
     """
     path = scene_root() / filmed.scene / "graph.json"
     if not path.is_file():

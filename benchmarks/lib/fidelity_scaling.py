@@ -1,4 +1,4 @@
-"""How long a recording takes to become five compiled cousins, over the number of its frames."""
+"""Measures the time from a recording to five compiled cousins, over the number of frames."""
 
 import dataclasses
 import pathlib
@@ -16,9 +16,10 @@ _OPTIONS = GenerationOptions(cousins=5, pictures=False)
 
 
 def scaling(recording: Recording, frames: tuple[int, ...] = FRAMES) -> list[dict[str, float]]:
-    """Seconds by stage of the first n frames of a recording, n growing, on the cores that this process may use.
+    """Returns the seconds per stage for the first n frames of a recording, with growing n, on the cores of this
+    process.
 
-    The first ten go before, unmeasured: they fill the cache of base meshes. `seconds` is the sum of the stages,
+    A run with ten frames comes first, unmeasured, to fill the cache of base meshes. `seconds` is the sum of the stages,
     `processor_s` counts this process and its workers, with the report.
     """
     table = []
@@ -42,7 +43,7 @@ def scaling(recording: Recording, frames: tuple[int, ...] = FRAMES) -> list[dict
 
 
 def _first(recording: Recording, count: int, folder: pathlib.Path) -> pathlib.Path:
-    """The first frames of a recording as one of its own; the images are linked."""
+    """Writes the first frames of a recording as a new recording with linked images."""
     folder.mkdir(parents=True)
     for part in recording.folder.iterdir():
         if part.is_dir():

@@ -1,4 +1,4 @@
-"""The paper's columns: a graph against the true graph of the same capture."""
+"""Computes the paper's columns: a graph against the true graph of the same capture."""
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,7 +12,7 @@ from urbanverse_mjx.materialisation.overlap import ground_box
 GATE = 5.0  # m
 SMALL = 50.0  # m^3: Scale and mAP25 leave buildings out
 IOU = 0.25
-#: Share of an image that an object must cover in some frame to count as seen (0.15 %: 11 x 11 pixels of 384 x 216).
+#: Least share of an image that an object covers in some frame to count as seen (0.15 %: 11 x 11 pixels of 384 x 216).
 SEEN_SHARE = 0.0015
 #: A footprint whose least and greatest bounding rectangle differ by less than this has no heading.
 _ROUND = 1.12
@@ -45,7 +45,7 @@ class Scores:
 
 
 def seen_objects(recording: Recording, objects: Iterable[GraphObject], share: float = SEEN_SHARE) -> list[GraphObject]:
-    """The true objects that cover enough of some frame of a capture, by the tracks in it."""
+    """Returns the true objects that cover enough of some frame of a capture, by its tracks."""
     camera = recording.camera
     needed = share * camera.width * camera.height
     seen: set[str] = set()
@@ -75,7 +75,7 @@ def alignment(poses: np.ndarray, true_poses: np.ndarray) -> np.ndarray:
 
 
 def moved(objects: Sequence[GraphObject], T: np.ndarray) -> list[GraphObject]:
-    """Objects under a rigid transform that hardly leans."""
+    """Returns objects under a nearly level rigid transform."""
     turn = float(np.arctan2(T[1, 0], T[0, 0]))
     return [
         dataclasses.replace(

@@ -1,7 +1,7 @@
 """The tables of `benchmarks.go2_gait`: a gait's results with its goals, and with published figures.
 
-Published figures are copied from their source; none comes from a run of this benchmark. A quantity for which no
-published figure was found is in the first table alone.
+Published figures are copied from their source; none comes from a run of this benchmark. A quantity without a published
+figure is in the first table only.
 """
 
 import dataclasses
@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.lib import tables
 
-#: %, of trials: a kerb or ramp counts as walked.
+#: %, share of trials from which a kerb or ramp counts as passed.
 KERB_SHARE, RAMP_SHARE = 90.0, 100.0
 Found = Mapping[str, Any]
 
@@ -26,7 +26,7 @@ class Published:
       theirs: as published.
       whose: robot, engine, device.
       source: of the figure.
-      ours: this benchmark's result; None where it was not tried.
+      ours: this benchmark's result; None if it was not measured.
     """
 
     what: str
@@ -42,7 +42,7 @@ def _speed(found: Found) -> str | None:
 
 
 def _minutes(found: Found) -> str | None:
-    """Env-steps and wall time of the training, from the gait's file."""
+    """Returns env-steps and wall time of the training, from the gait's file."""
     meta = found["meta"]
     if not meta.get("wall_seconds"):
         return None
@@ -58,7 +58,7 @@ def _rate(found: Found) -> str | None:
 
 
 def _highest(found: Found) -> str | None:
-    """The highest kerb that was climbed and descended in `KERB_SHARE` of the trials."""
+    """Returns the highest kerb that was climbed and descended in `KERB_SHARE` of the trials."""
     shares: dict[float, float] = {}
     for row in found["kerbs"]:
         shares[row["height_m"]] = min(shares.get(row["height_m"], 100.0), row["passed_percent"])

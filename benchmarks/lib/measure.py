@@ -1,4 +1,5 @@
-"""The measurements of one configuration: the whole step, its parts, the dearest physics, the policy, the training."""
+"""Measurements of one configuration: the whole step, its parts, the most expensive physics, the policy, the
+training."""
 
 import dataclasses
 from collections.abc import Callable
@@ -76,7 +77,7 @@ def draw_with(renderer: Any) -> Callable[..., Any]:
     def draw(sims: Any) -> Any:
         def frame(total: Any, sim: Any) -> tuple[Any, None]:
             pixels = jax.vmap(renderer)(sim.scene, sim.xpos, sim.xquat)["rgb"]
-            # A sum over a few pixels keeps the frame alive at no cost.
+            # A sum over a few pixels prevents the compiler from removing the frame, at no cost.
             return total + pixels[:, 0, 0].astype(jnp.float32).sum(), None
 
         return jax.lax.scan(frame, jnp.float32(0.0), sims)[0]
@@ -95,7 +96,7 @@ def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
         return jax.lax.scan(one, state, actions)
 
     call = run.compile_("step", whole, run.first, run.actions)
-    # The first call leaves the states behind in which all robots stand at their starts.
+    # The first call advances past the states in which all robots stand at their starts.
     (run.state, (run.sims, _, _)), first = timing.first_call(call, run.first, run.actions)
     _, (_, done, overflow) = call(run.state, run.actions)
     sample = timing.time_(call, run.state, run.actions, repeats=run.case.repeats, warm=True)
@@ -140,8 +141,8 @@ def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
 
 
 def refit(run: Run) -> dict[str, Any]:
-    """The cost of a frame without its pixels: a renderer of one pixel places objects and refits the search trees
-    alike."""
+    """Measures the cost of a frame without its pixels: a renderer of one pixel also places objects and refits search
+    trees."""
     from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
     env, view = run.env, run.env.config.vision_config
@@ -153,7 +154,7 @@ def refit(run: Run) -> dict[str, Any]:
 
 
 def active(run: Run) -> dict[str, Any]:
-    """Physics alone with robots driven into the nearest object, and the same robot without hull slots."""
+    """Measures physics alone with robots driven into the nearest object, and the same robot without hull slots."""
     env, steps, num_envs = run.env, run.case.steps, run.case.num_envs
     config, robot = env.config, env.robot
     poses = placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
@@ -186,7 +187,8 @@ def active(run: Run) -> dict[str, Any]:
 
 
 def ppo_config(case: Case) -> Any:
-    """The preset's training with the case's envs and as many steps as `iterations` take, one checkpoint at the end."""
+    """Returns the preset's training config with the case's envs and the steps of `iterations`, with one checkpoint at
+    the end."""
     from urbanverse_mjx.training.config import default_ppo_config
 
     sizes = {"num_envs": case.num_envs, "num_checkpoints": 1, "seed": case.seed, **case.ppo}
@@ -223,7 +225,7 @@ def policy(run: Run) -> dict[str, Any]:
 
 
 def learn(case: Case, env: Any) -> dict[str, Any]:
-    """Env-steps/s of the product's own training: rollout, PPO updates, logging; compilation apart."""
+    """Measures env-steps/s of the package's training (rollout, PPO updates, logging), without compilation."""
     from urbanverse_mjx.training.run import train
 
     config = ppo_config(case)

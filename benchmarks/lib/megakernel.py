@@ -1,4 +1,4 @@
-"""mujoco-warp-pbr as it comes: its own kernel over MuJoCo Warp's data and trees, one tree per world.
+"""The original mujoco-warp-pbr: its kernel over MuJoCo Warp's data and trees, one tree per world.
 
 Tests compare the images of our renderer with `shading="pbr"` with it, and benchmarks.render its speed.
 """
@@ -50,7 +50,7 @@ def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
     tables.metallic = wp.array(bank.material_metallic[material], dtype=float)
     tables.sun_direction = wp.array(sun, dtype=wp.vec3)
     tables.sun_irradiance = wp.array(irradiance, dtype=wp.vec3)
-    # The even light stands in for the sky, and is not added to it.
+    # Uniform light replaces the sky and is not added to it.
     tables.ambient = wp.array(sky_ambient(bank) * (not sky), dtype=wp.vec3)
     tables.sky = wp.array(bank.scene_sky if sky else np.zeros_like(bank.scene_sky), dtype=int)
     tables.sky_yaw = wp.array(bank.scene_sky_yaw, dtype=float)
@@ -92,7 +92,7 @@ class SharedAssets:
             use_shadows=settings.shadows,
             shadow_light_fraction=0.0,
             use_skybox=False,
-            # Leaves and paint have two faces in one place, of which a ray meets either.
+            # Leaves and paint have two coincident faces, and a ray may hit either.
             enable_backface_culling=False,
             background_color=PLAIN_SKY,
             samples_per_pixel=settings.samples,
@@ -140,7 +140,7 @@ class SharedAssets:
 
 
 class WorldBatch:
-    """Draws `num_worlds` worlds; keeps which scene stands in each, and moves objects only where that changes."""
+    """Renders `num_worlds` worlds; objects are moved only in worlds whose scene changed."""
 
     def __init__(self, assets: SharedAssets, num_worlds: int) -> None:
         self.assets = assets
@@ -201,7 +201,7 @@ class WorldBatch:
         wp.launch(kernels.unpack_colour, dim=(self.num_worlds, pixels), inputs=[self.context.base.rgb_data, rgb])
 
     def place(self, scene, xpos, xquat, camera_position, turn, fovy) -> None:
-        """Brings objects, robots, cameras and the search tree to where they stand in this frame; see `render`."""
+        """Updates objects, robots, cameras and the search tree for this frame; see `render`."""
         n, assets, worlds = self.num_worlds, self.assets, self.worlds
         num_slots, robots = assets.render_model.num_slots, len(assets.render_model.robot_body)
         if robots:

@@ -1,6 +1,6 @@
 """Warp kernels that fill a render context from the scene tables and unpack its image."""
 
-# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# Kernels are written in Warp's subset of Python; Warp checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
@@ -118,7 +118,7 @@ def place_robot(tables: RobotTables, xpos: wp.array2d[wp.vec3], xquat: wp.array2
     turn = _matrix(xquat[w, body])
     position = xpos[w, body] + turn @ tables.position[i]
     rotation = turn @ tables.rotation[i]
-    # A state that blew up must not reach the search tree: the robot is drawn far outside the view.
+    # A non-finite state must not reach the search tree, so the robot is placed far outside the view.
     if not (wp.isfinite(position) and wp.isfinite(xquat[w, body])):
         position = wp.vec3(0.0, 0.0, _NOWHERE)
         rotation = wp.identity(n=3, dtype=float)

@@ -1,4 +1,4 @@
-"""How much memory this process and its device hold."""
+"""Memory use of this process and its device."""
 
 import pathlib
 import resource
@@ -9,20 +9,20 @@ import jax
 
 
 def peak_rss_mib() -> float:
-    """Largest resident memory of this process so far, MiB."""
+    """Returns the peak resident memory of this process, MiB."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (2**20 if sys.platform == "darwin" else 2**10)  # bytes on macOS, KiB elsewhere
 
 
 def jax_mib() -> tuple[float | None, float | None]:
-    """Memory that JAX holds on the first device now, and at most so far; None where the device does not count (CPU)."""
+    """Returns current and peak memory of JAX on the first device, or None for devices without statistics (CPU)."""
     stats = jax.devices()[0].memory_stats() or {}
     now, most = (stats.get(name) for name in ("bytes_in_use", "peak_bytes_in_use"))
     return now and now / 2**20, most and most / 2**20
 
 
 def warp_mib() -> tuple[float | None, float | None]:
-    """Memory that Warp's pool holds on its first CUDA device now, and at most so far; None without CUDA."""
+    """Returns current and peak memory of Warp's pool on its first CUDA device, or None without CUDA."""
     wp = sys.modules.get("warp")
     if wp is None or not wp.is_cuda_available() or not wp.is_mempool_enabled("cuda:0"):
         return None, None
@@ -30,7 +30,7 @@ def warp_mib() -> tuple[float | None, float | None]:
 
 
 def device_mib() -> float | None:
-    """Memory in use on the first GPU by all programs, by nvidia-smi; None without it.
+    """Returns the memory in use on the first GPU by all programs (nvidia-smi), or None without it.
 
     JAX takes most of a GPU at its start unless XLA_PYTHON_CLIENT_PREALLOCATE=false.
     """
@@ -43,7 +43,7 @@ def device_mib() -> float | None:
 
 
 def in_use_mib() -> float:
-    """Memory that this process holds now on its GPU, JAX's and Warp's; resident memory where there is none.
+    """Returns the current memory of JAX and Warp on the GPU, or resident memory without a GPU.
 
     Raises:
       OSError: no GPU, and a system that does not tell (no /proc).
@@ -63,7 +63,7 @@ def rss_mib() -> float:
 
 
 def report() -> dict[str, float | None]:
-    """All of it. Peaks are of the process so far: measure one configuration per process to get its own."""
+    """Returns all memory figures. Peaks are per process, so measure one configuration per process."""
     (jax_now, jax_peak), (warp_now, warp_peak) = jax_mib(), warp_mib()
     return {
         "peak_rss_mib": peak_rss_mib(),

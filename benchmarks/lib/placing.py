@@ -1,4 +1,4 @@
-"""Poses where a robot has the most hulls within reach, facing the nearest: the dearest physics a bank offers."""
+"""Poses with the most hulls within a robot's reach, facing the nearest: the most expensive physics of a bank."""
 
 import dataclasses
 
@@ -9,7 +9,7 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 
 @dataclasses.dataclass(frozen=True)
 class Poses:
-    """Where robots stand.
+    """Poses of robots.
 
     Attributes:
       scene: (n,) i32 rows of the bank.
@@ -45,13 +45,13 @@ def _free_places(bank: SceneBank, scene: int) -> np.ndarray:
 
 
 def crowded_poses(bank: SceneBank, robot: RobotSpec, count: int, control_dt: float) -> Poses:
-    """The `count` places with the most hulls within reach; they repeat where the bank offers fewer.
+    """Returns the `count` poses with the most hulls within reach, repeated if the bank has fewer.
 
     Raises:
       ValidationError: the bank holds no hull within reach of any place.
     """
     reach = robot.circumradius + robot.max_speed * control_dt
-    # Hulls are tested at half the robot's height, where its body would meet them.
+    # Hulls are tested at half the robot's height.
     lift = np.array([0.0, 0.0, 0.5 * robot.planner_height], np.float32)
     found = []
     for scene in range(bank.num_scenes):
@@ -72,7 +72,7 @@ def crowded_poses(bank: SceneBank, robot: RobotSpec, count: int, control_dt: flo
         raise ValidationError(
             f"bank: found no hull within {reach:.2f} m of any episode's places, needed some to drive into."
         )
-    # Most hulls first, then the nearest: those are hit within the fewest steps.
+    # Most hulls first, then the nearest, which are hit in the fewest steps.
     order = np.lexsort((columns[4], -columns[3]))
     order = order[columns[3][order] > 0]
     chosen = np.resize(order[:count], count)

@@ -81,7 +81,7 @@ def _scatter(
     for k, family in enumerate(known):
         middle = box[0] + (box[2] - box[0]) * (k + 0.5) / len(known)
         reach = (box[2] - box[0]) / len(known) * 0.32
-        # Scenes side by side in the order of their values, so that dots do not hide one another.
+        # Scenes are spread horizontally by value, so that dots do not overlap.
         spread = np.linspace(-reach, reach, len(family)) if len(family) > 1 else np.zeros(len(family))
         colour = _COLOURS[k % len(_COLOURS)]
         for dx, value in zip(spread, np.sort(family), strict=True):

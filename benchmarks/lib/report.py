@@ -21,8 +21,8 @@ from urbanverse_mjx.datatypes.validation import write_atomically
 
 PACKAGES = ("urbanverse_mjx", "jax", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "warp-lang")
 SCHEMA = "urbanverse.throughput_baseline/1"
-#: A rate this much below the baseline's counts as slower. Repeats on an idle machine spread by 2-5 %, and machines of
-#: one kind differ by about as much again.
+#: A rate lower than the baseline's by this share counts as slower. Repeats on an idle machine vary by 2-5 %, and
+#: machines of one kind differ by about the same amount.
 TOLERANCE = 0.15
 #: Fields of a row that are compared, if present; all are rates.
 RATES = (
@@ -72,7 +72,7 @@ def machine() -> dict[str, Any]:
 
 
 def bank_hash(bank: SceneBank) -> str:
-    """Hash (16 hexadecimal digits) of the inputs of the bank's scenes; the same file always gives the same."""
+    """Returns a hash (16 hexadecimal digits) of the inputs of the bank's scenes, constant for a file."""
     hashes = bank.meta.get("hashes", {})
     hulls = [int(n) for n in (bank.inst_hull >= 0).sum(1)]
     return content_hash({"scenes": {s: hashes.get(s, "") for s in bank.scene_ids}, "hulls": hulls})[:16]
@@ -109,7 +109,7 @@ def describe(env: Any, case: Any) -> dict[str, Any]:
 
 
 def rounded(value: Any) -> Any:
-    """Four significant digits: no timing holds more. Numbers that are none become None, which JSON can write."""
+    """Rounds to four significant digits, the precision of timings. Non-finite numbers become None for JSON."""
     if isinstance(value, dict):
         return {name: rounded(part) for name, part in value.items()}
     if isinstance(value, float):
@@ -154,7 +154,7 @@ def _cell(value: Any) -> str:
 
 
 def proof_sheet(frames: np.ndarray, path: pathlib.Path) -> None:
-    """The first frames (n, H, W, C) uint8 in a square, one pixel apart, as a PNG."""
+    """Writes the first frames (n, H, W, C) uint8 in a square, one pixel apart, as a PNG."""
     shown = np.asarray(frames[:PROOF, ..., :3])
     side = math.ceil(math.sqrt(len(shown)))
     height, width = shown.shape[1:3]
@@ -167,7 +167,7 @@ def proof_sheet(frames: np.ndarray, path: pathlib.Path) -> None:
 
 
 def identity(row: Mapping[str, Any]) -> str:
-    """The configuration as text: rows of equal identity can be compared."""
+    """Returns the configuration as text; rows of equal identity can be compared."""
     return json.dumps({name: row[name] for name in (*_IDENTITY, "bank") if row.get(name) is not None}, sort_keys=True)
 
 
@@ -182,7 +182,7 @@ def own_baseline(rows: Sequence[Mapping[str, Any]]) -> pathlib.Path:
 
 
 def save_baseline(rows: Sequence[Mapping[str, Any]], path: pathlib.Path) -> None:
-    """Keeps the rates of rows without error as the figures to compare with from now on."""
+    """Stores the rates of rows without error as the new baseline."""
     kept = [
         {name: row[name] for name in (*_IDENTITY, "bank") if row.get(name) is not None}
         | {"rates": {name: value for name in RATES if (value := look_up(row, name)) is not None}}
@@ -221,7 +221,7 @@ def compare(rows: Sequence[Mapping[str, Any]], path: pathlib.Path, tolerance: fl
     found = []
     for row in rows:
         for rate, before in known.get(identity(row), {}).items():
-            # A rate that only the baseline has counts as 0.
+            # A rate that is only in the baseline counts as 0.
             now = look_up(row, rate) or 0.0
             ratio = now / before
             what = row.get("rival") or identity(row)

@@ -1,4 +1,4 @@
-"""One scene of a bank with the robot in it as a stock MuJoCo model, as a user without this package would load it."""
+"""Builds a stock MuJoCo model of one scene of a bank with the robot."""
 
 import mujoco
 import numpy as np
@@ -7,7 +7,7 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 
 #: Names and groups as in a compiled scene's MJCF: visual meshes and collision hulls.
 ROBOT, SEEN, HIT = "robot/", 2, 3
-#: Camera planes as in the scene's own MJCF, m: far houses are seen, near wheels are not cut.
+#: m, clipping planes of cameras as in the scene's MJCF: far houses are visible, close wheels are not clipped.
 _NEAR, _FAR = 0.02, 300.0
 
 
@@ -87,14 +87,14 @@ def _add_hull(
 
 
 def _add_visuals(spec: mujoco.MjSpec, bank: SceneBank, scene: int) -> None:
-    """Visual meshes of a scene with their textures; a sun, so that there is something to see."""
+    """Adds visual meshes of a scene with their textures, and a sun."""
     sun = spec.worldbody.add_light(pos=[0, 0, 50], dir=[0.3, 0.4, -0.85])
     sun.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     slots = np.flatnonzero(bank.slot_mesh[scene] >= 0)
     for mesh in np.unique(bank.slot_mesh[scene, slots]):
         corners = slice(bank.mesh_vertex_start[mesh], bank.mesh_vertex_start[mesh + 1])
         faces = bank.mesh_faces[bank.mesh_face_start[mesh] : bank.mesh_face_start[mesh + 1]]
-        # MuJoCo's texture coordinates count from the image's top row, the bank's from the lowest.
+        # MuJoCo's texture coordinates start at the image's top row, the bank's at the lowest.
         uv = np.column_stack([bank.mesh_uv[corners, 0], 1.0 - bank.mesh_uv[corners, 1]])
         added = spec.add_mesh(
             name=f"seen_{mesh}",

@@ -1,4 +1,4 @@
-"""Seeded streets for benchmarks: a cross-section with kerbs and ramps, house fronts, and objects put down at random.
+"""Random streets for benchmarks: a cross-section with kerbs and ramps, house fronts, and randomly placed objects.
 
 Scene frame as in `citygen.section`: the street runs along +x, its middle at y = 0. On each side a band along the kerb
 and one along the houses hold objects close together; between them a lane stays open, with people next to it.
@@ -17,7 +17,7 @@ from urbanverse_mjx.citygen import catalogue, section
 from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, PlacedGround, PlacedObject, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
 
-#: Grows whenever the same seed would give another layout.
+#: Raised whenever the same seed gives a different layout.
 VERSION = "1"
 LENGTH = 200.0  # m, the length that the engines are designed for
 #: Streets with different ground; further layouts repeat them, so that ground meshes are shared as houses are.
@@ -137,7 +137,7 @@ class Ground:
     materials: Mapping[str, str]
 
 
-#: Placements tried per object before the street counts as full.
+#: Attempts per object before the street counts as full.
 _TRIES = 60
 
 

@@ -11,7 +11,7 @@ import jax
 
 @dataclasses.dataclass(frozen=True)
 class Sample:
-    """Wall times of one object, repeated.
+    """Repeated wall times of one call.
 
     Attributes:
       seconds: one entry a repeat, s.
@@ -29,13 +29,13 @@ class Sample:
         return (max(self.seconds) - min(self.seconds)) / self.median
 
     def rate(self, count: float) -> float:
-        """How many of `count` objects happen in a second, by the median."""
+        """Returns the rate per second of `count` events, by the median time."""
         return count / self.median
 
 
 @dataclasses.dataclass(frozen=True)
 class Compiled:
-    """A compiled function and how long tracing and compiling it took (s)."""
+    """A compiled function with its tracing and compile time (s)."""
 
     call: Callable[..., Any]
     seconds: float
@@ -49,7 +49,7 @@ def compile_(function: Callable[..., Any], *arguments: Any) -> Compiled:
 
 
 def first_call(call: Callable[..., Any], *arguments: Any) -> tuple[Any, float]:
-    """The result of a call, and its seconds: the first one may still load or compile Warp's kernels."""
+    """Returns the result of a call and its seconds; the first call may load or compile Warp's kernels."""
     start = time.perf_counter()
     out = jax.block_until_ready(call(*arguments))
     return out, time.perf_counter() - start
@@ -59,7 +59,7 @@ def time_(call: Callable[..., Any], *arguments: Any, repeats: int, warm: bool = 
     """Times a call, results awaited.
 
     Args:
-      warm: whether it was called before; else one call goes before that does not count (it may load kernels).
+      warm: whether it was called before; otherwise an untimed call comes first (it may load kernels).
     """
     if not warm:
         jax.block_until_ready(call(*arguments))
@@ -72,7 +72,7 @@ def time_(call: Callable[..., Any], *arguments: Any, repeats: int, warm: bool = 
 
 
 def time_in_turn(calls: dict[str, Callable[[], Any]], repeats: int) -> dict[str, Sample]:
-    """Times several calls in turn, so that a slow spell of the machine falls on all of them alike."""
+    """Times several calls in turn, so that a slow phase of the machine affects all of them equally."""
     for call in calls.values():
         jax.block_until_ready(call())
     seconds: dict[str, list[float]] = {name: [] for name in calls}

@@ -1,4 +1,4 @@
-"""Banks to train on and to test on as one, and the log of a training that is scored on unseen streets."""
+"""Joins banks for training and testing, and logs a training that is scored on unseen streets."""
 
 import concurrent.futures
 import json
@@ -14,7 +14,7 @@ from urbanverse_mjx.evaluation.held_out import Suite
 
 
 class Log:
-    """Lines of log.jsonl in a folder, with the seconds since this began."""
+    """Writes lines of log.jsonl in a folder, with the seconds since its creation."""
 
     def __init__(self, folder: pathlib.Path) -> None:
         self.folder, self.begin = folder, time.monotonic()
@@ -65,6 +65,6 @@ def load(
 
 
 def brief(scores: dict[str, Any]) -> dict[str, Any]:
-    """Success rate with its interval, and how episodes ended."""
+    """Returns the success rate with its interval, and the share of each result."""
     rate = scores["summary"]["SR"]
     return {k: round(rate[k], 1) for k in ("mean", "low", "high") if rate.get(k) is not None} | scores["ends"]
