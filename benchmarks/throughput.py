@@ -251,7 +251,7 @@ def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator
 
 
 def measure_all(arguments: argparse.Namespace, cases: Sequence[Case]) -> list[dict[str, Any]]:
-    """Yields the rows of all cases, each written immediately."""
+    """Returns the rows of all cases, each written immediately."""
     rows = []
     for number, case in enumerate(cases):
         proof = arguments.proof

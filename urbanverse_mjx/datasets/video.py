@@ -77,7 +77,7 @@ class Encoder:
         self._reader.join()
         if self._process.wait() != 0:
             raise self._failure()
-        self._said()
+        self._error_output()
         return b"".join(self._parts)
 
     def stop(self) -> None:
@@ -85,14 +85,14 @@ class Encoder:
         self._process.kill()
         self._process.wait()
 
-    def _said(self) -> str:
+    def _error_output(self) -> str:
         assert self._process.stderr is not None
         with self._process.stderr as errors:
             return errors.read().decode(errors="replace").strip()
 
     def _failure(self) -> ValidationError:
         self._process.wait()
-        return ValidationError(f"video: found an ffmpeg that failed ({self._said()}), needed one with libx264.")
+        return ValidationError(f"video: found an ffmpeg that failed ({self._error_output()}), needed one with libx264.")
 
 
 def write_mp4(path: pathlib.Path, encoded: bytes, frames_per_second: int) -> None:

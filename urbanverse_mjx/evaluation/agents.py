@@ -54,7 +54,7 @@ class Beginning(Protocol):
         ...
 
 
-def answer(
+def agent_action(
     agent: Agent | Privileged | Recurrent,
     nav: NavState,
     obs: Mapping[str, Any],
@@ -65,7 +65,7 @@ def answer(
     """Computes an agent's action in a state of one env, and its new memory.
 
     Args:
-      known: privileged data of the env's episode, see `told`.
+      known: privileged data of the env's episode, see `episode_data`.
       memory: memory of a `Recurrent` agent; () for others.
     """
     if isinstance(agent, Recurrent):
@@ -73,7 +73,7 @@ def answer(
     return agent.act(nav, known) if isinstance(agent, Privileged) else agent(obs, key), ()
 
 
-def told(agent: Agent | Privileged | Recurrent, scenes: np.ndarray, rows: np.ndarray, count: int = 1) -> Any:
+def episode_data(agent: Agent | Privileged | Recurrent, scenes: np.ndarray, rows: np.ndarray, count: int = 1) -> Any:
     """Privileged data of `count` times n episodes with a leading axis count * n; () for agents that are not
     `Privileged`."""
     if not isinstance(agent, Privileged):

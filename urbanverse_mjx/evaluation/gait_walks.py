@@ -17,7 +17,7 @@ from ..robots.gait import Gait, sensor_frame
 #: z component of the world's up axis in the body frame below which a robot counts as fallen (72 degrees), as in
 #: `envs.joystick`.
 FALLEN = 0.3
-#: Prefix of the robot's names in `simulation.parity.c_mujoco.truth_model`.
+#: Prefix of the robot's names in `simulation.parity.c_mujoco.reference_model`.
 _ROBOT = "robot/"
 #: (N, 3) positions (m), (N,) headings (rad), () s -> (N, 3) commands.
 Commander = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
@@ -57,7 +57,7 @@ class Walk:
 
 
 class _Body:
-    """Indices of the robot in a model to which `truth_model` attached it."""
+    """Indices of the robot in a model to which `reference_model` attached it."""
 
     def __init__(self, model: mujoco.MjModel, robot: RobotSpec) -> None:
         self.root = model.body(_ROBOT + robot.root_body).id
@@ -161,7 +161,7 @@ def walk(
     """Simulates N robots, each in a world of its own.
 
     Args:
-      models: models of the grounds with the robot (`simulation.parity.c_mujoco.truth_model`).
+      models: models of the grounds with the robot (`simulation.parity.c_mujoco.reference_model`).
       ground: (N,) index of each walk's model.
       qpos: (N, nq) first positions, at rest.
       commander: function that returns the robots' commands at every control step.

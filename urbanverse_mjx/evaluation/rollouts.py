@@ -11,7 +11,7 @@ import numpy as np
 from .. import table_arguments
 from ..datatypes import RESULTS, AgentMotion, EpisodeResult, ValidationError
 from ..envs import NavEnv, NavState
-from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, answer, told
+from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, agent_action, episode_data
 from .people import counted, no_people, people_fields
 
 
@@ -94,7 +94,7 @@ class Trajectory:
     agents: AgentMotion | None
 
 
-def asked(name: str, agent: BatchAgent, obs: Any, shape: tuple[int, int]) -> np.ndarray:
+def checked_actions(name: str, agent: BatchAgent, obs: Any, shape: tuple[int, int]) -> np.ndarray:
     """Calls an agent outside JAX for a batch of observations; returns actions (n, action_size).
 
     Raises:
@@ -142,7 +142,7 @@ class Rollout:
         n, count = len(episodes), len(agents)
         who = jnp.repeat(jnp.arange(count), n)
         nav, tally = self._start(episodes, count, list(agents.values()))
-        known = tuple(told(agent, episodes.scenes, episodes.episodes, count) for agent in agents.values())
+        known = tuple(episode_data(agent, episodes.scenes, episodes.episodes, count) for agent in agents.values())
         chunk = self._chunk_of(list(agents.values()))
         seen = []
         for _ in range(-(-self.env.config.episode_length // (self._chunk * self._hold))):
@@ -180,7 +180,7 @@ class Rollout:
         if isinstance(agent, Beginning):
             agent.begin(len(episodes))
         for step in range(self.env.config.episode_length):
-            action = asked(name, agent, observe(nav), (len(episodes), self.env.action_size))
+            action = checked_actions(name, agent, observe(nav), (len(episodes), self.env.action_size))
             seen.append(jax.tree.map(np.asarray, places(nav)))
             nav, tally = advance(nav, tally, jnp.asarray(action, jnp.float32))
             ended = int((np.asarray(nav.result) != 0).sum())
@@ -230,7 +230,7 @@ class Rollout:
         ) -> tuple[jax.Array, _Tally]:
             key, key_act = jax.random.split(tally.key)
             answers = [
-                answer(agent, nav, obs, own, memory, key_act)
+                agent_action(agent, nav, obs, own, memory, key_act)
                 for agent, own, memory in zip(agents, known, tally.memory, strict=True)
             ]
             action = jnp.stack([action for action, _ in answers])[who]

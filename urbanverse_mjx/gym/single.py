@@ -54,7 +54,7 @@ class UrbanEnv(gymnasium.Env[dict[str, Any], Any]):
         super().reset(seed=seed)
         keys = keys_of([int(self.np_random.integers(2**32)) if seed is None else seed])
         self._carried, obs, info = self._batch.begin(keys)
-        return self._told(obs), _numbers(info)
+        return self._exported(obs), _numbers(info)
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         """Runs one control step; the episode is truncated at its time limit."""
@@ -65,14 +65,14 @@ class UrbanEnv(gymnasium.Env[dict[str, Any], Any]):
         reward, terminated, truncated, info = jax.device_get(
             (after.reward, after.terminated, after.truncated, after.info)
         )
-        return self._told(after.obs), float(reward[0]), bool(terminated[0]), bool(truncated[0]), _numbers(info)
+        return self._exported(after.obs), float(reward[0]), bool(terminated[0]), bool(truncated[0]), _numbers(info)
 
     def render(self) -> Any:
         """Returns an image (height, width, 3) uint8 of the state of the last observation, or None without a mode."""
         images = self._renderer(self._carried, 1)
         return None if images is None else images[0]
 
-    def _told(self, obs: dict[str, jax.Array]) -> dict[str, Any]:
+    def _exported(self, obs: dict[str, jax.Array]) -> dict[str, Any]:
         return self._export({name: x[0] for name, x in obs.items()})
 
 

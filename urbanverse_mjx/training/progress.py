@@ -53,7 +53,7 @@ class TrainingLog:
                 rate = (done - self._last[1]) / max(now - self._last[0], 1e-9)
                 self.rates.append((done, rate))
                 values["steps_per_second"] = rate
-                self._report(done, note=f"{rate:,.0f} steps/s, {_how_it_goes(values)}")
+                self._report(done, note=f"{rate:,.0f} steps/s, {_metrics_text(values)}")
             self._last = (now, done)
         record = {"step": done, "seconds": round(now - self._begin, 3), **values}
         self._file.write(json.dumps(record) + "\n")
@@ -67,7 +67,7 @@ class TrainingLog:
         self._board.close()
 
 
-def _how_it_goes(values: Mapping[str, float]) -> str:
+def _metrics_text(values: Mapping[str, float]) -> str:
     if "episode/success" in values:
         # Imitation logs counts of results and no route completion.
         known = {"success": "success", "hit": "hit", "route": "route_completion"}

@@ -132,7 +132,7 @@ def train(
             # A resumed run has another seed, because the same one would repeat the first segment's episodes.
             seed=ppo_config.seed + start,
             network_factory=network_factory(ppo_config),
-            progress_fn=log or _say_nothing,
+            progress_fn=log or _ignore_progress,
             policy_params_fn=keep,
             restore_params=params,
             restore_value_fn=params is not None and bool(params[2]),
@@ -150,7 +150,7 @@ def train(
     )
 
 
-def _say_nothing(_: int, __: Any) -> None:
+def _ignore_progress(_: int, __: Any) -> None:
     pass
 
 

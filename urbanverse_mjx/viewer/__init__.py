@@ -1,4 +1,4 @@
-"""Streets, robots and policies in a web page.
+"""Viewer of streets, robots and policies in a web page.
 
 In:   a `SceneBank`, a navigation environment and a driver.
 Out:  `Session` (states, no page), meshes as binary glTF, `Page` (viser), recordings as HTML; `Teleop` (driving by hand)

@@ -1,6 +1,6 @@
-"""Driving on the page: the loop, the controls and the robot's camera; subclasses say which episodes are driven.
+"""Base class of viewer pages: main loop, controls and the robot's camera; subclasses choose the episodes.
 
-viser calls back from threads of its own; they only leave orders, and one loop (`DrivePage.run`) does all the work.
+viser's callbacks run in separate threads and only queue requests; one loop (`DrivePage.run`) processes them.
 """
 
 import queue
@@ -19,15 +19,15 @@ from .stage import LAYERS, Stage, chase_view
 from .street import StreetMeshes
 from .teleop import Command, Teleop, status
 
-#: Views of the camera: where it is put while an episode runs.
+#: Camera views while an episode runs.
 VIEWS = ("behind the robot", "from above", "free")
 SPEEDS = ("1x", "2x", "4x", "as fast as possible")
 _FACTOR = {"1x": 1.0, "2x": 2.0, "4x": 4.0}
 _IDLE = 0.02  # s
 _HIGH = 28.0  # m, of the view from above
-#: The policy that stands still.
+#: Name of the policy that stands still.
 NOBODY = "zero"
-#: px, at least, of the robot's camera on the page.
+#: px, least width of the robot's camera image on the page.
 _WIDTH = 320
 _COMPILING = "compiling the first step: up to half a minute; later ones take it from the cache"
 
@@ -37,7 +37,7 @@ class DrivePage:
 
     Args:
       server: viser's.
-      teleop: by which a person takes over the robot shown; nobody can without it.
+      teleop: lets a person take over the shown robot; None disables driving by hand.
     """
 
     def __init__(self, server: viser.ViserServer, teleop: Teleop | None = None) -> None:
@@ -46,7 +46,7 @@ class DrivePage:
         self._stopped = self._held = False
         self.playing = False
         self.index = 0
-        #: For the page's lower edge, see `teleop.html`.
+        #: State shown at the page's lower edge, see `teleop.html`.
         self.state: dict[str, Any] = {}
         self.session: Session
         self.stage: Stage
@@ -63,17 +63,17 @@ class DrivePage:
         self._pause()
         self._go(0)
 
-    # What subclasses say.
+    # Methods for subclasses.
 
     def _build_choices(self, gui: viser.GuiApi) -> None:
-        """Adds controls of its own between the robot's camera and the layers."""
+        """Adds a subclass's controls between the robot's camera and the layers."""
 
     def _begin(self) -> None:
-        """Begins the episode again."""
+        """Restarts the episode."""
         raise NotImplementedError
 
     def _robot(self) -> int:
-        """The robot shown."""
+        """Returns the index of the shown robot."""
         return 0
 
     # The loop.
@@ -90,7 +90,7 @@ class DrivePage:
                 late = time.monotonic()
                 continue
             self._tick(command)
-            # A person drives in real time.
+            # Driving by hand runs in real time.
             factor = _FACTOR.get(self._speed.value) if command is None else 1.0
             if factor is not None:
                 late = max(late + self.session.machine.env.dt / factor, time.monotonic() - 0.5)
@@ -113,7 +113,8 @@ class DrivePage:
                 self._say(f"**{error}**")
 
     def _command(self) -> Command | None:
-        """What a person commands now; taking over starts the simulation, and giving back to nobody stops it."""
+        """Returns the current command of a person; taking over starts the simulation, and returning control to no
+        policy stops it."""
         if self.session.over:
             self._teleop.give_back()
         command = self._teleop.command(time.monotonic())
@@ -128,7 +129,7 @@ class DrivePage:
         return command
 
     def _tell(self) -> None:
-        """Puts together what the page's lower edge shows."""
+        """Updates the state shown at the page's lower edge."""
         session = self.session
         name = session.machine.driver.name
         policy = "nobody" if name == NOBODY else name
@@ -145,7 +146,7 @@ class DrivePage:
         }
 
     def _tick(self, command: Command | None = None) -> None:
-        """One frame on: one that was driven before, or a new one."""
+        """Advances by one frame, an existing or a new one."""
         if self.index == len(self.session) - 1:
             if self.session.over:
                 self._pause()
@@ -154,7 +155,7 @@ class DrivePage:
                 if len(self.session) == 1:
                     self._say(_COMPILING)
                     self.session.compile()
-                    # A key that was pressed long ago.
+                    # Discards keys pressed before compilation.
                     self._teleop.forget()
                 self.session.step({} if command is None else {self._robot(): self.session.machine.action_of(command)})
                 self._teleop.applied(time.monotonic())
@@ -175,7 +176,7 @@ class DrivePage:
         self._report()
 
     def _look(self) -> None:
-        """Puts the cameras of the browsers where the chosen view has them, and draws the robot's own."""
+        """Moves the browsers' cameras to the chosen view and updates the robot's camera image."""
         robot = self._robot()
         if self._view.value != VIEWS[2]:
             position, target = chase_view(self.session, self.index, robot)
@@ -187,7 +188,7 @@ class DrivePage:
         image = self.session.camera_image(self.index, robot) if self._sees.value else None
         self._image.visible = image is not None
         if image is not None:
-            # As large pixels: browsers would blur them.
+            # Pixels are enlarged here, because browsers would blur them.
             times = -(-_WIDTH // image.shape[1])
             self._image.image = image.repeat(times, 0).repeat(times, 1)
 
@@ -205,7 +206,7 @@ class DrivePage:
     def _say(self, text: str) -> None:
         self._status.content = text
 
-    # Orders.
+    # Requests.
 
     def _pause(self) -> None:
         self.playing, self._held = False, False
@@ -242,7 +243,7 @@ class DrivePage:
     # The page's parts.
 
     def _order(self, handle: Any, order: Callable[[], None]) -> None:
-        """Lets a click or a change by a person leave an order."""
+        """Queues a request when a person clicks or changes a control."""
         register = handle.on_click if hasattr(handle, "on_click") else handle.on_update
 
         @register

@@ -1,7 +1,7 @@
-"""One port for people: a page that holds viser's page, and a socket for what is pressed in it.
+"""Server of the public page, which embeds viser's page, and of a socket for key and gamepad input.
 
-viser's client reports no held keys, releases or gamepads. The page here has viser's as a frame of the same origin, so
-that it receives the frame's key events, too; viser's own server is behind it, on a port of this machine.
+viser's client does not report held keys, key releases or gamepads. This page embeds viser's as a frame of the same
+origin, so that it also receives the frame's key events; viser's server runs behind it on a local port.
 
 In:   requests and sockets of browsers.
 Out:  `Inputs` for a `Teleop`.
@@ -38,7 +38,7 @@ from .teleop import Inputs, Teleop
 FRAME, DRIVE = "/viser", "/drive"
 _PAGE = pathlib.Path(__file__).with_name("teleop.html")
 _LARGEST = 50 * 2**20  # bytes of a message; viser's own limit
-#: s between two states that a browser is told, and between two measurements of its delay.
+#: s between two states sent to a browser, and between two measurements of its delay.
 _TELL_EVERY, _PING_EVERY = 0.1, 2.0
 _FORWARDED = ("Content-Type", "Content-Encoding")
 
@@ -49,8 +49,8 @@ class Front:
     Args:
       host, port: 0 takes a free one.
       behind: viser's port on this machine.
-      teleop: takes what is pressed.
-      state: what the page shows, as a JSON object; called often, from a thread.
+      teleop: receives the inputs.
+      state: function that returns the shown state as a JSON object; called often, from a thread.
 
     Raises:
       ValidationError: the port is in use.
@@ -75,7 +75,7 @@ class Front:
 
     @property
     def address(self) -> str:
-        """Where a browser of this machine finds the page."""
+        """Returns the address of the page for a local browser."""
         return f"http://{'127.0.0.1' if self._host == '0.0.0.0' else self._host}:{self.port}"
 
     def stop(self) -> None:
@@ -100,7 +100,7 @@ class Front:
             self._socket,
             self._host,
             self.port,
-            process_request=self._answer,
+            process_request=self._respond,
             select_subprotocol=_viser_protocol,
             compression=None,
             max_size=_LARGEST,
@@ -109,8 +109,8 @@ class Front:
             logger=_log(),
         )
 
-    async def _answer(self, _: ServerConnection, request: Request) -> Response | None:
-        """The page, or a file of viser's; None for sockets."""
+    async def _respond(self, _: ServerConnection, request: Request) -> Response | None:
+        """Returns the page or one of viser's files, or None for sockets."""
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return None
         path = request.path.partition("?")[0]
@@ -123,7 +123,7 @@ class Front:
     def _of_viser(self, path: str, request: Request) -> Response:
         accepted = {"Accept-Encoding": request.headers.get("Accept-Encoding", "identity")}
         asked = urllib.request.Request(f"http://127.0.0.1:{self._behind}{path}", headers=accepted)
-        # No proxy of the environment stands between two ports of one machine.
+        # Proxy settings of the environment must not apply to local ports.
         opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
         try:
             with opener.open(asked, timeout=10.0) as answer:
@@ -145,9 +145,9 @@ class Front:
                 await browser.close(1008, f"found no {path[:60]}")
 
     async def _drive(self, browser: ServerConnection) -> None:
-        """Takes a browser's inputs until it leaves, and tells it the state."""
+        """Receives a browser's inputs until it disconnects, and sends it the state."""
         number = next(self._numbers)
-        telling = asyncio.create_task(self._tell(browser))
+        telling = asyncio.create_task(self._send_state(browser))
         try:
             async for message in browser:
                 # Half of the round trip that the pings measure.
@@ -158,7 +158,7 @@ class Front:
             telling.cancel()
             self._teleop.leave(number)
 
-    async def _tell(self, browser: ServerConnection) -> None:
+    async def _send_state(self, browser: ServerConnection) -> None:
         told = None
         with contextlib.suppress(ConnectionClosed):
             while True:
@@ -169,7 +169,7 @@ class Front:
                 await asyncio.sleep(_TELL_EVERY)
 
     async def _relay(self, browser: ServerConnection) -> None:
-        """Hands messages between a browser and viser, both directions, until one of them leaves."""
+        """Relays messages between a browser and viser in both directions until one of them disconnects."""
         protocols = None if browser.subprotocol is None else [browser.subprotocol]
         try:
             inner = await connect(
@@ -196,7 +196,7 @@ class Front:
 
 
 def _log() -> logging.Logger:
-    """The log of connections, without those that a browser opened in advance and never used."""
+    """Returns the connection log, without unused speculative connections of browsers."""
     log = logging.getLogger(__name__)
     log.addFilter(lambda record: record.getMessage() != "opening handshake failed")
     return log
@@ -204,7 +204,7 @@ def _log() -> logging.Logger:
 
 @contextlib.contextmanager
 def served(host: str, port: int, teleop: Teleop) -> Iterator[tuple[viser.ViserServer, Front]]:
-    """viser's server, and the page before it.
+    """Starts viser's server and the public page in front of it.
 
     Raises:
       ValidationError: the port is in use.
@@ -225,7 +225,7 @@ async def _pass_on(source: Any, target: Any) -> None:
 
 
 def _viser_protocol(_: ServerConnection, offered: Any) -> Subprotocol | None:
-    """The first one offered: viser's client names its version so, and viser checks it."""
+    """Returns the first offered protocol, which is the version of viser's client that viser checks."""
     return next(iter(offered), None)
 
 

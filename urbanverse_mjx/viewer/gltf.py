@@ -1,4 +1,4 @@
-"""Textured meshes and where they stand as one binary glTF file, z up, as the page draws them."""
+"""Writes textured meshes with poses as one binary glTF file, z up, for the page."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -11,19 +11,19 @@ from trimesh.exchange import gltf
 from trimesh.visual.material import PBRMaterial
 from trimesh.visual.texture import TextureVisuals
 
-#: cos of the angle between a face and its corners' mean normal from which it is shaded alone.
+#: cos of the angle between a face and its corners' mean normal from which it gets separate normals.
 _SHARP = 0.3
 
 
 @dataclasses.dataclass(frozen=True)
 class Surface:
-    """The parts of a mesh.
+    """Appearance of a mesh.
 
     Attributes:
       rgba: (4,) in [0, 1], linear.
       texture: (H, W, 3) u8 sRGB, or None.
       roughness, metallic: as in glTF, in [0, 1].
-      unlit: shown as it is, whatever light falls on it.
+      unlit: shown without lighting.
     """
 
     rgba: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
@@ -35,7 +35,7 @@ class Surface:
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """A mesh and where it stands.
+    """A mesh and its poses.
 
     Attributes:
       vertices: (V, 3) m.
@@ -54,7 +54,7 @@ class Part:
 
 
 def glb(parts: Sequence[Part]) -> bytes:
-    """The parts as one file; copies of a mesh share its vertices.
+    """Returns the parts as one file; copies of a mesh share its vertices.
 
     Raises:
       ValueError: no part.
@@ -94,7 +94,7 @@ class _Materials:
                 alphaMode="BLEND" if surface.rgba[3] < 1.0 else "OPAQUE",
                 doubleSided=False,
             )
-            self._kept.append(surface)  # an id is one object's only while that lives
+            self._kept.append(surface)  # keeps the object alive, because ids are unique only among living objects
             if surface.unlit:
                 self._unlit.add(name)
         return self._known[key]
@@ -109,7 +109,7 @@ class _Materials:
 
 
 def _texture_image(texture: np.ndarray) -> Image.Image:
-    """A texture as an image that is written as JPEG: encoded ten times as fast as PNG, and a third of its size."""
+    """Returns a texture as a JPEG image, which is encoded ten times as fast as PNG and a third of its size."""
     image = Image.fromarray(texture)
     image.format = "JPEG"
     return image
@@ -126,9 +126,9 @@ def _solid(part: Part, materials: _Materials) -> trimesh.Trimesh:
 
 
 def with_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Normals of the vertices (V, 3) of faces (F, 3): the mean of the faces around, weighted by their area.
+    """Returns normals of the vertices (V, 3) of faces (F, 3): the area-weighted mean of the adjacent faces.
 
-    A face with a normal far from the mean of its corners gets corners of its own; so do both sides of a sheet, whose
+    A face with a normal far from the mean of its corners gets separate corners; so do both sides of a sheet, whose
     normals cancel.
 
     Returns:

@@ -11,13 +11,13 @@ from ..geometry import rotations
 from ..simulation.collision_slots import static_slots
 from .session import Frame, Machine
 
-#: m over the ground at which lines lie.
+#: m, height of lines over the ground.
 LIFT = 0.06
 _RING = 48
 
 
 def route_line(frame: Frame, robot: int) -> np.ndarray:
-    """(W + 1, 3): the start and the waypoints up to the goal."""
+    """Returns (W + 1, 3), the start and the waypoints up to the goal."""
     nav = frame.nav
     start, waypoints = np.asarray(nav.start)[robot], np.asarray(nav.waypoints)[robot]
     number = int(np.asarray(nav.num_waypoints)[robot])
@@ -38,10 +38,10 @@ def segments(points: np.ndarray) -> np.ndarray:
 
 
 class HullsInReach:
-    """The hulls in an engine's slots around a robot: all in its reach.
+    """The hulls in an engine's slots, all within a robot's reach.
 
     Args:
-      machine: whose environment has the robot and the bank.
+      machine: provides the environment with robot and bank.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -75,7 +75,8 @@ class HullsInReach:
 
 
 def touched(bank: SceneBank, scene: int, frame: Frame, robot: int) -> np.ndarray:
-    """(n, 2, 3) edges of the hulls of the object that a robot touched in its last step, where the bank has it."""
+    """Returns (n, 2, 3) edges of the hulls of the object that a robot touched in its last step, at its pose in the
+    bank."""
     contacts = frame.nav.sim.contacts
     slot = int(np.asarray(contacts.hit_object)[robot])
     if slot < 0 or not bool(np.asarray(contacts.hit)[robot]):

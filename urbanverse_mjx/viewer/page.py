@@ -24,11 +24,11 @@ class Choices(Protocol):
         ...
 
     def cousins(self, scene: str) -> int:
-        """How many cousins of a scene there are."""
+        """Returns the number of cousins of a scene."""
         ...
 
     def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
-        """The environment with its driver, and the scene's row in its bank.
+        """Returns the environment with its driver, and the scene's row in its bank.
 
         Raises:
           ValidationError: no such scene, cousin or policy.
@@ -41,11 +41,11 @@ class Page(DrivePage):
 
     Args:
       server: viser's.
-      choices: what can be chosen.
+      choices: available scenes and policies.
       scene, policy: shown first.
-      robots: how many drive at once.
-      people: whether the street is full of them.
-      teleop: by which a person takes over the robot shown; nobody can without it.
+      robots: number of robots at once.
+      people: whether people and vehicles are present.
+      teleop: lets a person take over the shown robot; None disables driving by hand.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Page(DrivePage):
         return min(int(self._which.value) - 1, self.session.num_robots - 1)
 
     def _begin(self) -> None:
-        """A new session of the choice; the page shows its first frame."""
+        """Begins a new session of the selection; the page shows its first frame."""
         bank = self._machine.env.bank
         number = int(bank.num_episodes[self._row])
         self._episode.max = max(1, number - 1)

@@ -1,4 +1,4 @@
-"""The page of `urbanverse record --teleop`: given episodes one after another, each driven to its end."""
+"""Page of `urbanverse record --teleop`, which shows given episodes one after another, each until its end."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -15,7 +15,7 @@ class RecordPage(DrivePage):
 
     Args:
       server: viser's.
-      teleop: by which a person takes over.
+      teleop: lets a person take over.
     """
 
     def __init__(self, server: viser.ViserServer, teleop: Teleop) -> None:
@@ -26,7 +26,7 @@ class RecordPage(DrivePage):
         self._order(self._end, lambda: self._want("end"))
 
     def drive(self, make: Callable[[], Session], note: str, until: Callable[[], bool]) -> Session | None:
-        """Shows an episode until it has ended, anew where the person discards it.
+        """Shows an episode until it ends; restarts it if the person discards it.
 
         Args:
           make: a session at the episode's beginning.
@@ -41,7 +41,7 @@ class RecordPage(DrivePage):
             going, self._wanted = self.playing, None
             session = make()
             self.begin(session)
-            # A policy goes on from episode to episode; without one the next episode waits for a key.
+            # A policy continues with the next episode; without one the next episode waits for a key.
             if going and session.machine.driver.name != NOBODY:
                 self._run()
             self.run(lambda session=session: session.over or self._wanted is not None or until())
@@ -50,7 +50,7 @@ class RecordPage(DrivePage):
             return session if session.over else None
 
     def show_note(self, text: str) -> None:
-        """Says what happens while nothing is driven."""
+        """Shows a message while no episode runs."""
         self._say(text)
         self.state = {**self.state, "mode": "policy", "who": text, "note": ""}
 

@@ -1,4 +1,4 @@
-"""A session as one HTML file that plays without a server: viser's recording of the same scene."""
+"""Writes a session as one HTML file that plays without a server, using viser's recording."""
 
 import contextlib
 import io
@@ -16,7 +16,7 @@ from .street import StreetMeshes
 def html_recording(
     session: Session, street: StreetMeshes, shown: Collection[str] = tuple(n for n, on in LAYERS.items() if on)
 ) -> str:
-    """The page of all frames, in real time.
+    """Returns the page with all frames in real time.
 
     Args:
       shown: layers of `LAYERS`.
@@ -54,7 +54,7 @@ def start_server(host: str, port: int) -> viser.ViserServer:
     """A viser server; port 0 takes a free one.
 
     Raises:
-      ValidationError: the port is in use, or not ours to take. (viser itself would take the next one.)
+      ValidationError: the port is in use or not permitted. (viser itself would use the next one.)
     """
     port = free_port(host, port)
     with contextlib.redirect_stdout(io.StringIO()):
@@ -62,10 +62,10 @@ def start_server(host: str, port: int) -> viser.ViserServer:
 
 
 def free_port(host: str, port: int) -> int:
-    """The port, or for 0 a free one.
+    """Returns the port, or for 0 a free one.
 
     Raises:
-      ValidationError: the port is in use, or not ours to take.
+      ValidationError: the port is in use or not permitted.
     """
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -80,6 +80,6 @@ def free_port(host: str, port: int) -> int:
 
 
 def stop_server(server: viser.ViserServer) -> None:
-    """Ends a server, without viser's word about it on standard output."""
+    """Stops a server without viser's message on standard output."""
     with contextlib.redirect_stdout(io.StringIO()):
         server.stop()

@@ -1,4 +1,4 @@
-"""A robot's body as glTF, one file for each of its bodies that can be seen."""
+"""Writes a robot as glTF, one file for each of its visible bodies."""
 
 import mujoco
 import numpy as np
@@ -41,7 +41,7 @@ def _geom(model: mujoco.MjModel, geom: int, poses: np.ndarray) -> Part:
         return Part(vertices, faces, surface, normals=normals, poses=poses)
     mesh = int(model.geom_dataid[geom])
     rows = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
-    # Corners of their own for each triangle: MuJoCo counts vertices, normals and texture coordinates apart.
+    # Corners of their own for each triangle: MuJoCo indexes vertices, normals and texture coordinates separately.
     corners = model.mesh_face[rows].reshape(-1)
     vertices = model.mesh_vert[model.mesh_vertadr[mesh] + corners]
     normals = model.mesh_normal[model.mesh_normaladr[mesh] + model.mesh_facenormal[rows].reshape(-1)]
@@ -53,7 +53,7 @@ def _geom(model: mujoco.MjModel, geom: int, poses: np.ndarray) -> Part:
 
 
 def _given(values: np.ndarray, material: int, default: float) -> float:
-    """A material's number; MuJoCo has -1 where none is given."""
+    """Returns a material's value; MuJoCo has -1 for unset values."""
     return float(values[material]) if material >= 0 and values[material] >= 0.0 else default
 
 

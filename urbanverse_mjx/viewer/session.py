@@ -1,4 +1,4 @@
-"""Robots of one environment that drive episodes of one scene, step by step, every state kept.
+"""Runs robots of one environment through episodes of one scene step by step and keeps every state.
 
 In: an environment, its drivers (policies), a scene and rows of its episode table. Out:  `Frame`s: the states, as
 stepping the environment gives them. When: while a page shows them; this module does not depend on the page.
@@ -14,7 +14,7 @@ import numpy as np
 
 from ..datatypes import RESULTS, AgentMotion, ValidationError
 from ..envs import NavEnv, NavState
-from ..evaluation.agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, answer, told
+from ..evaluation.agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, agent_action, episode_data
 from ..evaluation.planner import waypoint_of
 from ..evaluation.rollouts import EpisodeSet
 from .teleop import Command
@@ -38,7 +38,7 @@ class Driver:
 
 
 class Frame(NamedTuple):
-    """One moment of n robots.
+    """States of n robots at one time.
 
     Attributes:
       nav: their states, leading axis n.
@@ -54,11 +54,11 @@ class Frame(NamedTuple):
 
 
 class Machine:
-    """An environment and a driver, compiled once for as many sessions as are wanted.
+    """An environment and a driver, compiled once for any number of sessions.
 
     Args:
-      env: drives and draws.
-      driver: answers.
+      env: the environment.
+      driver: the policy.
     """
 
     def __init__(self, env: NavEnv, driver: Driver) -> None:
@@ -78,7 +78,7 @@ class Machine:
         return np.asarray(self._image(nav))[..., :3]
 
     def action_of(self, command: Command) -> np.ndarray:
-        """(2,) in [-1, 1]: the action by which the robot drives as a person commands, as near as it can.
+        """Returns the action (2,) in [-1, 1] that follows a person's command as closely as possible.
 
         Raises:
           ValidationError: actions of this environment are commands of joints.
@@ -94,13 +94,14 @@ class Machine:
         )
 
     def _act(self, nav: NavState, memory: Any, known: Any, key: jax.Array) -> tuple[jax.Array, Any, jax.Array]:
-        """The action of one robot, its memory and its next key; keys go as those of `Rollout`."""
+        """Returns the action of one robot, its memory and its next key; keys are derived as in `Rollout`."""
         key, now = jax.random.split(key)
-        action, memory = answer(self.driver.agent, nav, self.env.observe(nav), known, memory, now)  # type: ignore[arg-type]
+        agent = self.driver.agent
+        action, memory = agent_action(agent, nav, self.env.observe(nav), known, memory, now)  # type: ignore[arg-type]
         return action, memory, key
 
     def _advance(self, nav: NavState, action: jax.Array) -> tuple[NavState, jax.Array]:
-        """One control step and its reward; an ended episode stands still as it ended."""
+        """Runs one control step; returns its reward. An ended episode keeps its state."""
         new, reward, _, _ = self.env.advance(nav, action)
         running = nav.result == 0
         return jax.tree.map(lambda a, b: jnp.where(running, a, b), new, nav), jnp.where(running, reward, 0.0)
@@ -112,7 +113,7 @@ class Machine:
 
 
 class Session:
-    """Episodes of one scene under way, all by one driver.
+    """Running episodes of one scene with one driver.
 
     Args:
       machine: the environment and its drivers.
@@ -120,7 +121,7 @@ class Session:
       rows: (n,) of the scene's episode table, one for each robot; robots do not interact.
       seed: of random drivers and streets.
       keys: (n,) of the episodes in its place, as `EpisodeSet.keys`.
-      known: (n, ...) what `evaluation.agents.told` gives of the episodes, where it was computed before.
+      known: (n, ...) result of `evaluation.agents.episode_data` for the episodes, if computed before.
 
     Raises:
       ValidationError: no such scene or row, or no robot.
@@ -153,7 +154,7 @@ class Session:
             if isinstance(agent, Beginning):
                 agent.begin(count)
         else:
-            self._known = told(agent, scenes, episodes.episodes) if known is None else known
+            self._known = episode_data(agent, scenes, episodes.episodes) if known is None else known
             first = agent.first_memory() if isinstance(agent, Recurrent) else ()
             self._memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), first)
         nothing = np.zeros((count, machine.env.action_size), np.float32)
@@ -170,25 +171,25 @@ class Session:
 
     @property
     def over(self) -> bool:
-        """Whether every robot's episode has ended."""
+        """Returns whether every robot's episode has ended."""
         return bool((np.asarray(self.frames[-1].nav.result) != 0).all())
 
     def compile(self) -> None:
-        """Compiles a step, where no session of this machine has; nothing moves."""
+        """Compiles a step unless a session of this machine has done so; no state changes."""
         nav = self.frames[0].nav
         if not self.machine.driver.outside:
             self.machine.act(nav, self._memory, self._known, self._key)
         self.machine.advance(nav, jnp.zeros((self.num_robots, self.machine.env.action_size)))
 
     def step(self, by_hand: dict[int, np.ndarray] | None = None) -> Frame:
-        """One control step of all robots; ended ones stand still.
+        """Runs one control step of all robots; ended ones stand still.
 
         Args:
           by_hand: robot -> its action (A,) from a person, instead of the driver's; the driver is still called, so that
             its memory is current when it takes over again.
 
         Raises:
-          ValidationError: the driver answers with something else than finite actions.
+          ValidationError: the driver's actions are not finite or have another shape.
         """
         nav = self.frames[-1].nav
         action = self._answers(nav)
@@ -227,19 +228,19 @@ class Session:
         return self.machine.camera_image(jax.tree.map(lambda x: x[robot], self.frames[index].nav))
 
     def agents(self, index: int, robot: int = 0) -> AgentMotion | None:
-        """Where the moving agents around a robot are in a frame, fields (A, ...); None in a street without any."""
+        """Returns the poses of the moving agents around a robot in a frame, fields (A, ...), or None without agents."""
         found = self.machine.agents(self.frames[index].nav)
         return None if found is None else AgentMotion(*(np.asarray(x)[robot] for x in found))
 
     def by_hand(self, index: int, robot: int = 0) -> np.ndarray:
-        """(index,) bool: which steps up to a frame a person drove."""
+        """Returns (index,) bool, the steps up to a frame that a person drove."""
         return np.array([frame.by_hand[robot] for frame in self.frames[1 : index + 1]], bool)
 
     def path(self, index: int, robot: int = 0) -> np.ndarray:
-        """(index + 1, 3) m, where a robot has been up to a frame."""
+        """Returns (index + 1, 3) m, the positions of a robot up to a frame."""
         return np.array([positions[robot] for positions in self._root_positions[: index + 1]])
 
     def outcome(self, index: int, robot: int = 0) -> str | None:
-        """How a robot's episode has ended by a frame, of `datatypes.RESULTS`; None while it continues."""
+        """Returns the result of a robot's episode by a frame, of `datatypes.RESULTS`, or None while it continues."""
         result = int(np.asarray(self.frames[index].nav.result)[robot])
         return RESULTS[result - 1] if result else None

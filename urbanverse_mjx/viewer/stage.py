@@ -1,4 +1,4 @@
-"""A session in viser's scene: the street once, and what changes from frame to frame."""
+"""Shows a session in viser's scene: the street once, then the changes of each frame."""
 
 import dataclasses
 from typing import Any
@@ -13,7 +13,7 @@ from .robot import robot_files
 from .session import Session
 from .street import Light, StreetMeshes
 
-#: Layers that can be switched, and whether they are shown at first.
+#: Layers that can be switched, with their initial visibility.
 LAYERS = {"goal": True, "route": True, "path": True, "contacts": True, "hulls": False, "crowd": True}
 _COLOURS = {
     "goal": (30, 160, 70),
@@ -168,7 +168,7 @@ class Stage:
         return self._hulls(self.session.frames[index], number)
 
     def _show_objects(self, index: int) -> None:
-        """Objects as the first robot's world has them: robots do not interact, nor do their pushed objects."""
+        """Shows objects of the first robot's world, because robots and their pushed objects do not interact."""
         if not self._objects:
             return
         moved = layers.moved_objects(self.session.frames[index], 0)
@@ -192,7 +192,7 @@ class Stage:
                 node.visible = there
 
     def _place(self, node: Any, position: np.ndarray, quaternion: np.ndarray) -> None:
-        """Moves a node if its pose has changed; nodes at rest cost no message."""
+        """Moves a node if its pose has changed; nodes at rest send no message."""
         pose = (*map(float, position), *map(float, quaternion))
         if self._places.get(node.name) != pose:
             self._places[node.name] = pose

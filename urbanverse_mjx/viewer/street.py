@@ -1,6 +1,6 @@
-"""A street of a bank as glTF: the static part, each movable object, the sky, the light.
+"""Converts a street of a bank to glTF: the static part, each movable object, the sky, the light.
 
-It has the same data as the project's own renderer: the bank's meshes, textures, poses and skies.
+It uses the same data as the project's renderer: the bank's meshes, textures, poses and skies.
 """
 
 import dataclasses
@@ -20,7 +20,7 @@ _DOME_ROWS, _DOME_COLUMNS = 32, 64
 
 @dataclasses.dataclass(frozen=True)
 class Light:
-    """Light of a scene, as three.js takes it.
+    """Light of a scene in three.js's parameters.
 
     Attributes:
       sun: (3,) unit, towards the sun.
@@ -50,7 +50,7 @@ class StreetMeshes:
 
     @functools.cached_property
     def slots(self) -> np.ndarray:
-        """(n,) i32, the slots in which something stands."""
+        """Returns (n,) i32, the occupied slots."""
         return np.flatnonzero(self.bank.slot_mesh[self.scene] >= 0)
 
     @functools.cached_property
@@ -59,7 +59,7 @@ class StreetMeshes:
         return np.flatnonzero((self.bank.slot_mesh[self.scene] >= 0) & (self.bank.slot_movable[self.scene] > 0))
 
     def fixed_parts(self, loose: bool) -> list[Part]:
-        """One part for each static mesh; without the movable objects where they are `loose`."""
+        """Returns one part for each static mesh, without the movable objects if they are `loose`."""
         kept = np.setdiff1d(self.slots, self.movable) if loose else self.slots
         meshes = self.bank.slot_mesh[self.scene, kept]
         return [
@@ -88,7 +88,7 @@ class StreetMeshes:
 
     @functools.cached_property
     def extent(self) -> np.ndarray:
-        """(2, 3) m, lower and upper corner of everything that stands in the scene."""
+        """Returns (2, 3) m, the lower and upper corner of all objects in the scene."""
         points = np.concatenate(
             [
                 part.vertices @ pose[:3, :3].T + pose[:3, 3]
@@ -99,7 +99,7 @@ class StreetMeshes:
         return np.stack([points.min(0), points.max(0)])
 
     def sky(self) -> bytes:
-        """A dome with the scene's sky on its inside, around the origin."""
+        """Returns a dome with the scene's sky on its inside, around the origin."""
         bank, row = self.bank, int(self.bank.scene_sky[self.scene])
         image = _displayed(bank.sky_radiance[row])
         around = np.linspace(0.0, 2 * np.pi, _DOME_COLUMNS + 1)
@@ -111,7 +111,7 @@ class StreetMeshes:
         uv = np.stack([azimuth / (2 * np.pi), 1.0 - polar / np.pi], -1)
         number = np.arange(polar.size).reshape(polar.shape)
         a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
-        # Seen from within.
+        # Faces point inward.
         faces = np.concatenate([np.stack(x, -1).reshape(-1, 3) for x in ((a, c, b), (a, d, c))])
         vertices = towards.reshape(-1, 3) * _DOME
         return glb(

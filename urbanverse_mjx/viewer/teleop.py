@@ -1,8 +1,8 @@
-"""Teleoperation: what a person presses becomes a command; taking over from a policy and giving back.
+"""Teleoperation: converts inputs of a person to commands, and handles taking over from a policy and returning control.
 
-In:   messages of browsers (`Inputs`): held keys, the gamepad's axes and buttons.
-Out:  a `Command` for every control step, or None while the policy drives.
-When: messages come from the socket's thread, commands are asked for by the page's loop; no clock is read here.
+In:   messages of browsers (`Inputs`): held keys, the gamepad's axes and buttons. Out:  a `Command` for every control
+step, or None while the policy drives. When: messages come from the socket's thread, commands are requested by the
+page's loop; no clock is read here.
 """
 
 import collections
@@ -16,14 +16,14 @@ import numpy as np
 
 from ..datatypes import validation as v
 
-#: s after which a browser's last message counts no more, and the robot is told to stop. Together with one control step
-#: of 0.2 s it stops within 0.3 s; browsers send 40 messages a second.
+#: s after which a browser's last message expires and the robot is stopped. Including one control step of 0.2 s it stops
+#: within 0.3 s; browsers send 40 messages a second.
 FRESH = 0.1
-#: Share of a stick's range around its centre that means nothing, see `without_dead_zone`.
+#: Share of a stick's range around its centre that is ignored, see `without_dead_zone`.
 DEAD_ZONE = 0.15
 #: Factor of the command while Shift is held.
 SLOW = 0.5
-#: Events of which the median latency is given.
+#: Number of events for the median latency.
 _LATENCIES = 50
 #: Names of keys by their place on the keyboard (`KeyboardEvent.code`) -> share of full (speed, turn to the left).
 DRIVE_KEYS = {
@@ -56,7 +56,7 @@ STOP = Command(0.0, 0.0)
 
 @dataclasses.dataclass(frozen=True)
 class Inputs:
-    """What a person holds in one moment.
+    """Inputs held by a person at one time.
 
     Attributes:
       keys: held, by `KeyboardEvent.code`.
@@ -97,7 +97,7 @@ class Inputs:
 
     @property
     def moves(self) -> bool:
-        """Whether a key that drives is held, or the stick is out of its dead zone."""
+        """Returns whether a driving key is held, or the stick is outside its dead zone."""
         return not self.keys.isdisjoint(DRIVE_KEYS) or any(self._stick())
 
     @property
@@ -106,7 +106,8 @@ class Inputs:
         return SWITCH_KEY in self.keys or (len(self.buttons) > SWITCH_BUTTON and self.buttons[SWITCH_BUTTON])
 
     def command(self) -> Command:
-        """Keys and stick together. No robot drives backwards: the key for it cancels the one ahead."""
+        """Returns the command of keys and stick together. No robot drives backwards; the backward key cancels the
+        forward key."""
         # Two keys of the same direction are one.
         held = {DRIVE_KEYS[key] for key in self.keys if key in DRIVE_KEYS}
         right, back = self._stick()
@@ -142,7 +143,7 @@ class _Browser:
 
 
 class Teleop:
-    """Who drives: the policy, or the person at one of the browsers.
+    """Decides whether the policy or a person at one of the browsers drives.
 
     A newly pressed key that drives, or the switch (T, or A on a gamepad), takes over. The switch gives back, and so do
     some seconds without input. A stick alone does not take over: it may be off centre. One browser drives at a time.
@@ -190,7 +191,7 @@ class Teleop:
                 self._events.append(now - inputs.age - delay)
 
     def leave(self, browser: int) -> None:
-        """Forgets a browser whose connection has ended; where it drove, the robot stops."""
+        """Removes a browser whose connection has ended; if it drove, the robot stops."""
         with self._lock:
             self._browsers.pop(browser, None)
 
@@ -205,7 +206,7 @@ class Teleop:
         return self._owner is not None
 
     def command(self, now: float) -> Command | None:
-        """What the person wants for the next step; None while the policy drives.
+        """Returns the person's command for the next step, or None while the policy drives.
 
         A key that was pressed and released since the last call counts once more: steps are longer than taps.
         """
@@ -226,7 +227,7 @@ class Teleop:
             return dataclasses.replace(browser.inputs, keys=browser.inputs.keys | tapped).command()
 
     def forget(self) -> None:
-        """Leaves what was pressed so far out of the latency, as after a program was compiled."""
+        """Excludes earlier inputs from the latency, for example after compilation."""
         with self._lock:
             self._events, self._commanded = [], []
 
@@ -244,13 +245,13 @@ class Teleop:
 
 
 def interventions(by_hand: Sequence[bool] | np.ndarray) -> int:
-    """How often a person took over in an episode whose steps (T,) say who drove."""
+    """Returns how often a person took over in an episode; by_hand: (T,) whether a person drove each step."""
     flags = np.asarray(by_hand, bool)
     return int((flags & ~np.concatenate([[False], flags[:-1]])).sum())
 
 
 def status(teleop: Teleop, by_hand: np.ndarray, dt: float) -> dict[str, Any]:
-    """What a page shows of an episode: interventions, their seconds, and the latency in ms (None without any)."""
+    """Returns a page's status of an episode: interventions, their seconds, and the latency in ms (None without any)."""
     latency = teleop.latency
     return {
         "interventions": interventions(by_hand),

@@ -9,7 +9,7 @@ import jax
 import numpy as np
 
 from ...datatypes import RESULTS
-from ...evaluation.agents import told
+from ...evaluation.agents import episode_data
 from ...evaluation.rollouts import EpisodeSet
 from ...viewer.front import served
 from ...viewer.record_page import RecordPage
@@ -58,7 +58,7 @@ class HandDrive:
         del num_envs
         # Of all episodes together, so that they have one shape and the policy is compiled once.
         agent: Any = self._machine.driver.agent
-        known = () if self._machine.driver.outside else told(agent, episodes.scenes, episodes.episodes)
+        known = () if self._machine.driver.outside else episode_data(agent, episodes.scenes, episodes.episodes)
         teleop = Teleop(self._options.give_back_after)
         with served(self._options.host, self._options.port, teleop) as (server, front):
             page = RecordPage(server, teleop)

@@ -15,8 +15,8 @@ import numpy as np
 from ... import table_arguments
 from ...datatypes import RESULTS, SceneBank
 from ...datatypes import validation as v
-from ...evaluation.agents import Beginning, Privileged, Recurrent, answer, told
-from ...evaluation.rollouts import EpisodeSet, asked
+from ...evaluation.agents import Beginning, Privileged, Recurrent, agent_action, episode_data
+from ...evaluation.rollouts import EpisodeSet, checked_actions
 
 if TYPE_CHECKING:
     from ...envs import NavState
@@ -185,7 +185,7 @@ class BatchDrive:
 
     def _run_block(self, episodes: EpisodeSet, num_envs: int) -> Iterator[list[Driven]]:
         agent: Any = self._driver.agent
-        known = () if self._driver.outside else told(agent, episodes.scenes, episodes.episodes)
+        known = () if self._driver.outside else episode_data(agent, episodes.scenes, episodes.episodes)
         known = jax.tree.map(np.asarray, known)
         slots = _Slots(len(episodes), num_envs)
         state = self._started(episodes, known, slots.episode)
@@ -233,7 +233,7 @@ class BatchDrive:
         agent: Any = self._driver.agent
         obs = self._observe(state.nav)
         shape = (state.nav.result.shape[0], self._env.action_size)
-        action = asked(self._driver.name, agent, obs, shape)
+        action = checked_actions(self._driver.name, agent, obs, shape)
         nav, steps = self._step(state.nav, obs, jnp.asarray(action, jnp.float32))
         return state._replace(nav=nav), jax.tree.map(lambda x: np.asarray(x)[None], steps)
 
@@ -242,7 +242,7 @@ class BatchDrive:
 
         def act(nav: "NavState", obs: Any, memory: Any, key: jax.Array, known: Any) -> tuple[Any, Any, jax.Array]:
             key, now = jax.random.split(key)
-            action, memory = answer(agent, nav, obs, known, memory, now)
+            action, memory = agent_action(agent, nav, obs, known, memory, now)
             return action, memory, key
 
         def step(state: _State, _: None) -> tuple[_State, Steps]:
