@@ -141,7 +141,7 @@ def test_training_among_people_and_movable_objects_ends_in_its_report(
     with_box_agents(small_bank).save(bank)
     monkeypatch.setenv("URBANVERSE_BANK", str(bank))
     overrides = json.dumps({"scenario": "dynamic", **SMALL_STREET})
-    run = ["--playground-config-overrides", overrides, "--ppo-overrides", json.dumps(SMALL_PPO)]
+    run = ["--preset", "cpu", "--playground-config-overrides", overrides, "--ppo-overrides", json.dumps(SMALL_PPO)]
     common = ["--num-episodes", "2", "--quiet"]
     assert train([*run, *common, "--logdir", str(tmp_path), "--suffix", "dynamic"]) == 0
     result = json.loads(capsys.readouterr().out.splitlines()[-1])
