@@ -334,7 +334,7 @@ def build_render_model(
         boxes = [_geom_box(robot_model, g) for g in geoms]
     bodies, number = 1 if robot_model is None else robot_model.nbody, len(appearances)
     labels = [[ROBOT_LABEL, ROBOT_LABEL]] * len(geoms) + [
-        [AGENT_LABEL, bank.agents["category"][i]] for i in appearances
+        [AGENT_LABEL - k, bank.agents["category"][i]] for k, i in enumerate(appearances)
     ]
     rotation = np.concatenate([rotations.matrix_f64(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
     return RenderModel(

@@ -21,14 +21,14 @@ from ...precision import full_precision
 from .. import host_memory
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from .model import RenderModel, RobotCamera, build_render_model
-from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Settings
+from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Scan, Settings
 from .street_batch import StreetBatch, Streets
 from .threads import run_all
 
 #: m, and 1 - cos of half the angle, from which an object counts as moved from its pose in the bank.
 _MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6
 
-__all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
+__all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer", "Scan"]
 
 
 #: Inputs and outputs, in the order of `Renderer._render`.
@@ -58,8 +58,8 @@ class Renderer:
 
     Pixel rows go from top to bottom. Depth is planar: the distance along the camera's axis, 0 where no ray hit.
     "object" is the visual slot and "category" the row of `bank.meta["categories"]`; -1 is the sky, -2 the robot; agents
-    are -3 in "object" and have a category. Normals are unit and in the world's frame, 0 for the sky. Colours are sRGB,
-    and depend only on the scene, the robot's pose and the camera.
+    are -3, -4, ... in "object" and have a category. Normals are unit and in the world's frame, 0 for the sky. Colours
+    are sRGB, and depend only on the scene, the robot's pose and the camera.
 
     Args:
       bank: the scenes.
@@ -77,9 +77,11 @@ class Renderer:
         of every object, and of the light, by up to this share. 0 disables it.
       agents: row of the bank's agents (`SceneBank.agents`) for each moving agent.
       bodies: largest number of objects moved from their poses in the bank, see `Bodies`.
+      scan: rays of a LiDAR, for `view` with a field of view of pi / 2: "depth" is then the distance along the ray.
 
     Raises:
-      ValidationError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
+      ValidationError: an unknown output or camera, a size below one, an appearance outside [0, 1), or colours or
+        normals of a scan.
     """
 
     def __init__(
@@ -98,6 +100,7 @@ class Renderer:
         appearance: float = 0.0,
         agents: Sequence[int] = (),
         bodies: int = 0,
+        scan: Scan | None = None,
     ) -> None:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
@@ -112,8 +115,12 @@ class Renderer:
             )
         if not 0.0 <= appearance < 1.0:
             raise ValidationError(f"appearance: found {appearance}; needed 0 to below 1; fix the number")
+        if scan is not None and ({"rgb", "normal"} & set(wanted) or samples > 1):
+            raise ValidationError(
+                f"scan: found outputs {wanted}, {samples} samples; needed depth and labels, one sample"
+            )
         self.bank = bank
-        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies)
+        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies, scan)
         self.threads = threads or process.num_threads()
         self._build_model = functools.partial(build_render_model, bank, robot, tuple(agents))
         self._model: RenderModel | None = self._build_model()

@@ -5,7 +5,7 @@ import dataclasses
 #: Labels in "object" and "category" of the sky and of the robot's own pixels.
 SKY_LABEL = -1
 ROBOT_LABEL = -2
-#: "object" of a moving agent; its "category" is that of its appearance.
+#: "object" of the first moving agent, the k-th after it has k less; its "category" is that of its appearance.
 AGENT_LABEL = -3
 #: "pbr": glTF materials as mujoco-warp-pbr shows them; "matte": the same light without highlights.
 SHADINGS = ("pbr", "matte")
@@ -20,11 +20,21 @@ NOWHERE = -1.0e4
 
 
 @dataclasses.dataclass(frozen=True)
+class Scan:
+    """Rays of a LiDAR in place of a camera's: image rows are rings from `upper` down to `lower` (rad above the level of
+    the sensor), columns are azimuths from the back over the left side, the front and the right side; range: m."""
+
+    upper: float
+    lower: float
+    range: float
+
+
+@dataclasses.dataclass(frozen=True)
 class Settings:
     """Options of rendering.
 
     outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
-    which appearances vary; bodies: objects of a scene that may have moved; see `Renderer`.
+    which appearances vary; bodies: objects of a scene that may have moved; scan: None for a camera; see `Renderer`.
     """
 
     height: int
@@ -36,3 +46,4 @@ class Settings:
     shading: str
     appearance: float = 0.0
     bodies: int = 0
+    scan: Scan | None = None

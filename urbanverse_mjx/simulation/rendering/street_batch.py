@@ -279,10 +279,10 @@ class StreetBatch:
         """Launches that draw the pieces of the batch; see `Renderer._render` for the arrays."""
         scene, xpos, xquat, camera_position, turn, fovy, appearance_seeds, *moved = inputs
         s, settings = self.streets, self.streets.settings
-        aspect = settings.width / settings.height
+        aspect = 1.0 if settings.scan else settings.width / settings.height
         robot = [s.street, s.shapes, s.bodies, xpos, xquat]
         views = [*robot, camera_position, turn, fovy, aspect, NOWHERE, *self._placed]
-        elsewhere = [scene, *(moved or [self._unmoved]), s.object_of_slot, self._moved]
+        elsewhere = [scene, *(moved or [self._unmoved]), s.object_of_slot, self._moved, int(settings.scan is not None)]
         wp.launch(place, dim=self.num_worlds, inputs=[*views, *elsewhere])
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, appearance_seeds]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]

@@ -4,11 +4,13 @@
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
+import math
+
 import warp as wp
 
 from . import street_kernels as k
 from .pbr_private import srgb_oetf
-from .settings import OUTPUTS, Settings
+from .settings import OUTPUTS, Scan, Settings
 from .street_kernels import Street, Views
 from .street_shade import Skies, Surface, make_background, make_display, make_shade, make_surface
 
@@ -31,6 +33,10 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
     share = 1.0 / samples
     appearance = settings.appearance
     moved = settings.bodies > 0
+    scans = settings.scan is not None
+    scan = settings.scan or Scan(0.0, 0.0, far)
+    far = scan.range
+    ring = (scan.upper - scan.lower) / max(height - 1, 1)
     nearest_hit, is_hidden = k.make_rays(moved)
     surface = make_surface(want_rgb, settings.shading == "pbr", moved)
     shade = make_shade(settings, is_hidden)
@@ -81,6 +87,11 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
             x = column * wp.static(2.0 / (samples * width)) - 1.0
             y = 1.0 - row * wp.static(2.0 / (samples * height))
             ahead = right * x + up * y - back
+            if wp.static(scans):
+                azimuth = wp.static(math.pi) - (float(px) + 0.5) * wp.static(2.0 * math.pi / width)
+                elevation = wp.static(scan.upper) - float(py) * wp.static(ring)
+                level = wp.cos(elevation)
+                ahead = up * wp.sin(elevation) - back * (level * wp.cos(azimuth)) - right * (level * wp.sin(azimuth))
             # The image's plane stands at distance 1.
             length = wp.length(ahead)
             direction = ahead / length

@@ -178,11 +178,12 @@ def place(
     slot: wp.array2d[int],
     object_of_slot: wp.array2d[int],
     moved: wp.array[int],
+    all_around: int,
 ):
     """Fills the tables of `Views`; dim worlds.
 
     shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state is not finite; slot (worlds, bodies):
-    moved objects, -1 = none, whose objects are object_of_slot (Z, N).
+    moved objects, -1 = none, whose objects are object_of_slot (Z, N); all_around: 1 where rays lead to all sides.
     """
     w = wp.tid()
     origin = camera_position[w]
@@ -235,7 +236,7 @@ def place(
         local = (middle - origin) @ turn
         x = (wp.abs(local[0]) + local[2] * right) / slant_x
         y = (wp.abs(local[1]) + local[2] * up) / slant_y
-        if x < ball[3] and y < ball[3] and local[2] < ball[3] and absent == 0:
+        if (all_around == 1 or (x < ball[3] and y < ball[3] and local[2] < ball[3])) and absent == 0:
             in_view += 1
             seen[w * (number + 1) + in_view] = i
     seen[w * (number + 1)] = in_view
