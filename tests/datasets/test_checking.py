@@ -1,5 +1,6 @@
 """`check_dataset` names what is wrong by its place, in datasets that were damaged on purpose."""
 
+import dataclasses
 import json
 import pathlib
 import shutil
@@ -10,8 +11,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.support.recorded import DEPTH, FRONT, write_dataset
-from urbanverse_mjx.datasets import check_dataset, summarise_dataset
+from tests.support.recorded import DEPTH, FEATURES, FRONT, RATE, episode, write_dataset
+from urbanverse_mjx.datasets import DatasetWriter, Feature, check_dataset, summarise_dataset
 from urbanverse_mjx.datatypes import ValidationError
 
 DATA = "data/chunk-000/file-000.parquet"
@@ -146,6 +147,17 @@ def test_a_recording_that_ended_before_its_first_episode_is_said(tmp_path: pathl
     (tmp_path / ".unfinished").mkdir()
     with pytest.raises(ValidationError, match="ended before its first episode"):
         check_dataset(tmp_path)
+
+
+def test_names_of_other_datasets_may_mean_something_else(tmp_path: pathlib.Path) -> None:
+    """Seven joints called a pose are no quaternion, unless `record` wrote them."""
+    plain = episode(0)
+    features = {**FEATURES, "pose": Feature("float32", (7,))}
+    with DatasetWriter(tmp_path / "new", features, RATE, "arm", {}) as writer:
+        writer.add(dataclasses.replace(plain, columns={**plain.columns, "pose": np.full((len(plain), 7), 0.7)}))
+    assert "quaternion" in check_dataset(tmp_path / "new").problems[0]
+    (tmp_path / "new/meta/urbanverse.json").unlink()
+    assert check_dataset(tmp_path / "new").problems == ()
 
 
 def test_the_summary_counts(sound: pathlib.Path) -> None:

@@ -12,7 +12,8 @@ import pyarrow as pa
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from . import features as f
-from . import video
+from . import own_checks, video
+from .annotations import check_annotations
 from .reading import StoredDataset, read_table
 
 #: Tolerances for rounding: s between a row's timestamp and its index, and relative differences of statistics.
@@ -45,7 +46,7 @@ def check_dataset(folder: str | pathlib.Path) -> Findings:
     problems, notes = [*_counts(dataset), *_tasks(dataset)], []
     found: dict[str, list[np.ndarray]] = {}
     if not problems:
-        problems += [*_data(dataset, found), *_videos(dataset, notes)]
+        problems += [*_data(dataset, found), *_videos(dataset, notes), *_annotations(dataset)]
     if not problems and not dataset.unfinished:
         problems += _stats(dataset, found)
     if dataset.unfinished:
@@ -108,6 +109,8 @@ def _files(dataset: StoredDataset) -> dict[pathlib.Path, list[dict[str, Any]]]:
 def _data(dataset: StoredDataset, found: dict[str, list[np.ndarray]]) -> Iterator[str]:
     """Checks rows, timestamps and numbers; collects the columns in `found`."""
     stored = {name: feature for name, feature in dataset.features.items() if feature.dtype != "video"}
+    # In datasets from elsewhere features of the same names may have other meanings.
+    own = (dataset.folder / f.ORIGIN_PATH).is_file()
     for path, rows in _files(dataset).items():
         where = str(path.relative_to(dataset.folder))
         try:
@@ -127,7 +130,7 @@ def _data(dataset: StoredDataset, found: dict[str, list[np.ndarray]]) -> Iterato
         columns = {}
         for name, feature in stored.items():
             if feature.dtype == "image":
-                yield from _images(table[name], rows, feature, f"{where}: {name}")
+                yield from _images(name, table[name], rows, feature, where, own)
                 continue
             columns[name] = _numbers(table[name], feature)
             if columns[name] is None:
@@ -135,8 +138,29 @@ def _data(dataset: StoredDataset, found: dict[str, list[np.ndarray]]) -> Iterato
         if any(column is None for column in columns.values()):
             continue
         yield from _values(columns, rows, dataset.rate, dataset.info["total_tasks"], where)
+        for name, column in columns.items() if own else ():
+            yield from own_checks.check_column(name, column, where)
         for name, column in columns.items():
             found.setdefault(name, []).append(column.reshape(len(column), -1))
+
+
+def _annotations(dataset: StoredDataset) -> Iterator[str]:
+    """Checks the files of annotations, of which there is one for each data file or none."""
+    front = next((feature for feature in dataset.features.values() if feature.is_image), None)
+    if front is None or not (dataset.folder / "annotations").is_dir():
+        return
+    for rows in _files(dataset).values():
+        place = {key: rows[0][f"data/{key}"] for key in ("chunk_index", "file_index")}
+        name = f.ANNOTATIONS_PATH.format(**place)
+        try:
+            table = read_table(dataset.folder / name)
+        except ValidationError as error:
+            yield str(error)
+            continue
+        wanted = sum(row["length"] for row in rows)
+        yield from check_annotations(
+            table, rows[0]["dataset_from_index"], wanted, (front.shape[0], front.shape[1]), name
+        )
 
 
 def _numbers(column: pa.ChunkedArray, feature: f.Feature) -> Any:
@@ -183,7 +207,9 @@ def _values(
         yield f"{where}: found an action outside [-1, 1]"
 
 
-def _images(column: pa.ChunkedArray, rows: list[dict[str, Any]], feature: f.Feature, where: str) -> Iterator[str]:
+def _images(
+    name: str, column: pa.ChunkedArray, rows: list[dict[str, Any]], feature: f.Feature, where: str, own: bool
+) -> Iterator[str]:
     """Checks the first and the last image of every episode."""
     end = 0
     for row in rows:
@@ -194,7 +220,9 @@ def _images(column: pa.ChunkedArray, rows: list[dict[str, Any]], feature: f.Feat
             image = cv2.imdecode(np.frombuffer(body, np.uint8), cv2.IMREAD_UNCHANGED) if body else None
             shape = None if image is None else (*image.shape, 1)[:3]
             if shape != feature.shape:
-                yield f"{where}: row {k}: found an image of shape {shape}, needed {feature.shape}"
+                yield f"{where}: {name}: row {k}: found an image of shape {shape}, needed {feature.shape}"
+            elif image is not None and own:
+                yield from own_checks.check_image(name, image, f"{where}: {name}: row {k}")
 
 
 def _videos(dataset: StoredDataset, notes: list[str]) -> Iterator[str]:

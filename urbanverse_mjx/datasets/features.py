@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from ..datatypes import validation as v
+from .annotations import Annotation
 
 #: The format's version in meta/info.json.
 CODEBASE_VERSION = "v3.0"
@@ -20,6 +21,8 @@ _FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 DATA_PATH = f"data/{_FILE}.parquet"
 VIDEO_PATH = f"videos/{{video_key}}/{_FILE}.mp4"
 EPISODES_PATH = f"meta/episodes/{_FILE}.parquet"
+#: Annotations of the rows of the data file of the same number; an addition to the format, which readers ignore.
+ANNOTATIONS_PATH = f"annotations/{_FILE}.parquet"
 INFO_PATH, STATS_PATH, TASKS_PATH = "meta/info.json", "meta/stats.json", "meta/tasks.parquet"
 #: Origin of the recording; an addition to the format, which readers ignore.
 ORIGIN_PATH = "meta/urbanverse.json"
@@ -104,6 +107,7 @@ class Episode:
       videos: name -> H.264 bytes of T frames, of each "video".
       image_stats: name -> statistics of images and videos.
       record: further columns of its row in meta/episodes; the same keys in every episode.
+      annotations: of every frame, or none; the same in every episode.
     """
 
     task: str
@@ -112,6 +116,7 @@ class Episode:
     videos: Mapping[str, bytes] = dataclasses.field(default_factory=dict)
     image_stats: Mapping[str, Mapping[str, np.ndarray]] = dataclasses.field(default_factory=dict)
     record: Mapping[str, str | int | float] = dataclasses.field(default_factory=dict)
+    annotations: Sequence[Annotation] = ()
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values())))

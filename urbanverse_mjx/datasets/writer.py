@@ -21,6 +21,7 @@ from .. import __version__
 from ..datatypes import validation as v
 from . import features as f
 from . import statistics, video
+from .annotations import annotations_table
 
 #: A new file begins after this many episodes, or bytes of one camera. Each new episode rewrites the current file, so
 #: this bounds the cost per episode.
@@ -47,6 +48,7 @@ class _File:
     number: int
     first_row: int
     tables: list[pa.Table] = dataclasses.field(default_factory=list)
+    annotations: list[pa.Table] = dataclasses.field(default_factory=list)
     rows: list[dict[str, Any]] = dataclasses.field(default_factory=list)
     videos: dict[str, list[bytes]] = dataclasses.field(default_factory=dict)
     image_bytes: int = 0
@@ -120,6 +122,8 @@ class DatasetWriter:
         own = {name: statistics.of_numbers(column) for name, column in columns.items()}
         own |= {name: dict(stats) for name, stats in episode.image_stats.items()}
         file.tables.append(self._table(columns, episode))
+        if episode.annotations:
+            file.annotations.append(annotations_table(episode.annotations, self.num_frames))
         file.rows.append(self._row(episode, own))
         for name, encoded in episode.videos.items():
             file.videos.setdefault(name, []).append(encoded)
@@ -164,6 +168,7 @@ class DatasetWriter:
             shape = self.features[name].shape
             if column.shape != (length, *(() if shape == (1,) else shape)):
                 raise v.fail(f"episode.{name}", f"shape {column.shape}", f"{length} rows of {shape}")
+        lengths |= {"annotations": len(episode.annotations)} if episode.annotations else {}
         if not length or any(n != length for n in lengths.values()):
             raise v.fail("episode", f"{length} rows and images {lengths}", "one image a row, at least one")
         return columns
@@ -235,6 +240,8 @@ class DatasetWriter:
                 lambda part, joined=joined: video.write_mp4(part, joined, self._rate),
             )
         stage(f.DATA_PATH.format(**file.place), lambda part: _write_by_episode(part, file.tables))
+        if file.annotations:
+            stage(f.ANNOTATIONS_PATH.format(**file.place), lambda part: _write_by_episode(part, file.annotations))
         rows = pa.Table.from_pylist(file.rows)
         stage(f.EPISODES_PATH.format(**file.place), lambda part: _write_by_episode(part, [rows]))
         stage(f.TASKS_PATH, lambda part: _write_by_episode(part, [_tasks_table(self._tasks)]))

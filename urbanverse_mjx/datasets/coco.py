@@ -1,0 +1,71 @@
+"""COCO: images, instances with masks and boxes, and captions.
+
+Source of the keys: the data format page of cocodataset.org.
+"""
+
+import json
+from typing import Any
+
+from .frame_files import FrameEpisode, FrameFolder
+
+INSTANCES, CAPTIONS = "annotations/instances.json", "annotations/captions.json"
+
+
+class CocoWriter(FrameFolder):
+    """Writes images/000000000001.jpg, ... with annotations/instances.json and annotations/captions.json."""
+
+    image_type = "jpg"
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        # As text, because all of it is written again whenever it grows.
+        self._images: list[str] = []
+        self._instances: list[str] = []
+        self._captions: list[str] = []
+        self._category = {name: k + 1 for k, name in enumerate(self.rig.categories)}
+
+    def files(self, episode: FrameEpisode) -> dict[str, bytes]:
+        """Its images."""
+        return {f"images/{self.num_frames + k + 1:012d}.jpg": image for k, image in enumerate(episode.colours)}
+
+    def take(self, episode: FrameEpisode) -> None:
+        """Keeps the annotations for the lists."""
+        for step, seen in enumerate(episode.annotations):
+            number = len(self._images) + 1
+            name = f"{number:012d}.jpg"
+            size = {"height": self.rig.height, "width": self.rig.width}
+            place = {"episode": self.num_episodes, "step": step, "scene": episode.record["scene"]}
+            self._images.append(json.dumps({"id": number, "file_name": name, **size, **place}))
+            said = {"id": number, "image_id": number, "caption": seen.caption}
+            self._captions.append(json.dumps(said, ensure_ascii=False))
+            for item, runs in zip(seen.objects, seen.runs, strict=True):
+                left, top, right, bottom = item.box
+                body = {
+                    "id": len(self._instances) + 1,
+                    "image_id": number,
+                    "category_id": self._category[item.category],
+                    "bbox": [left, top, right - left, bottom - top],
+                    "area": item.pixels,
+                    "iscrowd": 0,
+                    "segmentation": {"size": [self.rig.height, self.rig.width], "counts": runs},
+                    "name": item.name,
+                }
+                self._instances.append(json.dumps(body, ensure_ascii=False))
+
+    def lists(self) -> dict[str, bytes]:
+        """Instances and captions of all images."""
+        info = '"info": {"description": "urbanverse_mjx"}, "licenses": []'
+        images = ",\n".join(self._images)
+        categories = json.dumps(
+            [
+                {"id": k, "name": name, "supercategory": name.rpartition(":")[0] or "object"}
+                for name, k in self._category.items()
+            ],
+            ensure_ascii=False,
+        )
+        instances, captions = ",\n".join(self._instances), ",\n".join(self._captions)
+        head = f'{{{info},\n"images": [\n{images}\n],\n"annotations": [\n'
+        return {
+            INSTANCES: f'{head}{instances}\n],\n"categories": {categories}}}\n'.encode(),
+            CAPTIONS: f"{head}{captions}\n]}}\n".encode(),
+        }
