@@ -1,8 +1,10 @@
-"""`urbanverse dataset`: prints statistics of a recorded dataset and checks its consistency."""
+"""`urbanverse dataset`: prints statistics of a recorded dataset, checks its consistency, and shows its episodes."""
 
 import dataclasses
 import json
+import pathlib
 import sys
+import webbrowser
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -10,6 +12,7 @@ import tyro
 
 from .. import pipeline
 from ..datasets import DatasetSummary
+from ..datatypes import validation as v
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,18 +34,50 @@ class CheckArgs:
     """A LeRobotDataset v3."""
 
 
-_Command = Annotated[StatsArgs, tyro.conf.subcommand("stats")] | Annotated[CheckArgs, tyro.conf.subcommand("check")]
+@dataclasses.dataclass(frozen=True)
+class ViewArgs:
+    """Write one episode of a dataset as a page of its own, with images, numbers, boxes and the driven path, and open
+    it in the browser."""
+
+    folder: Annotated[str, tyro.conf.Positional]
+    """A LeRobotDataset v3."""
+    episode: int = 0
+    """Which, from 0 on."""
+    out: pathlib.Path | None = None
+    """The page; default: FOLDER-episode-N.html in the current folder. An existing file is replaced."""
+    open: bool = True
+    """Open the page."""
+
+
+_Command = (
+    Annotated[StatsArgs, tyro.conf.subcommand("stats")]
+    | Annotated[CheckArgs, tyro.conf.subcommand("check")]
+    | Annotated[ViewArgs, tyro.conf.subcommand("view")]
+)
 
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse dataset`."""
     args = tyro.cli(_Command, args=list(argv), prog="urbanverse dataset")  # type: ignore[call-overload]
+    if isinstance(args, ViewArgs):
+        return _view(args)
     return _stats(args) if isinstance(args, StatsArgs) else _check(args)
 
 
 def _stats(args: StatsArgs) -> int:
     found = pipeline.summarise_dataset(args.folder)
     print(json.dumps(dataclasses.asdict(found)) if args.json else _text(found))
+    return 0
+
+
+def _view(args: ViewArgs) -> int:
+    page = pipeline.dataset_page(args.folder, args.episode)
+    name = f"{pathlib.Path(args.folder).resolve().name}-episode-{args.episode}.html"
+    path = (args.out or pathlib.Path(name)).resolve()
+    v.write_atomically(path, lambda temporary: temporary.write_text(page, encoding="utf-8"))
+    print(json.dumps({"page": str(path)}))
+    if args.open:
+        webbrowser.open(path.as_uri())
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from .checking import Findings, check_dataset
 from .features import Episode, Feature
+from .page import dataset_page
 from .reading import StoredDataset
 from .summary import DatasetSummary, summarise_dataset
 from .writer import DatasetWriter
@@ -14,5 +15,6 @@ __all__ = [
     "Findings",
     "StoredDataset",
     "check_dataset",
+    "dataset_page",
     "summarise_dataset",
 ]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .generation.video_options import VideoOptions
     from .library.sets import LibraryBuild, LibraryOptions, build_library
     from .playing import PlayOptions, play
-    from .recording.datasets import check_dataset, summarise_dataset
+    from .recording.datasets import check_dataset, dataset_page, summarise_dataset
     from .recording.record import RecordOptions, record
     from .routes import plan_routes
     from .scenes import compile_graph, compile_layout, make_controller
@@ -60,6 +60,7 @@ _HOMES = {
     "cached_bank": "banks",
     "capture": "filming",
     "check_dataset": "recording.datasets",
+    "dataset_page": "recording.datasets",
     "compile_graph": "scenes",
     "compile_layout": "scenes",
     "draw_gallery": "gallery",
@@ -103,6 +104,7 @@ __all__ = [
     "check_dataset",
     "compile_graph",
     "compile_layout",
+    "dataset_page",
     "draw_gallery",
     "ensure_default_bank",
     "ensure_terrain_bank",

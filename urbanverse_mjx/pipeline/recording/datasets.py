@@ -1,5 +1,5 @@
 """What a dataset holds and whether it is sound; the functions of `urbanverse_mjx.datasets`."""
 
-from ...datasets import check_dataset, summarise_dataset
+from ...datasets import check_dataset, dataset_page, summarise_dataset
 
-__all__ = ["check_dataset", "summarise_dataset"]
+__all__ = ["check_dataset", "dataset_page", "summarise_dataset"]
