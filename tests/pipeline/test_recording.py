@@ -22,8 +22,9 @@ from urbanverse_mjx.envs import NavEnv
 from urbanverse_mjx.envs.navigation.draws import OFF
 from urbanverse_mjx.evaluation import BASELINES, Rollout
 from urbanverse_mjx.evaluation.rollouts import EpisodeSet
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.pipeline import drivers
-from urbanverse_mjx.pipeline.recording import cameras, driving
+from urbanverse_mjx.pipeline.recording import cameras, driving, readings
 from urbanverse_mjx.pipeline.recording.cameras import FRONT, numbered
 from urbanverse_mjx.pipeline.recording.driving import BatchDrive, Driven, drawn_episodes
 from urbanverse_mjx.pipeline.recording.record import RecordOptions
@@ -33,7 +34,13 @@ from urbanverse_mjx.viewer.session import Driver, Machine
 SIZE = (24, 32)
 STEPS, BODIES = 12, 7
 OPTIONS = RecordOptions(
-    policy="random", num_episodes=5, num_envs=3, scenes="all", size=SIZE, sensors=("depth", "segmentation"), quiet=True
+    policy="random",
+    num_episodes=5,
+    num_envs=3,
+    scenes="all",
+    size=SIZE,
+    sensors=("depth", "segmentation", "normal"),
+    quiet=True,
 )
 
 
@@ -43,7 +50,8 @@ class DrawnEngine(UnicycleEngine):
     def _state(self, *args: Any, **options: Any) -> SimState:
         state = super()._state(*args, **options)
         rows = np.minimum(np.arange(BODIES), 1)
-        return state._replace(xpos=state.xpos[rows], xquat=state.xquat[rows])
+        contacts = state.contacts._replace(foot_force=jnp.zeros(4))
+        return state._replace(xpos=state.xpos[rows], xquat=state.xquat[rows], contacts=contacts)
 
 
 def drawn_env(bank: SceneBank, overrides: dict[str, Any]) -> NavEnv:
@@ -122,7 +130,7 @@ def test_rows_are_those_of_a_rollout(recorded: tuple[pathlib.Path, dict[str, Any
 def test_images_are_those_of_the_rows_poses(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:
     folder = recorded[0]
     rows, view = table_of(folder), env.config.vision_config
-    outputs = ("rgb", "depth", "category", "object")
+    outputs = ("rgb", "depth", "category", "object", "normal")
     renderer = Renderer(env.bank, env.robot, *SIZE, outputs, view.shadows, view.sky, shading=view.shading)
     capture, colours = cv2.VideoCapture(str(folder / f"videos/{FRONT}/chunk-000/file-000.mp4")), []
     while (frame := capture.read())[0]:
@@ -140,11 +148,31 @@ def test_images_are_those_of_the_rows_poses(recorded: tuple[pathlib.Path, dict[s
             assert stored.dtype == np.uint16
             np.testing.assert_array_equal(stored, numbered(drawn[output], offset))
         assert np.abs(colours[k].astype(int) - drawn["rgb"]).mean() < 8
+        check_normals(rows[cameras.SENSORS["normal"][0]][k]["bytes"], drawn, camera_turn(env, xpos, xquat))
+
+
+def camera_turn(env: NavEnv, xpos: np.ndarray, xquat: np.ndarray) -> np.ndarray:
+    """R_world_camera with the axes of computer vision."""
+    turn = readings.camera_pose(env.mj_model, env.robot.camera, xpos[None], xquat[None])[1][0]
+    return rotations.matrix_f64(turn) @ np.diag([1.0, -1.0, -1.0])
+
+
+def check_normals(stored: bytes, drawn: dict[str, np.ndarray], turn: np.ndarray) -> None:
+    """The stored colours are the world's normals turned into the camera's frame, and face the camera on the ground."""
+    image = cv2.imdecode(np.frombuffer(stored, np.uint8), cv2.IMREAD_COLOR)
+    assert image is not None
+    normals, surface = (image[..., ::-1].astype(float) - 128.0) / 127.0, drawn["object"] >= 0
+    np.testing.assert_allclose(normals[surface], drawn["normal"][surface] @ turn, atol=0.5 / 127 + 1e-4)
+    assert (normals[drawn["object"] == -1] == 0.0).all()
+    ground = surface & (drawn["normal"][..., 2] > 0.999)
+    assert ground.any()
+    assert (normals[ground][:, 1] < -0.9).all()
 
 
 def test_distances_are_millimetres_and_labels_begin_at_the_sky() -> None:
     assert numbered(np.array([[0.0, 1.2345, 70.0]], np.float32), 0).tolist() == [[0, 1234, 65535]]
-    assert numbered(np.array([[-1, -2, 0, 7]]), cameras.SENSORS["semantic"][2]).tolist() == [[1, 0, 2, 9]]
+    assert numbered(np.array([[-1, -2, 0, 7]]), cameras.SENSORS["semantic"][2]).tolist() == [[0, 1, 2, 9]]
+    assert numbered(np.array([[-1, -2, -3, -4, 0]]), cameras.SENSORS["instance"][2]).tolist() == [[0, 1, 2, 2, 3]]
 
 
 def test_the_same_command_gives_the_same_bytes(
@@ -284,7 +312,10 @@ def test_nothing_is_driven_where_the_folder_is_in_use(
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--with", "depth,lidar"], "--with: found 'lidar', needed one of depth, semantic, instance, segmentation"),
+        (
+            ["--with", "depth,radar"],
+            "--with: found 'radar', needed one of depth, semantic, instance, normal, lidar, imu",
+        ),
         (["--num-episodes", "0"], "--num-episodes"),
         (["--num-envs", "0"], "--num-envs"),
         (["--size", "8x8"], "--size: found 8"),

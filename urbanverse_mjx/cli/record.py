@@ -29,14 +29,15 @@ _Sensors = Annotated[
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class RecordArgs(RecordOptions):
-    """Record episodes of a policy as a LeRobotDataset v3 in a new folder; prints one JSON line with how they ended."""
+    """Record episodes of a policy as a dataset in a new folder; prints one JSON line with how they ended."""
 
     out: pathlib.Path
     """New or empty folder."""
     size: ImageSize = (135, 240)
     """Of the images, in pixels, whatever the policy sees."""
     sensors: _Sensors = ()
-    """Besides colour: depth, semantic, instance, or segmentation for the last two; separated by commas."""
+    """Besides colour, separated by commas: depth, normal, semantic, instance, lidar, imu, odometry, camera_pose,
+    contacts, boxes; segmentation for semantic and instance, all for everything."""
     people: Crowded = False
     """Streets full of people and vehicles that move."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)

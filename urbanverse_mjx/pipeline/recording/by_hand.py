@@ -125,4 +125,6 @@ class HandDrive:
             bodies=of(before, lambda nav: nav.sim.bodies),
             appearance_seed=of(before, lambda nav: nav.appearance_seed),
             route_share=of(after, lambda nav: nav.route_done) / length,
+            qvel=of(before, lambda nav: nav.sim.qvel),
+            contacts=of(after, lambda nav: nav.sim.contacts),
         )

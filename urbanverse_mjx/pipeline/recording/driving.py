@@ -41,6 +41,8 @@ class Steps(NamedTuple):
       result: () i32 after the step, see `Result`.
       hit: bool, the robot touched something during the step. xpos (nbody, 3), xquat (nbody, 4), agents, bodies,
         appearance_seed: what the renderer takes.
+      qvel: (nv,) speeds of the joints.
+      contacts: during the step, see `Contacts`.
       route_share: () share of the route done after the step.
     """
 
@@ -57,6 +59,8 @@ class Steps(NamedTuple):
     bodies: Any
     appearance_seed: Any
     route_share: Any
+    qvel: Any
+    contacts: Any
 
 
 class _State(NamedTuple):
@@ -272,6 +276,8 @@ class BatchDrive:
             bodies=nav.sim.bodies,
             appearance_seed=nav.appearance_seed,
             route_share=new.route_done / jnp.maximum(new.route_length, 1e-6),
+            qvel=nav.sim.qvel,
+            contacts=new.sim.contacts,
         )
         return jax.tree.map(lambda a, b: jnp.where(running, a, b), new, nav), steps
 

@@ -6,21 +6,25 @@ import os
 import pathlib
 import time
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from ...datatypes import RESULTS
 from ...datatypes import validation as v
 from ..viewing import PageOptions
+from .formats import Format, frame_episode, image_type, open_writer, stored
+from .lidar import LidarOptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from ...datasets import Episode, Feature
-    from ...datasets.statistics import Stats
     from ...envs import NavEnv
+    from .boxes import Boxes
+    from .cameras import Filmed
     from .driving import Driven
+    from .readings import Readings
 
 #: Frames that are waited for before they are drawn.
 _FILMED = 256
@@ -37,8 +41,9 @@ class RecordOptions(PageOptions):
     """Drive by hand in a web page, at --host and --port, one episode after another; else the policy drives."""
     num_episodes: int = 20
     """Episodes that are driven, all different."""
-    format: Literal["lerobot"] = "lerobot"
-    """LeRobotDataset v3."""
+    format: Format = "lerobot"
+    """lerobot: LeRobotDataset v3; coco: images with instances and captions; kitti: images with LiDAR scans and boxes in
+    space; mcap: a log an episode for Foxglove and rerun."""
     env_name: str | None = None
     """Whose robot is driven, e.g. Go2Nav; default: the policy's own, for a scripted one CocoNav."""
     preset: str = "paper"
@@ -56,7 +61,10 @@ class RecordOptions(PageOptions):
     size: tuple[int, int] = (135, 240)
     """Height and width of the images in pixels, whatever the policy sees."""
     sensors: tuple[str, ...] = ()
-    """Besides colour: depth, semantic, instance, or segmentation for the last two."""
+    """Besides colour: depth, normal, semantic, instance, lidar, imu, odometry, camera_pose, contacts, boxes;
+    segmentation for semantic and instance, all for everything."""
+    lidar: LidarOptions = dataclasses.field(default_factory=LidarOptions)
+    """Rays of the LiDAR."""
     only_successes: bool = False
     """Leave episodes that did not reach their goal out of the dataset."""
     seed: int = 0
@@ -104,12 +112,20 @@ def record(
     results: collections.Counter[str] = collections.Counter()
     origin = _origin(options, env, scenes, sensors)
     with (
-        DatasetWriter(folder, features, round(1.0 / env.dt), env.robot.name, origin) as writer,
+        open_writer(folder, options, features, env, origin) as writer,
         Progress(options.quiet) as progress,
     ):
         began = time.perf_counter()
         report = progress.task("recording", options.num_episodes, unit="episodes")
-        camera = Camera(env, *options.size, sensors)
+        camera = Camera(
+            env,
+            *options.size,
+            _images(sensors),
+            options.lidar,
+            _boxes(env, sensors, options.format),
+            image_type(options.format),
+        )
+        readings = _readings(env, sensors)
         if options.teleop:
             from .by_hand import HandDrive
 
@@ -120,7 +136,11 @@ def record(
             results.update(episode.result for episode in group)
             kept = [e for e in group if e.result == "goal" or not options.only_successes]
             for filmed in camera.film(kept) if kept else ():
-                writer.add(_episode(env, *filmed))
+                columns, told = _columns(env, readings, filmed.driven)
+                if isinstance(writer, DatasetWriter):
+                    writer.add(_episode(filmed, columns, told))
+                else:
+                    writer.add(frame_episode(filmed, columns, told))
                 report(writer.num_episodes, note=f"{writer.num_frames:,} frames")
             report(results.total())
         seconds = time.perf_counter() - began
@@ -158,7 +178,11 @@ def _checked(options: RecordOptions) -> tuple[str, ...]:
       ValidationError: numbers out of range, or no such sensor.
     """
     from .cameras import GROUPS, SENSORS
+    from .readings import READINGS
 
+    known = (*SENSORS, *READINGS, "boxes")
+    groups = {**GROUPS, "all": known}
+    options.lidar.check()
     if options.teleop:
         from ...viewer.recording import free_port
 
@@ -167,12 +191,35 @@ def _checked(options: RecordOptions) -> tuple[str, ...]:
     v.integer(options.num_episodes, "--num-episodes", 1)
     v.integer(options.num_envs, "--num-envs", 1)
     v.integer(options.seed, "--seed", 0)
-    v.choice(options.format, "--format", ("lerobot",))
+    v.choice(options.format, "--format", get_args(Format))
+    if options.format == "mcap":
+        from ...datasets.mcap_files import require_packages
+
+        require_packages()
     for side in options.size:
         v.integer(side, "--size", 16, 4096)
     for name in options.sensors:
-        v.choice(name, "--with", (*SENSORS, *GROUPS))
-    return tuple(dict.fromkeys(s for name in options.sensors for s in GROUPS.get(name, (name,))))
+        v.choice(name, "--with", (*known, *groups))
+    wanted = tuple(dict.fromkeys(s for name in options.sensors for s in groups.get(name, (name,))))
+    return stored(options.format, wanted)
+
+
+def _images(sensors: tuple[str, ...]) -> tuple[str, ...]:
+    from .cameras import SENSORS
+
+    return tuple(name for name in sensors if name in SENSORS)
+
+
+def _boxes(env: "NavEnv", sensors: tuple[str, ...], form: str) -> "Boxes | None":
+    from .boxes import Boxes
+
+    return Boxes(env, masks=form == "coco") if "boxes" in sensors else None
+
+
+def _readings(env: "NavEnv", sensors: tuple[str, ...]) -> "Readings":
+    from .readings import READINGS, Readings
+
+    return Readings(env.robot, env.mj_model, env.dt, [name for name in sensors if name in READINGS])
 
 
 def _prepared(
@@ -209,7 +256,7 @@ def _features(env: "NavEnv", options: RecordOptions, sensors: tuple[str, ...]) -
     speed = ("speed_forward", "speed_left", "yaw_rate")
     pose = ("x", "y", "z", "qw", "qx", "qy", "qz")
     return {
-        **camera_features(*options.size, sensors),
+        **camera_features(*options.size, _images(sensors), options.lidar),
         "observation.state": Feature("float32", (3 + len(action),), (*speed, *(f"last_{name}" for name in action))),
         "observation.environment_state": Feature("float32", (2,), ("goal_forward", "goal_left")),
         "action": Feature("float32", (len(action),), action),
@@ -218,19 +265,24 @@ def _features(env: "NavEnv", options: RecordOptions, sensors: tuple[str, ...]) -
         "next.success": Feature("bool", (1,)),
         "next.contact": Feature("bool", (1,)),
         "pose": Feature("float32", (7,), pose),
+        **_readings(env, sensors).features(),
         "scene_index": Feature("int64", (1,)),
         "episode_row": Feature("int64", (1,)),
         **({"intervention": Feature("bool", (1,))} if options.teleop else {}),
     }
 
 
-def _episode(
-    env: "NavEnv", driven: "Driven", video: bytes, images: dict[str, list[bytes]], stats: "dict[str, Stats]"
-) -> "Episode":
-    """A driven and filmed episode as the dataset takes it."""
+def _episode(filmed: "Filmed", columns: dict[str, np.ndarray], told: dict[str, Any]) -> "Episode":
+    """A driven and filmed episode as a LeRobotDataset takes it."""
     from ...datasets import Episode
     from .cameras import FRONT
 
+    videos = {FRONT: filmed.video}
+    return Episode(TASK, columns, filmed.images, videos, filmed.stats, told, filmed.annotations)
+
+
+def _columns(env: "NavEnv", readings: "Readings", driven: "Driven") -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """The numbers (T, ...) of a driven episode, and what is told of it as a whole."""
     steps, length = driven.steps, len(driven.steps.running)
     last = np.arange(length) == length - 1
     root = env.mj_model.body(env.robot.root_body).id
@@ -243,6 +295,7 @@ def _episode(
         "next.success": last & (driven.result == "goal"),
         "next.contact": steps.hit,
         "pose": np.concatenate([steps.xpos[:, root], steps.xquat[:, root]], axis=1),
+        **readings.columns(steps),
         "scene_index": np.full(length, driven.scene),
         "episode_row": np.full(length, driven.row),
     }
@@ -259,12 +312,14 @@ def _episode(
 
         columns["intervention"] = driven.by_hand
         told["interventions"] = interventions(driven.by_hand)
-    return Episode(TASK, columns, images, {FRONT: video}, stats, told)
+    return columns, told
 
 
 def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: tuple[str, ...]) -> dict[str, Any]:
     """What made the dataset, and what the labels of its images mean."""
     from ...training.policy import package_versions
+    from .lidar import lidar_height
+    from .readings import intrinsics
 
     bank = env.bank
     body: dict[str, Any] = {
@@ -276,6 +331,9 @@ def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: 
         "versions": package_versions(),
         "hashes": bank.meta.get("hashes", {}),
     }
+    body["camera"] = dict(intrinsics(env.mj_model, env.robot.camera, *options.size))
+    if "lidar" in sensors:
+        body["lidar"] = {**dataclasses.asdict(options.lidar), "height": lidar_height(env, options.lidar)}
     if "semantic" in sensors:
         body["semantic"] = ["sky", "robot", *bank.meta["categories"]]
     if "instance" in sensors:

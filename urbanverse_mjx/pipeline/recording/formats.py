@@ -1,0 +1,88 @@
+"""The formats of a recording: which sensors each stores, and its writer."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from ...datatypes import validation as v
+
+if TYPE_CHECKING:
+    import pathlib
+
+    from ...datasets import DatasetWriter, Feature
+    from ...datasets.frame_files import FrameEpisode, FrameFolder
+    from ...envs import NavEnv
+    from .cameras import Filmed
+    from .record import RecordOptions
+
+Format = Literal["lerobot", "coco", "kitti", "mcap"]
+#: Format -> what it always stores, and what else `--with` may add.
+_STORED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "coco": (("boxes",), ()),
+    "kitti": (("boxes", "lidar", "camera_pose"), ()),
+    "mcap": (("camera_pose",), ("boxes", "lidar", "imu", "odometry", "contacts")),
+}
+
+
+def stored(form: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
+    """The sensors that a recording in a format reads, for those asked for.
+
+    Raises:
+      ValidationError: one that the format cannot store.
+    """
+    if form not in _STORED:
+        return wanted
+    always, others = _STORED[form]
+    for name in wanted:
+        if name not in (*always, *others):
+            only = ", ".join((*always, *others))
+            raise v.fail("--with", repr(name), f"one of {only} for --format {form}", "take --format lerobot")
+    return tuple(dict.fromkeys((*always, *wanted)))
+
+
+def image_type(form: str) -> str:
+    """How colours are encoded: "h264", "jpg" or "png"."""
+    return {"lerobot": "h264", "kitti": "png"}.get(form, "jpg")
+
+
+def open_writer(
+    folder: "pathlib.Path",
+    options: "RecordOptions",
+    features: "Mapping[str, Feature]",
+    env: "NavEnv",
+    origin: Mapping[str, Any],
+) -> "DatasetWriter | FrameFolder":
+    """The writer of the format, for a new folder.
+
+    Raises:
+      ValidationError: the folder is not empty, or the format needs a package that is not installed.
+    """
+    from ...datasets import DatasetWriter
+    from ...datasets.coco import CocoWriter
+    from ...datasets.frame_files import Rig
+    from ...datasets.kitti import KittiWriter
+    from ...datasets.mcap_files import McapWriter
+    from .lidar import lidar_height
+    from .readings import intrinsics
+
+    rate = round(1.0 / env.dt)
+    if options.format == "lerobot":
+        return DatasetWriter(folder, features, rate, env.robot.name, origin)
+    lens = intrinsics(env.mj_model, env.robot.camera, *options.size)
+    rig = Rig(
+        *options.size,
+        focal=(lens["fx"], lens["fy"]),
+        centre=(lens["cx"], lens["cy"]),
+        rate=rate,
+        lidar=(0.0, 0.0, lidar_height(env, options.lidar)),
+        categories=[name for name in env.bank.meta["categories"] if not name.startswith("ground:")],
+    )
+    return {"coco": CocoWriter, "kitti": KittiWriter, "mcap": McapWriter}[options.format](folder, rig, origin)
+
+
+def frame_episode(filmed: "Filmed", columns: Mapping[str, np.ndarray], record: Mapping[str, Any]) -> "FrameEpisode":
+    """A driven and filmed episode as the formats of single frames take it."""
+    from ...datasets.frame_files import FrameEpisode
+
+    return FrameEpisode(filmed.colours, columns, filmed.annotations, filmed.scans, record)
