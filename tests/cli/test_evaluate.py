@@ -237,5 +237,5 @@ def test_the_video_shows_a_random_draw_with_how_each_episode_ended(
     drawn = random_draw(range(9), SHOWN, 5)
     assert len(drawn) == SHOWN
     assert shown["columns"] == [9 + i for i in drawn], "`trained` is the second agent of its batch"
-    assert shown["outcomes"] == [own[i].result for i in drawn]
+    assert shown["outcomes"] == [own[i].outcome for i in drawn]
     assert {tuple(random_draw(range(9), SHOWN, seed)) for seed in range(9)} - {(0, 1, 2)}

@@ -3,14 +3,15 @@
 import dataclasses
 import json
 import pathlib
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, SceneBank, ValidationError
-from urbanverse_mjx.envs import default_config
+from tests.support.unicycle import NOTHING, UnicycleEngine, unicycle_env, unicycle_robot
+from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, SceneBank, SimState, ValidationError
+from urbanverse_mjx.envs import NavEnv, default_config
 from urbanverse_mjx.envs.navigation.scenarios import scenario_of
 from urbanverse_mjx.evaluation import (
     Rollout,
@@ -25,6 +26,7 @@ from urbanverse_mjx.evaluation.agents import BASELINES, zero
 from urbanverse_mjx.evaluation.metrics import drawn_counts, mean_interval, wilson_interval
 from urbanverse_mjx.evaluation.report import write_report
 from urbanverse_mjx.pipeline.evaluation import evaluation_config
+from urbanverse_mjx.viewer.session import Driver, Machine, Session
 
 
 def _result(**changes: object) -> EpisodeResult:
@@ -131,6 +133,43 @@ def test_rollouts_tell_agents_apart_and_repeat(small_bank: SceneBank) -> None:
     assert poses.xpos.shape[1] == 18
     again, _ = Rollout(env).run(agents, episodes)
     assert again == results
+
+
+class GroundEngine(UnicycleEngine):
+    """The kinematic engine whose wall is ground."""
+
+    def _state(self, *args: Any) -> SimState:
+        state = super()._state(*args)
+        return state._replace(contacts=state.contacts._replace(hit_ground=state.contacts.hit))
+
+
+@pytest.mark.parametrize(("engine", "outcome"), [(UnicycleEngine, "hit"), (GroundEngine, "hit_ground")])
+def test_a_hit_of_the_ground_is_told_from_one_of_an_object(
+    engine: type[UnicycleEngine], outcome: str, small_bank: SceneBank
+) -> None:
+    config = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 60}).config
+    robot = unicycle_robot()
+    env = NavEnv(config, small_bank, robot, engine(robot, config.ctrl_dt, wall=-1e3), None)
+    episodes = fixed_episodes(env, 2)
+    results, _ = Rollout(env).run({"zero": zero}, episodes)
+    assert {(r.result, r.outcome, r.success) for r in results} == {("hit", outcome, False)}
+    session = Session(Machine(env, Driver("zero", zero)), int(episodes.scenes[0]), [int(episodes.episodes[0])])
+    assert session.outcome(0) is None
+    session.step()
+    assert session.outcome(1) == outcome
+    text = to_markdown(make_report("Zero", results, {}))
+    assert ("A `hit` of the ground alone, by a part of the robot other than a foot: zero 2." in text) == (
+        outcome == "hit_ground"
+    )
+
+
+def test_what_touches_an_object_or_an_agent_too_is_no_hit_of_the_ground_alone() -> None:
+    ground = NOTHING._replace(hit=jnp.bool_(True), hit_ground=jnp.bool_(True))
+    agent = ground._replace(hit_agent=jnp.int32(-1))
+    assert ground.only_ground
+    assert agent.only_ground
+    for both in (ground._replace(hit_object=jnp.int32(3)), agent._replace(hit_agent=jnp.int32(0)), NOTHING):
+        assert not both.only_ground
 
 
 def test_another_way_than_the_lists_completes_no_more_than_is_true(small_bank: SceneBank) -> None:

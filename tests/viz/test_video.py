@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from urbanverse_mjx.datatypes import RESULTS, ValidationError
+from urbanverse_mjx.datatypes import OUTCOMES, ValidationError
 from urbanverse_mjx.simulation.rendering.cameras import following_cameras, look_at
-from urbanverse_mjx.viz.video import OUTCOMES, caption, write_video
+from urbanverse_mjx.viz.video import CAPTIONS, caption, write_video
 
 
 def test_cameras_look_at_their_target_with_the_horizon_level() -> None:
@@ -76,7 +76,7 @@ def test_odd_sizes_leave_no_file(tmp_path: pathlib.Path) -> None:
 
 
 def test_the_line_over_a_frame_tells_every_outcome_apart() -> None:
-    assert set(OUTCOMES) == set(RESULTS)
-    lines = {caption("park_edge", 1.2, 3.4, result) for result in RESULTS}
-    assert len(lines) == len(RESULTS)
+    assert set(CAPTIONS) == set(OUTCOMES)
+    lines = {caption("park_edge", 1.2, 3.4, outcome) for outcome in OUTCOMES}
+    assert len(lines) == len(OUTCOMES)
     assert caption("park_edge", 1.2, 3.4, "timeout") == "park_edge    1.2 s   goal  3.4 m   ends: out of time"

@@ -1,7 +1,7 @@
 """The datatypes that the stages exchange: frozen, validated, each with a file form."""
 
 from .asset import AgentAppearance, AssetMesh, AssetRecord, HullSet
-from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
+from .evaluation import HIT_GROUND, OUTCOMES, RESULTS, BenchmarkReport, EpisodeResult, outcome_of
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
 from .label_prior import LabelPrior
@@ -16,7 +16,9 @@ from .validation import ValidationError
 
 __all__ = [
     "GROUND_KINDS",
+    "HIT_GROUND",
     "KIND_INDEX",
+    "OUTCOMES",
     "PAINT_KINDS",
     "RESULTS",
     "SPLITS",
@@ -52,5 +54,6 @@ __all__ = [
     "Source",
     "ValidationError",
     "content_hash",
+    "outcome_of",
     "traversable",
 ]

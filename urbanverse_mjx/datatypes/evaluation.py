@@ -8,6 +8,19 @@ from .json_datatype import JsonDatatype
 
 SCHEMA = "urbanverse.benchmark_report/1"
 RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent")
+#: A `hit` of the ground by a part of the robot other than a foot, which has other causes than that of an object.
+HIT_GROUND = "hit_ground"
+OUTCOMES = (*RESULTS, HIT_GROUND)
+
+
+def outcome_of(result: str, hit_ground: bool) -> str:
+    """One of `OUTCOMES`.
+
+    Args:
+      result: one of `RESULTS`.
+      hit_ground: see `EpisodeResult.hit_ground`.
+    """
+    return HIT_GROUND if result == "hit" and hit_ground else result
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,6 +44,8 @@ class EpisodeResult:
       intimate_time: share of the episode's time within 0.45 m, [0, 1].
       speed_near_people: m/s, mean within 1.2 m, None where never so near. All None in a street without people.
       touches: how often contact with an object or an agent began; None in reports from before it was counted.
+      hit_ground: whether the last control step had a contact of a part other than a foot with the ground and none with
+        an object or an agent; None in reports from before it was recorded.
     """
 
     agent: str
@@ -50,6 +65,7 @@ class EpisodeResult:
     intimate_time: float | None = None
     speed_near_people: float | None = None
     touches: int | None = None
+    hit_ground: bool | None = None
 
     def __post_init__(self) -> None:
         where = f"episode {self.scene!r}/{self.episode}"
@@ -69,6 +85,13 @@ class EpisodeResult:
                 v.number(getattr(self, name), f"{where}.{name}", 0.0)
         if self.touches is not None:
             v.integer(self.touches, f"{where}.touches", 0)
+        if self.hit_ground is not None:
+            v.boolean(self.hit_ground, f"{where}.hit_ground")
+
+    @property
+    def outcome(self) -> str:
+        """One of `OUTCOMES`."""
+        return outcome_of(self.result, bool(self.hit_ground))
 
     @property
     def touched(self) -> bool:

@@ -33,6 +33,12 @@ class Contacts(NamedTuple):
     foot_force: Float[Array, " F"]
     hit_agent: Int[Array, ""] | None = None
 
+    @property
+    def only_ground(self) -> Bool[Array, ""]:
+        """() bool, whether a geom other than a foot touched the ground, and no object and no agent was touched."""
+        nothing_else = self.hit_ground & (self.hit_object < 0)
+        return nothing_else if self.hit_agent is None else nothing_else & (self.hit_agent < 0)
+
 
 class AgentShapes(NamedTuple):
     """Collision bodies of A agents: upright prisms over a disc extended along the heading; (A,) m.

@@ -4,7 +4,7 @@ import csv
 import pathlib
 from collections.abc import Mapping, Sequence
 
-from ..datatypes import RESULTS, BenchmarkReport, EpisodeResult
+from ..datatypes import HIT_GROUND, RESULTS, BenchmarkReport, EpisodeResult
 from ..datatypes import validation as v
 from .metrics import summarise
 from .rollouts import result_counts
@@ -49,6 +49,10 @@ def to_markdown(report: BenchmarkReport) -> str:
     for agent in report.summary:
         counts = result_counts([e for e in report.episodes if e.agent == agent])
         lines.append(f"| {agent} | " + " | ".join(str(counts[r]) for r in RESULTS) + " |")
+    ground = {a: sum(e.outcome == HIT_GROUND for e in report.episodes if e.agent == a) for a in report.summary}
+    if any(ground.values()):
+        counted = ", ".join(f"{agent} {count}" for agent, count in ground.items() if count)
+        lines += ["", f"A `hit` of the ground alone, by a part of the robot other than a foot: {counted}."]
     lines += [
         "",
         "By scene (SR / RC in %):",

@@ -258,6 +258,7 @@ class Rollout:
         done = np.clip(np.asarray(nav.route_done) / np.maximum(length, 1e-6), 0.0, 1.0)
         hit_time = np.clip(np.asarray(tally.hit_time) / steps, 0.0, 1.0)
         goal_distance, path = np.asarray(nav.goal_distance), np.asarray(nav.driven)
+        only_ground = np.asarray(nav.sim.contacts.only_ground)
         return [
             EpisodeResult(
                 agent=name,
@@ -274,6 +275,7 @@ class Rollout:
                 route_length=float(length[i]),
                 slot_overflow=int(tally.slot_overflow[i]),
                 touches=int(tally.touches[i]),
+                hit_ground=bool(only_ground[i]),
                 **({} if tally.people is None else people_fields(tally.people, steps, i)),
             )
             for i in range(len(episodes))

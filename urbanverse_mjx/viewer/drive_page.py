@@ -12,7 +12,7 @@ import numpy as np
 import viser
 
 from ..datatypes import ValidationError
-from ..viz.video import OUTCOMES
+from ..viz.video import CAPTIONS
 from .recording import html_recording, set_initial_view
 from .session import Session
 from .stage import LAYERS, Stage, chase_view
@@ -199,7 +199,7 @@ class DrivePage:
         away = float(np.asarray(nav.goal_distance)[robot])
         outcome = session.outcome(self.index, robot)
         done = float(np.asarray(nav.route_done)[robot] / max(float(np.asarray(nav.route_length)[robot]), 1e-6))
-        how = "under way" if outcome is None else OUTCOMES[outcome]
+        how = "under way" if outcome is None else CAPTIONS[outcome]
         self._tell()
         self._say(f"{seconds:.1f} s · {away:.1f} m to the goal · {100 * done:.0f} % of the route · **{how}**")
 

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..datatypes import RESULTS, AgentMotion, ValidationError
+from ..datatypes import RESULTS, AgentMotion, ValidationError, outcome_of
 from ..envs import NavEnv, NavState
 from ..evaluation.agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, agent_action, episode_data
 from ..evaluation.planner import waypoint_of
@@ -241,6 +241,8 @@ class Session:
         return np.array([positions[robot] for positions in self._root_positions[: index + 1]])
 
     def outcome(self, index: int, robot: int = 0) -> str | None:
-        """Returns the result of a robot's episode by a frame, of `datatypes.RESULTS`, or None while it continues."""
-        result = int(np.asarray(self.frames[index].nav.result)[robot])
-        return RESULTS[result - 1] if result else None
+        """Returns how a robot's episode ended by a frame, of `datatypes.OUTCOMES`, or None while it continues."""
+        nav = self.frames[index].nav
+        result = int(np.asarray(nav.result)[robot])
+        only_ground = bool(np.asarray(nav.sim.contacts.only_ground)[robot])
+        return outcome_of(RESULTS[result - 1], only_ground) if result else None

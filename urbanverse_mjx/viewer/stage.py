@@ -7,7 +7,7 @@ import numpy as np
 import viser
 
 from ..geometry import rotations
-from ..viz.video import OUTCOMES
+from ..viz.video import CAPTIONS
 from . import layers
 from .robot import robot_files
 from .session import Session
@@ -152,7 +152,7 @@ class Stage:
         goal = np.asarray(frame.nav.goal)[number]
         self._place(robot.flag, goal + [0.0, 0.0, 0.4], np.array([1.0, 0.0, 0.0, 0.0]))
         outcome = session.outcome(index, number)
-        text = "goal" if outcome is None else OUTCOMES[outcome]
+        text = "goal" if outcome is None else CAPTIONS[outcome]
         if robot.flag.text != text:
             robot.flag.text = text
 

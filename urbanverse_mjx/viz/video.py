@@ -16,10 +16,11 @@ from ..simulation.rendering.cameras import FOLLOWING_FOV, following_cameras, in_
 from ..simulation.rendering.renderer import Renderer
 
 HEIGHT, WIDTH = 180, 320
-#: Caption of each result of `datatypes.RESULTS`.
-OUTCOMES = {
+#: Caption of each of `datatypes.OUTCOMES`.
+CAPTIONS = {
     "goal": "at the goal",
     "hit": "hit an object",
+    "hit_ground": "touched the ground with its body",
     "hit_agent": "hit an agent",
     "off_traversable": "left the walkable ground",
     "fall": "fell",
@@ -41,8 +42,8 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
 
 
 def caption(scene: str, seconds: float, goal_distance: float, outcome: str) -> str:
-    """Returns the caption of a frame: scene, time, distance to the goal (m), and result of the episode."""
-    return f"{scene}   {seconds:4.1f} s   goal {goal_distance:4.1f} m   ends: {OUTCOMES[outcome]}"
+    """Returns the caption of a frame: scene, time, distance to the goal (m), and outcome of the episode."""
+    return f"{scene}   {seconds:4.1f} s   goal {goal_distance:4.1f} m   ends: {CAPTIONS[outcome]}"
 
 
 def write_video(
@@ -102,7 +103,7 @@ def write_rollout_video(
       columns: envs of the trajectory to render.
       scenes: bank row of each env.
       goals: goal (3,) m of each env.
-      outcomes: result of each episode, of `datatypes.RESULTS`; shown in every frame of the episode.
+      outcomes: of each episode, of `datatypes.OUTCOMES`; shown in every frame of the episode.
       frames_per_second: equal to the control rate for real time.
       appearances: row of the bank's agents for each moving agent of the trajectory.
       size: height and width of each of the two images.
