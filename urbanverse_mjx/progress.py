@@ -14,6 +14,8 @@ from rich.text import Text
 #: s between two lines if standard error is not a terminal; a log without output for longer looks like a hang.
 LINE_EVERY = 10.0
 
+#: Note of a task whose first report comes when its program is compiled and has run once, which can take a minute.
+COMPILING = "compiling"
 #: Takes the amount done and the total, if known.
 Report = Callable[..., None]
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import pathlib
+import re
 import time
 import types
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 import tyro
 
+from tests.support.heard_progress import noted
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx import progress
 from urbanverse_mjx.cli.benchmark import BenchmarkArgs
@@ -144,10 +146,30 @@ def test_play_drives_a_chosen_bank_by_a_changed_config(
     assert used.scene_ids == SceneBank.load(bank).scene_ids
     assert len(done["results"]) == 2
     said = capsys.readouterr().err
-    assert "driving: 0/2 episodes" in said
-    assert "drawing: 0/2 episodes" in said
+    assert re.search(r"^driving: 0/2 episodes, \d+ s, compiling$", said, re.MULTILINE)
+    assert re.search(r"^drawing: 0/2 episodes, \d+ s$", said, re.MULTILINE)
     with pytest.raises(ValidationError, match="needed a navigation environment such as CocoNav"):
         play(tmp_path / "b.mp4", PlayOptions(agent=agent, env_name="Go2Joystick", bank=bank))
+
+
+@pytest.mark.usefixtures("loads")
+def test_every_drive_says_that_its_program_compiles_and_when_it_is_done(
+    bank: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`record` does so in a test of its own."""
+    notes: list[tuple[str, str | None]] = []
+    monkeypatch.setattr(progress.Progress, "task", noted(notes))
+    monkeypatch.setattr(rollout_video, "write_episodes", lambda *_, **__: None)
+    freeze("boxes", SceneBank.load(bank), 5, seed=0).save(tmp_path / "boxes.json")
+    options = BenchmarkOptions(policy="zero", contact="ends", pictures=False)
+    for name, drive in (
+        ("driving", lambda: play(tmp_path / "a.mp4", PlayOptions(bank=bank, scenes="all", quiet=True))),
+        ("evaluating", lambda: evaluate_policy("zero", SceneBank.load(bank), tmp_path, 2, 0, False, True, "all")),
+        ("zero", lambda: benchmark(str(tmp_path / "boxes.json"), tmp_path / "out", options, bank)),
+    ):
+        notes.clear()
+        drive()
+        assert [note for task, note in notes if task.startswith(name)][:2] == ["compiling", ""]
 
 
 def test_evaluate_drives_a_changed_config_and_records_it(

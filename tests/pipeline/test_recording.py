@@ -13,6 +13,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from tests.support.heard_progress import noted
 from tests.support.recorded import write_dataset
 from tests.support.unicycle import UnicycleEngine, unicycle_env
 from urbanverse_mjx import pipeline
@@ -28,6 +29,7 @@ from urbanverse_mjx.pipeline.recording import cameras, driving, readings
 from urbanverse_mjx.pipeline.recording.cameras import FRONT, numbered
 from urbanverse_mjx.pipeline.recording.driving import BatchDrive, Driven, drawn_episodes
 from urbanverse_mjx.pipeline.recording.record import RecordOptions
+from urbanverse_mjx.progress import Progress
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viewer.session import Driver, Machine
 
@@ -65,9 +67,18 @@ def env(small_bank: SceneBank) -> NavEnv:
 
 
 @pytest.fixture(scope="module")
-def recorded(env: NavEnv, tmp_path_factory: pytest.TempPathFactory) -> tuple[pathlib.Path, dict[str, Any]]:
+def notes() -> list[tuple[str, str | None]]:
+    """What the recording says of its progress."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def recorded(
+    env: NavEnv, tmp_path_factory: pytest.TempPathFactory, notes: list[tuple[str, str | None]]
+) -> tuple[pathlib.Path, dict[str, Any]]:
     with pytest.MonkeyPatch.context() as patch:
         use(env, patch)
+        patch.setattr(Progress, "task", noted(notes))
         folder = tmp_path_factory.mktemp("recorded") / "new"
         return folder, pipeline.record(folder, OPTIONS)
 
@@ -99,6 +110,12 @@ def test_it_is_sound_and_says_what_it_holds(recorded: tuple[pathlib.Path, dict[s
     assert origin["policy"] == "random"
     assert origin["semantic"][:2] == ["sky", "robot"]
     assert set(origin["instance"]) == set(env.bank.scene_ids)
+
+
+@pytest.mark.usefixtures("recorded")
+def test_it_says_that_its_program_compiles_and_when_it_is_done(notes: list[tuple[str, str | None]]) -> None:
+    assert notes[:2] == [("recording", "compiling"), ("recording", "")]
+    assert ("recording", f"{5 * STEPS} frames") in notes
 
 
 def test_rows_are_those_of_a_rollout(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from .. import settings
 from ..datatypes import RobotSpec, SceneBank, ValidationError
 from ..datatypes import validation as v
-from ..progress import Progress
+from ..progress import COMPILING, Progress
 
 
 @dataclasses.dataclass(frozen=True)
@@ -291,9 +291,10 @@ def _drive(
     from ..evaluation import benchmark
 
     with Progress(quiet) as progress:
-        report = progress.task(f"{name}, contact {contact.replace('_', ' ')}", len(runs.episodes), unit="episodes")
+        task = f"{name}, contact {contact.replace('_', ' ')}"
+        report = progress.task(task, len(runs.episodes), unit="episodes", note=COMPILING)
         return benchmark.drive(
-            env, name, policy, runs.episodes, batched, options.at_once, lambda ended, _: report(ended)
+            env, name, policy, runs.episodes, batched, options.at_once, lambda ended, _: report(ended, note="")
         )
 
 

@@ -24,7 +24,7 @@ from ..evaluation import (
 )
 from ..evaluation.agents import Privileged, Recurrent
 from ..evaluation.rollouts import EpisodeSet
-from ..progress import Progress
+from ..progress import COMPILING, Progress
 from .rollout_video import random_draw, write_episodes
 
 #: Number of episodes in the video of an evaluation.
@@ -131,8 +131,9 @@ def _drive(
     results, trajectories = [], {}
     for env, policies in groups:
         with Progress(quiet) as progress:
-            report = progress.task(f"evaluating {', '.join(policies)}", len(episodes) * len(policies), unit="episodes")
-            part, poses = Rollout(env).run(policies, episodes, lambda ended, _, report=report: report(ended))
+            name, number = f"evaluating {', '.join(policies)}", len(episodes) * len(policies)
+            report = progress.task(name, number, unit="episodes", note=COMPILING)
+            part, poses = Rollout(env).run(policies, episodes, lambda ended, _, report=report: report(ended, note=""))
         results += part
         trajectories.update({name: (poses, i * len(episodes)) for i, name in enumerate(policies)})
     return results, trajectories

@@ -71,7 +71,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
     from ..evaluation.planner import Planner
-    from ..progress import Progress
+    from ..progress import COMPILING, Progress
     from .banks import chosen_bank
     from .rollout_video import random_draw, write_episodes
 
@@ -91,8 +91,8 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
         agent = Planner(env)
     episodes = fixed_episodes(env, options.num_episodes, options.seed)
     with Progress(options.quiet) as progress:
-        report = progress.task("driving", len(episodes), unit="episodes")
-        results, poses = Rollout(env, hold=hold).run({who: agent}, episodes, lambda ended, _: report(ended))
+        report = progress.task("driving", len(episodes), unit="episodes", note=COMPILING)
+        results, poses = Rollout(env, hold=hold).run({who: agent}, episodes, lambda ended, _: report(ended, note=""))
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
     if not shown:
         raise ValidationError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")

@@ -5,7 +5,7 @@ and with the outputs that the recording asks for.
 """
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
@@ -173,8 +173,13 @@ class BatchDrive:
         self._chunk = table_arguments.jit(self._scan)
         self._replace = jax.jit(_replaced)
 
-    def run(self, episodes: EpisodeSet, num_envs: int) -> Iterator[list[Driven]]:
+    def run(
+        self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None = None
+    ) -> Iterator[list[Driven]]:
         """Drives every episode once, `num_envs` at a time.
+
+        Args:
+          on_compiled: called once, after the first steps.
 
         Yields:
           ended episodes in their order, as soon as those before them have ended.
@@ -185,9 +190,11 @@ class BatchDrive:
         size = _BLOCK if isinstance(self._driver.agent, Privileged) else len(episodes)
         for start in range(0, len(episodes), size):
             block = episodes.part(np.arange(start, min(start + size, len(episodes))))
-            yield from self._run_block(block, min(num_envs, len(block)))
+            yield from self._run_block(block, min(num_envs, len(block)), None if start else on_compiled)
 
-    def _run_block(self, episodes: EpisodeSet, num_envs: int) -> Iterator[list[Driven]]:
+    def _run_block(
+        self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None
+    ) -> Iterator[list[Driven]]:
         agent: Any = self._driver.agent
         known = () if self._driver.outside else episode_data(agent, episodes.scenes, episodes.episodes)
         known = jax.tree.map(np.asarray, known)
@@ -195,6 +202,9 @@ class BatchDrive:
         state = self._started(episodes, known, slots.episode)
         while not slots.idle.all():
             state, steps = self._outside(state) if self._driver.outside else self._inside(state)
+            if on_compiled is not None:
+                on_compiled()
+                on_compiled = None
             slots.take(steps)
             if done := [self._driven(steps, episodes, i) for i, steps in slots.in_order()]:
                 yield done

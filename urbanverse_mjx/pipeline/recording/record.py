@@ -99,7 +99,7 @@ def record(
     """
     from ...datasets import DatasetWriter
     from ...datasets.writer import require_new
-    from ...progress import Progress
+    from ...progress import COMPILING, Progress
     from .cameras import Camera
     from .driving import BatchDrive, drawn_episodes
 
@@ -116,7 +116,8 @@ def record(
         Progress(options.quiet) as progress,
     ):
         began = time.perf_counter()
-        report = progress.task("recording", options.num_episodes, unit="episodes")
+        note = "" if options.teleop else COMPILING
+        report = progress.task("recording", options.num_episodes, unit="episodes", note=note)
         camera = Camera(
             env,
             *options.size,
@@ -131,7 +132,7 @@ def record(
 
             groups = HandDrive(machine, options, on_ready, until).run(episodes)
         else:
-            groups = _filmable(BatchDrive(machine).run(episodes, options.num_envs))
+            groups = _filmable(BatchDrive(machine).run(episodes, options.num_envs, lambda: report(0, note="")))
         for group in groups:
             results.update(episode.result for episode in group)
             kept = [e for e in group if e.result == "goal" or not options.only_successes]
