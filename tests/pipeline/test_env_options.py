@@ -115,8 +115,18 @@ def test_play_drives_the_policy_that_it_is_given(
     options = PlayOptions(policy=tmp_path, bank=bank, scenes="all")
     done = play(tmp_path / "a.mp4", options)
     assert {r["agent"] for r in done["results"]} == {"trained"}
-    with pytest.raises(ValidationError, match="--policy: found it beside --agent planner, needed one of them"):
+    with pytest.raises(ValidationError, match=r"--policy: found '.*' beside --agent planner, needed one of them"):
         play(tmp_path / "a.mp4", dataclasses.replace(options, agent="planner"))
+    with pytest.raises(ValidationError, match="found 'planner' beside --agent zero, needed one of them"):
+        play(tmp_path / "a.mp4", PlayOptions(policy="planner", agent="zero"))
+    with pytest.raises(
+        ValidationError, match=r"--policy: found 'planer', needed one of zero, .*, planner, or a policy"
+    ):
+        play(tmp_path / "a.mp4", PlayOptions(policy="planer"))
+    with pytest.raises(ValidationError, match="--agent: found 'planer', needed trained, "):
+        play(tmp_path / "a.mp4", PlayOptions(agent="planer"))
+    with pytest.raises(ValidationError, match="--policy: found nothing, needed a policy or run folder"):
+        play(tmp_path / "a.mp4", PlayOptions(agent="trained"))
     with pytest.raises(ValidationError, match="needed a policy or run folder; ONNX files are driven by"):
         play(tmp_path / "a.mp4", dataclasses.replace(options, policy=tmp_path / "a.onnx"))
     for chosen in (dataclasses.replace(options, dynamic=True), PlayOptions(bank=bank, scenes="all", dynamic=True)):
@@ -124,8 +134,13 @@ def test_play_drives_the_policy_that_it_is_given(
     assert [config.scenario for config, _ in loads] == ["static", "dynamic", "dynamic"]
 
 
-@pytest.mark.parametrize("agent", ["go_to_goal", "planner"])
+@pytest.mark.parametrize(
+    ("named", "agent"),
+    [({}, "go_to_goal"), ({"policy": "planner"}, "planner"), ({"agent": "zero"}, "zero")],
+    ids=["default", "policy", "agent"],
+)
 def test_play_drives_a_chosen_bank_by_a_changed_config(
+    named: dict[str, Any],
     agent: str,
     bank: pathlib.Path,
     loads: list[Any],
@@ -139,17 +154,17 @@ def test_play_drives_a_chosen_bank_by_a_changed_config(
 
     monkeypatch.setattr(rollout_video, "write_episodes", film)
     monkeypatch.setattr(progress, "LINE_EVERY", 0.05)
-    options = PlayOptions(agent=agent, bank=bank, scenes="all", env_overrides=OVERRIDES)
+    options = PlayOptions(**named, bank=bank, scenes="all", env_overrides=OVERRIDES)
     done = play(tmp_path / "a.mp4", options)
     ((config, used),) = loads
     assert (config.robot, config.sim_dt) == ("/robots/tug", 0.005)
     assert used.scene_ids == SceneBank.load(bank).scene_ids
-    assert len(done["results"]) == 2
+    assert [r["agent"] for r in done["results"]] == [agent] * 2
     said = capsys.readouterr().err
     assert re.search(r"^driving: 0/2 episodes, \d+ s, compiling$", said, re.MULTILINE)
     assert re.search(r"^drawing: 0/2 episodes, \d+ s$", said, re.MULTILINE)
     with pytest.raises(ValidationError, match="needed a navigation environment such as CocoNav"):
-        play(tmp_path / "b.mp4", PlayOptions(agent=agent, env_name="Go2Joystick", bank=bank))
+        play(tmp_path / "b.mp4", PlayOptions(**named, env_name="Go2Joystick", bank=bank))
 
 
 @pytest.mark.usefixtures("loads")

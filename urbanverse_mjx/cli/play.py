@@ -16,6 +16,9 @@ from ._options import EnvOverrides, ImageSize
 class PlayArgs(PlayOptions):
     """Run episodes and write them as an mp4; prints one JSON line with their results."""
 
+    policy: str | None = None
+    """zero, random, go_to_goal, planner (with full knowledge of the scene), or a policy or run folder; default:
+    go_to_goal."""
     size: ImageSize = (180, 320)
     """Size of each of the two images in pixels."""
     out: pathlib.Path = pathlib.Path("rollout.mp4")

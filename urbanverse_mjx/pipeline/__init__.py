@@ -4,7 +4,7 @@
 
     pipeline.generate("walk.mp4", "runs/walk")
     bank = pipeline.build_bank(["graph.json"], ["test"])
-    pipeline.play("rollout.mp4", pipeline.PlayOptions(agent="go_to_goal"))
+    pipeline.play("rollout.mp4", pipeline.PlayOptions(policy="go_to_goal"))
 
 Names are imported on first use, so that importing the package loads no heavy module.
 """

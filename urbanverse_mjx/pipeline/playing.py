@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 class PlayOptions:
     """Policy, scenes and contents of the video."""
 
-    agent: str | None = None
-    """zero, random, go_to_goal, planner, or trained (needs --policy); default: trained where there is a --policy, else
+    policy: str | os.PathLike[str] | None = None
+    """zero, random, go_to_goal, planner (with full knowledge of the scene), or a policy or run folder; default:
     go_to_goal."""
-    policy: pathlib.Path | None = None
-    """Policy or run folder of the agent `trained`."""
+    agent: str | None = None
+    """Former option: another place for the names of --policy, and trained for a folder there."""
     env_name: str | None = None
     """Environment whose robot is driven; default: that of the policy, else CocoNav."""
     preset: str = "cpu"
@@ -78,7 +78,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     options = options or PlayOptions()
     if options.shown is not None:
         v.integer(options.shown, "--shown", 1)
-    who = options.agent or ("go_to_goal" if options.policy is None else "trained")
+    who = _named(options)
     agent, name, config = _chosen(who, options)
     config = registry.with_overrides(config, options.env_overrides)
     hold = _steps_held(options.fps, config.ctrl_dt)
@@ -120,6 +120,23 @@ def _write_html(path: pathlib.Path, env: "NavEnv", name: str, agent: Any, episod
     v.write_atomically(path, lambda temporary: temporary.write_text(page, encoding="utf-8"))
 
 
+def _named(options: PlayOptions) -> str:
+    """The name of the agent: a scripted one, or trained.
+
+    Raises:
+      ValidationError: --agent and --policy name two agents, or --agent names none.
+    """
+    from ..evaluation import BASELINES
+
+    scripted, policy = (*BASELINES, "planner"), None if options.policy is None else os.fspath(options.policy)
+    named = "trained" if policy is not None and policy not in scripted else policy
+    if options.agent not in (None, "trained", *scripted):
+        raise ValidationError(f"--agent: found {options.agent!r}, needed trained, {', '.join(scripted)}.")
+    if None not in (named, options.agent) and named != options.agent:
+        raise ValidationError(f"--policy: found {policy!r} beside --agent {options.agent}, needed one of them.")
+    return named or options.agent or "go_to_goal"
+
+
 def _chosen(who: str, options: PlayOptions) -> tuple["Agent | Privileged | None", str, "ConfigDict"]:
     """Makes the agent (None for the planner, which needs the environment), the environment and its config.
 
@@ -130,9 +147,7 @@ def _chosen(who: str, options: PlayOptions) -> tuple["Agent | Privileged | None"
     from ..evaluation import BASELINES
     from .evaluation import evaluation_config
 
-    if who in (*BASELINES, "planner"):
-        if options.policy is not None:
-            raise ValidationError(f"--policy: found it beside --agent {who}, needed one of them.")
+    if who != "trained":
         name = options.env_name or "CocoNav"
         config = registry.get_default_config(name, options.preset)
         if "goal_mode" not in config:
@@ -145,20 +160,22 @@ def _chosen(who: str, options: PlayOptions) -> tuple["Agent | Privileged | None"
         if options.dynamic:
             config = registry.with_overrides(config, {"scenario": "dynamic"})
         return BASELINES.get(who), name, config
-    if who != "trained":
-        raise ValidationError(f"--agent: found {who!r}, needed trained, planner, {', '.join(BASELINES)}.")
     if options.policy is None:
         raise ValidationError("--policy: found nothing, needed a policy or run folder for --agent trained.")
-    if options.policy.suffix == ".onnx":
+    path = pathlib.Path(options.policy).expanduser()
+    if path.suffix == ".onnx":
         raise ValidationError(
-            f"--policy: found {str(options.policy)!r}, needed a policy or run folder; ONNX files are driven by "
+            f"--policy: found {str(path)!r}, needed a policy or run folder; ONNX files are driven by "
             "`urbanverse view`, `record` and `benchmark`."
         )
+    if not path.is_dir():
+        known = ", ".join((*BASELINES, "planner"))
+        raise ValidationError(f"--policy: found {str(path)!r}, needed one of {known}, or a policy or run folder.")
     from ml_collections import ConfigDict
 
     from ..training.policy import load_policy
 
-    agent, spec = load_policy(options.policy)
+    agent, spec = load_policy(path)
     name, config = options.env_name or spec.environment, ConfigDict(spec.env_config)
     if name != spec.environment:
         config = registry.same_task(config, name)
