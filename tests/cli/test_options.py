@@ -22,13 +22,26 @@ def test_both_commands_hand_on_height_and_width(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given = []
-    monkeypatch.setattr(pipeline, "play", lambda _, options: given.append(options.size) or {})
+    monkeypatch.setattr(pipeline, "play", lambda _, options: given.append(options.size) or {"results": []})
     monkeypatch.setattr(pipeline, "capture", lambda _, options, __: given.append(options.size) or {})
     for command in (play, capture):
         for words in ([], ["--size", "90x161"]):
             assert command.main(["--out", str(tmp_path / "out"), *words]) == 0
     assert given == [(180, 320), (90, 161), (360, 640), (90, 161)]
     capsys.readouterr()
+
+
+@pytest.mark.parametrize(("hits", "said"), [([False, True], "1 of 2 episodes ended because"), ([False, False], "")])
+def test_play_leads_from_contacts_with_the_ground_to_their_cause(
+    hits: list[bool], said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(pipeline, "play", lambda *_: {"results": [{"hit_ground": hit} for hit in hits]})
+    assert play.main([]) == 0
+    err = capsys.readouterr().err
+    assert err.startswith(said)
+    assert ("`urbanverse robot` reports" in err) == bool(said)
+    assert play.main(["--quiet"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("text", ["180", "180 320", "180X320", "0x320", "180x-1", "180x320x3", "1e3x10", ""])

@@ -150,6 +150,8 @@ def test_play_drives_a_chosen_bank_by_a_changed_config(
 ) -> None:
     def film(path: pathlib.Path, *rest: Any, **style: Any) -> None:
         time.sleep(0.2)
+        style["on_progress"](1)
+        time.sleep(0.2)
         path.write_bytes(b"film")
 
     monkeypatch.setattr(rollout_video, "write_episodes", film)
@@ -162,7 +164,8 @@ def test_play_drives_a_chosen_bank_by_a_changed_config(
     assert [r["agent"] for r in done["results"]] == [agent] * 2
     said = capsys.readouterr().err
     assert re.search(r"^driving: 0/2 episodes, \d+ s, compiling$", said, re.MULTILINE)
-    assert re.search(r"^drawing: 0/2 episodes, \d+ s$", said, re.MULTILINE)
+    for drawn in range(2):
+        assert re.search(rf"^drawing: {drawn}/2 episodes, \d+ s$", said, re.MULTILINE)
     with pytest.raises(ValidationError, match="needed a navigation environment such as CocoNav"):
         play(tmp_path / "b.mp4", PlayOptions(**named, env_name="Go2Joystick", bank=bank))
 

@@ -242,7 +242,7 @@ def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path
     said = json.loads(last)
     assert clearance == f"lowest part that is no foot: {said['clearance']:.3f} m above the ground"
     assert stability.endswith(f"tips over at {said['tips_at']:.1f} m/s²")
-    assert start.startswith("starts at full speed on level ground: ")
+    assert start.startswith("full speed from rest on level ground, then a stop: ")
     assert (said["start_touches"] or "only its feet") in start
     assert (said["fitted"], said["robot"]) == (6, "cart")
     assert 0.0 < said["largest_error"] < 0.1

@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import re
 
 import mujoco
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.robots.description import load
 from urbanverse_mjx.robots.stance import stance
-from urbanverse_mjx.robots.start import start
+from urbanverse_mjx.robots.start import DRIVE, start, weaker_motors
 
 #: Two wheels behind and a caster in front; the centre of mass 0.05 m before the wheels and 0.3 m above the ground.
 BODY = """
@@ -71,31 +72,42 @@ def test_the_command_says_it(tmp_path: pathlib.Path, capsys: pytest.CaptureFixtu
     assert (said["clearance"], said["tips_at"]) == (0.07, 1.64)
 
 
-def rover(folder: pathlib.Path, gain: float, centre: float = 0.05, drop: float = 0.0) -> pathlib.Path:
-    """Two driven wheels, a caster in front and a box as its body, on which the robot falls backwards."""
+def rover(
+    folder: pathlib.Path, gain: float, centre: float = 0.05, drop: float = 0.0, ahead: int = 1, kv: bool = False
+) -> pathlib.Path:
+    """Two driven wheels, a caster in front (`ahead` = -1: behind) and a bumper opposite, on which the robot falls.
+
+    Its servos are a gain against the joint's damping, or velocity actuators.
+    """
+    damping = 0.0 if kv else gain
+    servo = (
+        '<velocity name="{0}m" joint="{0}j" kv="{1:g}"/>'
+        if kv
+        else '<general name="{0}m" joint="{0}j" gainprm="{1:g}"/>'
+    )
     (folder / "r.xml").write_text(f"""
 <mujoco>
   <option integrator="Euler" cone="pyramidal" timestep="0.005"/>
   <worldbody>
     <body name="base" pos="0 0 0.11">
       <freejoint/>
-      <inertial pos="{centre} 0 0.02" mass="18" diaginertia="0.3 0.5 0.6"/>
+      <inertial pos="{ahead * centre} 0 0.02" mass="18" diaginertia="0.3 0.5 0.6"/>
       <camera name="front" pos="0.3 0 0.25"/>
-      <geom name="rear" size="0.05" pos="-0.25 0 {0.03 - drop}"/>
-      <geom name="caster" size="0.05" pos="0.22 0 -0.06" condim="1" priority="1"/>
+      <geom name="bumper" size="0.05" pos="{-0.25 * ahead} 0 {0.03 - drop}"/>
+      <geom name="caster" size="0.05" pos="{0.22 * ahead} 0 -0.06" condim="1" priority="1"/>
       <body name="l" pos="0 0.22 0">
-        <joint name="lj" axis="0 1 0" damping="{gain}" armature="0.02"/>
+        <joint name="lj" axis="0 1 0" damping="{damping:g}" armature="0.02"/>
         <geom name="left" size="0.11" mass="1"/>
       </body>
       <body name="r" pos="0 -0.22 0">
-        <joint name="rj" axis="0 1 0" damping="{gain}" armature="0.02"/>
+        <joint name="rj" axis="0 1 0" damping="{damping:g}" armature="0.02"/>
         <geom name="right" size="0.11" mass="1"/>
       </body>
     </body>
   </worldbody>
   <actuator>
-    <general name="lm" joint="lj" gainprm="{gain}"/>
-    <general name="rm" joint="rj" gainprm="{gain}"/>
+    {servo.format("l", gain)}
+    {servo.format("r", gain)}
   </actuator>
 </mujoco>""")
     drive = {"kind": "differential", "left": ["lm"], "right": ["rm"], "wheel_radius": 0.11, "track": 0.44}
@@ -111,24 +123,61 @@ def test_strong_motors_tip_a_robot_over_that_weak_ones_do_not(tmp_path: pathlib.
     assert stance(load(rover(tmp_path, 2.0))).tips_at == stance(load(rover(tmp_path, 1.0))).tips_at
     strong = start(load(rover(tmp_path, 2.0)))
     assert strong is not None
-    assert strong.touches == "rear"
+    assert strong.touches == "bumper"
+    assert strong.after is not None
     assert 0.05 < strong.after < 1.0
-    for settings in ({"gain": 1.0}, {"gain": 2.0, "centre": 0.08}):
-        weak = start(load(rover(tmp_path, **settings)))
+    for gain, centre in ((1.0, 0.05), (2.0, 0.08)):
+        weak = start(load(rover(tmp_path, gain, centre)))
         assert weak is not None
-        assert weak.touches is None, settings
+        assert (weak.touches, weak.after) == (None, None), (gain, centre)
+        assert weak.speed == pytest.approx(1.2, abs=0.02)
     low = start(load(rover(tmp_path, 1.0, drop=0.12)))
-    assert (low and low.touches, low and low.after) == ("rear", 0.0)
+    assert (low and low.touches, low and low.after) == ("bumper", 0.0)
     assert start(load(written(tmp_path))) is None, "a robot with a gait does not start by its wheels"
+
+
+def test_a_robot_that_falls_on_its_nose_does_so_when_it_stops(tmp_path: pathlib.Path) -> None:
+    found = start(load(rover(tmp_path, 2.0, ahead=-1)))
+    assert found is not None
+    assert found.touches == "bumper"
+    assert found.after is not None
+    assert DRIVE < found.after < DRIVE + 1.0
+    assert found.speed == pytest.approx(1.2, abs=0.02)
+
+
+@pytest.mark.parametrize("kv", [False, True])
+@pytest.mark.parametrize(("gain", "share"), [(2.0, 1 / 2), (5.0, 1 / 4)])
+def test_the_weaker_motors_that_are_named_hold_when_they_are_written_down(
+    gain: float, share: float, kv: bool, tmp_path: pathlib.Path
+) -> None:
+    weaker = weaker_motors(load(rover(tmp_path, gain, kv=kv)))
+    assert weaker is not None
+    assert (weaker.share, weaker.gain) == (share, gain * share)
+    assert weaker.damping == (None if kv else weaker.gain)
+    again = start(load(rover(tmp_path, weaker.gain, kv=kv)))
+    assert again is not None
+    assert again.touches is None
+    assert again.speed == pytest.approx(weaker.start.speed)
+    stronger = start(load(rover(tmp_path, 2.0 * weaker.gain, kv=kv)))
+    assert stronger is not None
+    assert stronger.touches == "bumper"
+
+
+def test_motors_too_weak_to_drive_are_no_help(tmp_path: pathlib.Path) -> None:
+    """With the centre of mass over the axle any start that is worth the name tips the robot over."""
+    assert weaker_motors(load(rover(tmp_path, 2.0, centre=0.002))) is None
 
 
 def test_the_command_says_that_it_falls_over(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["robot", str(rover(tmp_path, 2.0))]) == 0
     out = capsys.readouterr().out
-    assert "rear touches the ground after 0." in out
-    assert "halve the gain" in out
-    assert json.loads(out.splitlines()[-1])["start_touches"] == "rear"
+    assert re.search(r"bumper touches the ground after 0\.\d\d s: the motors tip the robot over; with 0.5 times", out)
+    assert '(gainprm="1" and damping="1" of its joint) it stays on its feet and drives at 1.' in out
+    said = json.loads(out.splitlines()[-1])
+    assert (said["start_touches"], said["start_gain"]) == ("bumper", 0.5)
+    assert main(["robot", str(rover(tmp_path, 2.0, ahead=-1))]) == 0
+    assert re.search(r"bumper touches the ground after the command to stop by 0\.\d\d s", capsys.readouterr().out)
     assert main(["robot", "wheelchair"]) == 0
     out = capsys.readouterr().out
-    assert "only its feet touch the ground" in out
+    assert "only its feet touch the ground, it drives at 1.00 m/s" in out
     assert json.loads(out.splitlines()[-1])["start_touches"] is None

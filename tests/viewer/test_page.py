@@ -95,7 +95,10 @@ def test_it_shows_a_street(tab: Any) -> None:
 
 
 def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) -> None:
-    page, before = served[0], screenshot(tab)
+    page, session = served[0], served[0].session
+    tab.get_by_role("button", name="Begin again").click()
+    wait(lambda: page.session is not session)
+    before = screenshot(tab)
     tab.get_by_role("button", name="Step").click()
     wait(lambda: page.index == 1)
     tab.get_by_role("button", name="Play").click()

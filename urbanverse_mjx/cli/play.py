@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pathlib
+import sys
 from collections.abc import Sequence
 
 import tyro
@@ -29,5 +30,13 @@ class PlayArgs(PlayOptions):
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse play`."""
     args = tyro.cli(PlayArgs, args=list(argv), prog="urbanverse play")
-    print(json.dumps(pipeline.play(args.out, args)))
+    done = pipeline.play(args.out, args)
+    ground, number = sum(bool(r["hit_ground"]) for r in done["results"]), len(done["results"])
+    if ground and not args.quiet:
+        print(
+            f"{ground} of {number} episodes ended because a part of the robot other than a foot touched the ground; "
+            "`urbanverse robot` reports the clearance of a robot of your own and whether it tips over.",
+            file=sys.stderr,
+        )
+    print(json.dumps(done))
     return 0

@@ -15,7 +15,7 @@ from ..datatypes import validation as v
 @dataclasses.dataclass(frozen=True)
 class RobotArgs:
     """Read a robot; prints a line for each collision shape that is replaced by spheres, with the largest error of the
-    fit, the robot's stance, whether it falls over when it starts, and one JSON line."""
+    fit, the robot's stance, whether it falls over when it starts or stops, and one JSON line."""
 
     source: Annotated[str, tyro.conf.Positional]
     """A robot.json, its folder, or wheelchair."""
@@ -28,7 +28,7 @@ def main(argv: Sequence[str]) -> int:
     args = tyro.cli(RobotArgs, args=list(argv), prog="urbanverse robot")
     from ..robots.description import load_with_fits
     from ..robots.stance import stance
-    from ..robots.start import start
+    from ..robots.start import start, weaker_motors
 
     robot, fits = load_with_fits(args.source)
     for fit in fits:
@@ -44,8 +44,9 @@ def main(argv: Sequence[str]) -> int:
         f"{stands.tips_at:.1f} m/s²\n"
     )
     starts = start(robot)
+    weaker = weaker_motors(robot) if starts is not None and starts.touches and starts.after else None
     if starts is not None:
-        sys.stdout.write(f"starts at full speed on level ground: {_outcome(starts)}\n")
+        sys.stdout.write(f"full speed from rest on level ground, then a stop: {_outcome(starts, weaker)}\n")
     if args.picture is not None:
         _draw(args.picture, robot, fits)
     worst = max((fit.cover.error for fit in fits), default=0.0)
@@ -53,19 +54,28 @@ def main(argv: Sequence[str]) -> int:
     said |= {"spawn_height": round(robot.spawn_height, 4), "circumradius": round(robot.circumradius, 4)}
     said |= {"clearance": stands.clearance and round(stands.clearance, 4), "tips_at": round(stands.tips_at, 2)}
     if starts is not None:
-        said |= {"start_touches": starts.touches, "start_after": starts.after if starts.touches else None}
+        said |= {"start_touches": starts.touches, "start_after": starts.after and round(starts.after, 4)}
+        said |= {"start_speed": round(starts.speed, 3), "start_gain": weaker and weaker.share}
     print(json.dumps(said | {"feet": list(robot.foot_geoms)}))
     return 0
 
 
-def _outcome(starts: Any) -> str:
+def _outcome(starts: Any, weaker: Any) -> str:
+    from ..robots.start import DRIVE
+
     if starts.touches is None:
-        return "only its feet touch the ground"
+        return f"only its feet touch the ground, it drives at {starts.speed:.2f} m/s"
     if not starts.after:
         return f"{starts.touches} touches the ground at rest; raise it, or name it as one of the feet"
+    when = f"{starts.after:.2f} s" if starts.after < DRIVE else f"the command to stop by {starts.after - DRIVE:.2f} s"
+    falls = f"{starts.touches} touches the ground after {when}: the motors tip the robot over; "
+    move = "move the centre of mass farther inside the feet"
+    if weaker is None:
+        return f"{falls}{move} (motors of a half to a 32nd of their gain do not help)"
+    damping = "" if weaker.damping is None else f' and damping="{weaker.damping:g}" of its joint'
     return (
-        f"{starts.touches} touches the ground after {starts.after:.2f} s; halve the gain of the motors and the damping "
-        "of their joints, or move the centre of mass farther inside the feet"
+        f'{falls}with {weaker.share:g} times their gain (gainprm="{weaker.gain:g}"{damping}) it stays on its feet and '
+        f"drives at {weaker.start.speed:.2f} m/s; or {move}"
     )
 
 

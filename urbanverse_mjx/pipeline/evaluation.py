@@ -194,5 +194,8 @@ def evaluate_policy(
         own = [r for r in results if r.agent == entrants.name]
         poses, first = trajectories[entrants.name]
         shown = random_draw(range(num_episodes), SHOWN, seed)
-        write_episodes(folder / "rollout.mp4", env, episodes, own, poses, shown, first)
+        with Progress(quiet) as progress:
+            report_drawn = progress.task("drawing", len(shown), unit="episodes")
+            path = folder / "rollout.mp4"
+            write_episodes(path, env, episodes, own, poses, shown, first, on_progress=report_drawn)
     return dict(report.summary)

@@ -99,8 +99,8 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     shown = random_draw(shown, options.shown, options.seed)
     style = {"size": options.size, "samples": options.samples, "quality": options.quality}
     with Progress(options.quiet) as progress:
-        progress.task("drawing", len(shown), unit="episodes")
-        write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, **style)
+        report = progress.task("drawing", len(shown), unit="episodes")
+        write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, on_progress=report, **style)
     if options.html is not None:
         _write_html(options.html, env, who, agent, episodes, shown[0])
     return {"video": str(out), "results": [r.to_json() for r in results]}

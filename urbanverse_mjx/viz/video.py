@@ -2,7 +2,7 @@
 
 import pathlib
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import imageio.v2 as imageio
@@ -92,6 +92,7 @@ def write_rollout_video(
     size: tuple[int, int] = (HEIGHT, WIDTH),
     samples: int = 1,
     quality: float = 7.0,
+    on_progress: Callable[[int], None] | None = None,
 ) -> None:
     """Renders envs of an evaluation one after another, with a view from behind on the left and the robot's camera on
     the right.
@@ -109,6 +110,7 @@ def write_rollout_video(
       size: height and width of each of the two images.
       samples: rays per pixel along each side.
       quality: see `write_video`.
+      on_progress: called with the number of rendered envs.
     """
     renderer = Renderer(bank, robot, *size, shadows=True, agents=appearances, samples=samples)
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
@@ -116,7 +118,7 @@ def write_rollout_video(
         jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, FOLLOWING_FOV, p, q, 0, _agents(a))["rgb"])
     )
     frames: list[np.ndarray] = []
-    for column, scene, goal, outcome in zip(columns, scenes, goals, outcomes, strict=True):
+    for done, (column, scene, goal, outcome) in enumerate(zip(columns, scenes, goals, outcomes, strict=True), 1):
         length = int(trajectory.running[:, column].sum())
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
@@ -128,4 +130,6 @@ def write_rollout_video(
             away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)
             frames.append(_caption(both, caption(bank.scene_ids[scene], t / frames_per_second, away, outcome)))
+        if on_progress is not None:
+            on_progress(done)
     write_video(path, frames, frames_per_second, quality)
