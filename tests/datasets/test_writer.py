@@ -228,7 +228,7 @@ def test_ffmpeg_says_that_files_may_not_grow(tmp_path: pathlib.Path) -> None:
         "from tests.support.recorded import FRONT, RATE, episode\n"
         "from urbanverse_mjx.datasets.video import write_mp4\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))\n"
-        "try:\n    write_mp4(pathlib.Path(sys.argv[1]), episode(0).videos[FRONT], RATE)\n"
+        "try:\n    write_mp4(pathlib.Path(sys.argv[1]), [episode(0).videos[FRONT]], RATE)\n"
         "except OSError as error:\n    print(error.errno)\n"
     )
     done = subprocess.run(
@@ -287,16 +287,33 @@ def test_statistics_of_numbers_and_of_parts() -> None:
     np.testing.assert_array_equal(parts["q99"], np.maximum(first["q99"], second["q99"]))
 
 
+def test_statistics_of_columns_are_those_of_each() -> None:
+    draw = np.random.default_rng(0)
+    columns = {"a": draw.normal(size=(9, 3)), "b": draw.integers(-5, 5, 9), "c": draw.random((9, 2)) > 0.5}
+    found = statistics.of_columns(columns)
+    assert list(found) == list(columns)
+    for name, column in columns.items():
+        wanted = statistics.of_numbers(column)
+        assert set(found[name]) == set(wanted)
+        for key, value in wanted.items():
+            np.testing.assert_array_equal(found[name][key], value)
+
+
 def test_statistics_of_pixels() -> None:
-    images = np.random.default_rng(0).integers(3, 200, (5, 6, 7, 2), np.uint8)
-    counts = statistics.PixelCounts(2, 256)
+    _check_pixels(np.random.default_rng(0).integers(3, 200, (5, 6, 7, 2), np.uint8), 256)
+    _check_pixels(np.random.default_rng(0).choice([0, 7, 40_000, 65_535], (5, 6, 7, 1)).astype(np.uint16), 65536)
+
+
+def _check_pixels(images: np.ndarray, values_of_pixels: int) -> None:
+    channels = images.shape[-1]
+    counts = statistics.PixelCounts(channels, values_of_pixels)
     for image in images:
         counts.add(image)
-    found, values = counts.stats(255.0), images.reshape(-1, 2) / 255
+    found, values = counts.stats(255.0), images.reshape(-1, channels) / 255
     wanted = {"min": values.min(0), "max": values.max(0), "mean": values.mean(0), "std": values.std(0)}
     wanted["q50"] = np.quantile(values, 0.5, axis=0, method="inverted_cdf")
     for name, value in wanted.items():
-        np.testing.assert_allclose(found[name], value.reshape(2, 1, 1), atol=1e-12)
+        np.testing.assert_allclose(found[name], value.reshape(channels, 1, 1), atol=1e-12)
     assert found["count"] == [5]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from urbanverse_mjx.datasets import DatasetWriter, Episode, Feature
 from urbanverse_mjx.datasets.features import IMAGE_AXES
 from urbanverse_mjx.datasets.statistics import PixelCounts
-from urbanverse_mjx.datasets.video import Encoder
+from urbanverse_mjx.datasets.video import encode
 
 HEIGHT, WIDTH, RATE = 33, 48, 5
 FRONT, DEPTH = "observation.images.front", "observation.images.depth"
@@ -35,14 +35,13 @@ def depth_image(number: int, step: int) -> np.ndarray:
 def episode(number: int, length: int = 4, task: str = "go") -> Episode:
     """Episode `number`: the same at every call."""
     draw = np.random.default_rng(number)
-    encoder, colours, distances, files = Encoder(HEIGHT, WIDTH, RATE), PixelCounts(3, 256), PixelCounts(1, 65536), []
+    images, colours, distances, files = [], PixelCounts(3, 256), PixelCounts(1, 65536), []
     for step in range(length):
         image = np.full((HEIGHT, WIDTH, 3), level(number, step), np.uint8)
-        encoder.write(image)
+        images.append(image)
         colours.add(image)
         distances.add(depth_image(number, step)[..., None])
         files.append(cv2.imencode(".png", depth_image(number, step))[1].tobytes())
-    encoder.close()
     columns = {
         "observation.state": draw.normal(size=(length, 3)),
         "action": draw.uniform(-1, 1, (length, 2)),
@@ -51,7 +50,7 @@ def episode(number: int, length: int = 4, task: str = "go") -> Episode:
     }
     stats = {FRONT: colours.stats(255.0), DEPTH: distances.stats(1.0)}
     told = {"scene": f"street_{number % 2}", "result": "goal" if number % 3 else "hit", "seed": number}
-    return Episode(task, columns, {DEPTH: files}, {FRONT: encoder.result()}, stats, told)
+    return Episode(task, columns, {DEPTH: files}, {FRONT: encode(images, HEIGHT, WIDTH, RATE)}, stats, told)
 
 
 def write_dataset(folder: pathlib.Path, count: int = 3) -> pathlib.Path:

@@ -15,8 +15,9 @@ from . import features as f
 from .annotations import Annotation
 from .writer import require_new
 
-#: Least time between two versions of the files that list all frames: s, and as a multiple of what writing them takes.
-_LIST_EVERY, _LIST_SHARE = 1.0, 20.0
+#: s, least time between two versions of the files that list all frames, longer in proportion where writing them took
+#: longer than `_USUAL_LIST`.
+_LIST_EVERY, _USUAL_LIST = 1.0, 0.05
 ORIGIN = "urbanverse.json"
 
 
@@ -128,7 +129,7 @@ class FrameFolder:
             self._place(name, body)
             v.sync(self.folder / name)
         self._listed, now = self.num_episodes, time.monotonic()
-        self._next_list = now + max(_LIST_EVERY, _LIST_SHARE * (now - began))
+        self._next_list = now + _LIST_EVERY * max(1.0, (now - began) / _USUAL_LIST)
 
     def _place(self, name: str, body: bytes) -> None:
         part, path = self._staging / "part", self.folder / name

@@ -5,6 +5,7 @@ Source: huggingface/lerobot, `src/lerobot/datasets/compute_stats.py`.
 
 from collections.abc import Mapping
 
+import cv2
 import numpy as np
 
 #: Stored quantiles: name -> share.
@@ -20,6 +21,17 @@ def of_numbers(rows: np.ndarray) -> Stats:
     return {**body, "count": np.array([len(rows)]), **dict(zip(QUANTILES, quantiles, strict=True))}
 
 
+def of_columns(columns: Mapping[str, np.ndarray]) -> dict[str, Stats]:
+    """Returns `of_numbers` of each of several columns (T, ...) with the same T, computed together, which is faster."""
+    flat = [np.asarray(column, np.float64).reshape(len(column), -1) for column in columns.values()]
+    edges = np.cumsum([0, *(column.shape[1] for column in flat)])
+    together = of_numbers(np.concatenate(flat, axis=1))
+    return {
+        name: {key: x if key == "count" else x[edges[k] : edges[k + 1]] for key, x in together.items()}
+        for k, name in enumerate(columns)
+    }
+
+
 class PixelCounts:
     """Histograms of integer images, from which statistics by channel are computed.
 
@@ -33,9 +45,12 @@ class PixelCounts:
         self._images = 0
 
     def add(self, image: np.ndarray) -> None:
-        """Counts an image (H, W, C) of unsigned integers."""
+        """Counts an image (H, W, C) u8 or u16 of at most 2^24 pixels."""
+        values = self._counts.shape[1]
         for channel, counts in enumerate(self._counts):
-            counts += np.bincount(image[..., channel].ravel(), minlength=len(counts))
+            # Unlike np.bincount, it leaves other threads of Python at work.
+            found = cv2.calcHist([image], [channel], None, [values], [0, values])
+            counts += found.ravel().astype(np.int64)
         self._images += 1
 
     def stats(self, scale: float) -> Stats:

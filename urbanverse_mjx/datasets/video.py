@@ -5,6 +5,8 @@ import pathlib
 import signal
 import subprocess
 import threading
+from collections.abc import Iterable, Sequence
+from typing import IO
 
 import imageio_ffmpeg
 import numpy as np
@@ -26,77 +28,62 @@ def _ffmpeg(*arguments: str) -> list[str]:
     return [imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-loglevel", "error", *arguments]
 
 
-class Encoder:
-    """Encodes frames of one size as they arrive, without B-frames, so that files can be joined by appending bytes.
+def encode(frames: Iterable[np.ndarray], height: int, width: int, frames_per_second: int) -> bytes:
+    """H.264 bytes of frames (H, W, 3) u8, or of parts (t, H, W, 3).
 
-    Args:
-      height, width: pixels.
-      frames_per_second: of the video.
+    There are no B-frames, so that videos can be joined by appending bytes.
+
+    Raises:
+      ValidationError: ffmpeg failed.
     """
+    raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(frames_per_second))
+    # One thread, so that the bytes do not depend on the machine's number of cores.
+    codec = ("-c:v", "libx264", "-preset", "veryfast", "-crf", str(_CRF), "-threads", "1", "-bf", "0")
+    form = ("-g", str(KEYFRAME_EVERY), "-pix_fmt", pixel_format(height, width), "-f", "h264", "pipe:1")
+    done = _piped((*raw, "-i", "pipe:0", *codec, *form), (np.ascontiguousarray(frame).data for frame in frames))
+    if done.returncode != 0:
+        said = done.stderr.decode(errors="replace").strip()
+        raise ValidationError(f"video: found an ffmpeg that failed ({said}), needed one with libx264.")
+    return done.stdout
 
-    def __init__(self, height: int, width: int, frames_per_second: int) -> None:
-        raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(frames_per_second))
-        # One thread, so that the bytes do not depend on the machine's number of cores.
-        codec = ("-c:v", "libx264", "-preset", "veryfast", "-crf", str(_CRF), "-threads", "1", "-bf", "0")
-        form = ("-g", str(KEYFRAME_EVERY), "-pix_fmt", pixel_format(height, width), "-f", "h264", "pipe:1")
-        pipe = subprocess.PIPE
-        self._process = subprocess.Popen(
-            _ffmpeg(*raw, "-i", "pipe:0", *codec, *form), stdin=pipe, stdout=pipe, stderr=pipe
-        )
-        self._parts: list[bytes] = []
-        # The output is read while frames are written; otherwise a pipe fills up and blocks.
-        self._reader = threading.Thread(target=self._read, name="video", daemon=True)
-        self._reader.start()
 
-    def _read(self) -> None:
-        assert self._process.stdout is not None
-        self._parts.append(self._process.stdout.read())
-
-    def write(self, frame: np.ndarray) -> None:
-        """Adds a frame (H, W, 3) u8."""
-        assert self._process.stdin is not None
+def _piped(arguments: Sequence[str], parts: Iterable[bytes | memoryview]) -> subprocess.CompletedProcess[bytes]:
+    """Runs ffmpeg with parts of an input. Unlike `subprocess.run`, which cuts the input into pieces of 4 kB, it leaves
+    other threads of Python at work."""
+    pipe = subprocess.PIPE
+    # In a process group of its own: Ctrl-C in a terminal ends the recording, which still writes what it has.
+    with subprocess.Popen(_ffmpeg(*arguments), stdin=pipe, stdout=pipe, stderr=pipe, process_group=0) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        # Output is read while the input is written; otherwise a pipe fills up and blocks.
+        found = [b"", b""]
+        readers = [
+            threading.Thread(target=_read, args=(stream, found, k), name="video", daemon=True)
+            for k, stream in enumerate((process.stdout, process.stderr))
+        ]
+        for reader in readers:
+            reader.start()
         try:
-            self._process.stdin.write(np.ascontiguousarray(frame).tobytes())
+            for part in parts:
+                process.stdin.write(part)
+            process.stdin.close()
         except BrokenPipeError:
-            raise self._failure() from None
-
-    def close(self) -> None:
-        """Closes the input; the encoder finishes in the background."""
-        assert self._process.stdin is not None
-        try:
-            self._process.stdin.close()
-        except BrokenPipeError:
-            raise self._failure() from None
-
-    def result(self) -> bytes:
-        """Waits for the encoder and returns the H.264 bytes.
-
-        Raises:
-          ValidationError: ffmpeg failed.
-        """
-        self._reader.join()
-        if self._process.wait() != 0:
-            raise self._failure()
-        self._error_output()
-        return b"".join(self._parts)
-
-    def stop(self) -> None:
-        """Kills the process."""
-        self._process.kill()
-        self._process.wait()
-
-    def _error_output(self) -> str:
-        assert self._process.stderr is not None
-        with self._process.stderr as errors:
-            return errors.read().decode(errors="replace").strip()
-
-    def _failure(self) -> ValidationError:
-        self._process.wait()
-        return ValidationError(f"video: found an ffmpeg that failed ({self._error_output()}), needed one with libx264.")
+            pass  # Its exit status and its messages say why.
+        except BaseException:
+            process.kill()
+            raise
+        for reader in readers:
+            reader.join()
+    return subprocess.CompletedProcess(arguments, process.returncode, found[0], found[1])
 
 
-def write_mp4(path: pathlib.Path, encoded: bytes, frames_per_second: int) -> None:
-    """Writes H.264 bytes as an mp4 in which frame k is shown at k / frames_per_second s.
+def _read(stream: IO[bytes], found: list[bytes], k: int) -> None:
+    found[k] = stream.read()
+
+
+def write_mp4(path: pathlib.Path, encoded: Sequence[bytes], frames_per_second: int) -> None:
+    """Writes H.264 bytes, joined, as an mp4 in which frame k is shown at k / frames_per_second s.
 
     Raises:
       OSError: the disk is full, or the file exceeds a size limit.
@@ -105,7 +92,7 @@ def write_mp4(path: pathlib.Path, encoded: bytes, frames_per_second: int) -> Non
     source = ("-f", "h264", "-framerate", str(frames_per_second), "-i", "pipe:0")
     # Omits ffmpeg's version from the file.
     target = ("-c", "copy", "-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4", "-y", str(path))
-    done = subprocess.run(_ffmpeg(*source, *target), input=encoded, capture_output=True, check=False)
+    done = _piped((*source, *target), encoded)
     said = done.stderr.decode(errors="replace").strip()
     if done.returncode == -signal.SIGXFSZ or "File too large" in said:
         raise OSError(errno.EFBIG, "File too large", str(path))

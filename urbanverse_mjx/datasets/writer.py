@@ -25,9 +25,10 @@ from .annotations import annotations_table
 
 #: A new file begins after this many episodes, or bytes of one camera. Each new episode rewrites the current file, so
 #: this bounds the cost per episode.
-_FILE_EPISODES, _FILE_BYTES = 100, 16 * 2**20
-#: s, least time between two writes; episodes that end within it are written together.
-_WRITE_EVERY = 1.0
+_FILE_EPISODES, _FILE_BYTES = 500, 64 * 2**20
+#: s, least time between two writes, longer in proportion where the last one took longer than `_USUAL_WRITE`; episodes
+#: that end within it are written together.
+_WRITE_EVERY, _USUAL_WRITE = 1.0, 0.1
 
 
 def require_new(folder: pathlib.Path) -> None:
@@ -91,7 +92,7 @@ class DatasetWriter:
         self._tasks: dict[str, int] = {}
         self._stats: dict[str, statistics.Stats] = {}
         self._file = _File(0, 0)
-        self._unwritten, self._written_at = 0, -np.inf
+        self._unwritten, self._next_write = 0, -np.inf
         self.num_episodes = self.num_frames = 0
         self._staging = folder / f.UNFINISHED
         self._made = not folder.exists()
@@ -111,7 +112,8 @@ class DatasetWriter:
                 self.folder.rmdir()
 
     def add(self, episode: f.Episode) -> None:
-        """Adds an episode. It is on disk when this returns, or within a second if episodes arrive faster.
+        """Adds an episode. It is on disk when this returns, or with those of the next second if episodes arrive faster
+        (of the next seconds, where writing a file takes more than a tenth of one).
 
         Raises:
           ValidationError: columns or images differ from the features, or their lengths differ.
@@ -119,7 +121,7 @@ class DatasetWriter:
         """
         columns = self._columns(episode)
         file, length = self._file, len(episode)
-        own = {name: statistics.of_numbers(column) for name, column in columns.items()}
+        own = statistics.of_columns(columns)
         own |= {name: dict(stats) for name, stats in episode.image_stats.items()}
         file.tables.append(self._table(columns, episode))
         if episode.annotations:
@@ -132,7 +134,7 @@ class DatasetWriter:
             self._stats[name] = statistics.merged(self._stats[name], stats) if name in self._stats else stats
         self.num_episodes, self.num_frames = self.num_episodes + 1, self.num_frames + length
         self._unwritten += 1
-        if file.full or time.monotonic() - self._written_at >= _WRITE_EVERY:
+        if file.full or time.monotonic() >= self._next_write:
             self.write()
         if file.full:
             self._file = _File(file.number + 1, self.num_frames)
@@ -211,13 +213,15 @@ class DatasetWriter:
         """
         if not self._unwritten:
             return
+        began = time.monotonic()
         staged = self._stage()
         for part, path in staged:
             path.parent.mkdir(parents=True, exist_ok=True)
             part.replace(path)
         for folder in {path.parent for _, path in staged}:
             v.sync(folder)
-        self._unwritten, self._written_at = 0, time.monotonic()
+        self._unwritten, now = 0, time.monotonic()
+        self._next_write = now + _WRITE_EVERY * max(1.0, (now - began) / _USUAL_WRITE)
 
     def _stage(self) -> list[tuple[pathlib.Path, pathlib.Path]]:
         """Writes new versions of all files that change; returns them and their destinations, meta/info.json last."""
@@ -234,10 +238,9 @@ class DatasetWriter:
             return lambda part: part.write_text(body, encoding="utf-8")
 
         for name, parts in file.videos.items():
-            joined = b"".join(parts)
             stage(
                 f.VIDEO_PATH.format(video_key=name, **file.place),
-                lambda part, joined=joined: video.write_mp4(part, joined, self._rate),
+                lambda part, parts=parts: video.write_mp4(part, parts, self._rate),
             )
         stage(f.DATA_PATH.format(**file.place), lambda part: _write_by_episode(part, file.tables))
         if file.annotations:

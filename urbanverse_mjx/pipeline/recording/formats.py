@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ...datasets import DatasetWriter, Feature
     from ...datasets.frame_files import FrameEpisode, FrameFolder
     from ...envs import NavEnv
-    from .cameras import Filmed
+    from .encoding import Filmed
     from .record import RecordOptions
 
 Format = Literal["lerobot", "coco", "kitti", "mcap"]

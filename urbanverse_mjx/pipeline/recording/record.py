@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
     from ...datasets import Episode, Feature
     from ...envs import NavEnv
-    from .boxes import Boxes
-    from .cameras import Filmed
+    from .cameras import Camera
     from .driving import Driven
+    from .encoding import Encoding, Filmed
     from .readings import Readings
 
-#: Frames that are waited for before they are drawn.
-_FILMED = 256
+#: Batches of the camera that are waited for before they are drawn.
+_BATCHES = 8
 TASK = "drive to the goal over the pavement without touching anything"
 
 
@@ -100,8 +100,9 @@ def record(
     from ...datasets import DatasetWriter
     from ...datasets.writer import require_new
     from ...progress import COMPILING, Progress
-    from .cameras import Camera
+    from ...settings import num_threads
     from .driving import BatchDrive, drawn_episodes
+    from .encoding import EpisodeWriting
 
     options = options or RecordOptions()
     options = dataclasses.replace(options, policy=options.policy or ("zero" if options.teleop else "planner"))
@@ -110,6 +111,7 @@ def record(
     env, machine, scenes, features = _prepared(options, sensors)
     episodes = drawn_episodes(env.bank, scenes, options.num_episodes, options.seed)
     results: collections.Counter[str] = collections.Counter()
+    ended = 0
     origin = _origin(options, env, scenes, sensors)
     with (
         open_writer(folder, options, features, env, origin) as writer,
@@ -118,33 +120,33 @@ def record(
         began = time.perf_counter()
         note = "" if options.teleop else COMPILING
         report = progress.task("recording", options.num_episodes, unit="episodes", note=note)
-        camera = Camera(
-            env,
-            *options.size,
-            _images(sensors),
-            options.lidar,
-            _boxes(env, sensors, options.format),
-            image_type(options.format),
-        )
+        camera, encode = _filming(env, options, sensors)
         readings = _readings(env, sensors)
+
+        def write(filmed: "Filmed") -> None:
+            columns, told = _columns(env, readings, filmed.driven)
+            if isinstance(writer, DatasetWriter):
+                writer.add(_episode(filmed, columns, told))
+            else:
+                writer.add(frame_episode(filmed, columns, told))
+            report(ended, note=f"{writer.num_frames:,} frames")
+
         if options.teleop:
             from .by_hand import HandDrive
 
             groups = HandDrive(machine, options, on_ready, until).run(episodes)
         else:
-            groups = _filmable(BatchDrive(machine).run(episodes, options.num_envs, lambda: report(0, note="")))
-        for group in groups:
-            results.update(episode.result for episode in group)
-            kept = [e for e in group if e.result == "goal" or not options.only_successes]
-            for filmed in camera.film(kept) if kept else ():
-                columns, told = _columns(env, readings, filmed.driven)
-                if isinstance(writer, DatasetWriter):
-                    writer.add(_episode(filmed, columns, told))
-                else:
-                    writer.add(frame_episode(filmed, columns, told))
-                report(writer.num_episodes, note=f"{writer.num_frames:,} frames")
-            report(results.total())
-        seconds = time.perf_counter() - began
+            driven = BatchDrive(machine).run(episodes, options.num_envs, lambda: report(0, note=""))
+            groups = _filmable(driven, _BATCHES * camera.batch)
+        with EpisodeWriting(encode, write, num_threads()) as writing:
+            for group in groups:
+                results.update(episode.result for episode in group)
+                ended += len(group)
+                kept = [e for e in group if e.result == "goal" or not options.only_successes]
+                for episode, drawn in camera.draw(kept) if kept else ():
+                    writing.add(episode, drawn)
+                report(ended)
+    seconds = time.perf_counter() - began
     if not writer.num_episodes and options.teleop:
         raise v.fail(
             "--teleop", f"{results.total()} driven episodes, none to be written", "one that is driven to its end"
@@ -160,12 +162,12 @@ def record(
     }
 
 
-def _filmable(ended: "Iterator[list[Driven]]") -> "Iterator[list[Driven]]":
-    """The same episodes in groups that fill the batches of the camera."""
+def _filmable(ended: "Iterator[list[Driven]]", frames: int) -> "Iterator[list[Driven]]":
+    """The same episodes in groups of so many frames or more, which fill the batches of the camera."""
     group: list[Driven] = []
     for episodes in ended:
         group += episodes
-        if sum(len(e.steps.running) for e in group) >= _FILMED:
+        if sum(len(e.steps.running) for e in group) >= frames:
             yield group
             group = []
     if group:
@@ -211,10 +213,18 @@ def _images(sensors: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in sensors if name in SENSORS)
 
 
-def _boxes(env: "NavEnv", sensors: tuple[str, ...], form: str) -> "Boxes | None":
+def _filming(env: "NavEnv", options: RecordOptions, sensors: tuple[str, ...]) -> "tuple[Camera, Encoding]":
+    """What draws driven episodes, and what encodes them."""
     from .boxes import Boxes
+    from .cameras import Camera
+    from .encoding import Encoding
+    from .lidar import Lidar
 
-    return Boxes(env, masks=form == "coco") if "boxes" in sensors else None
+    images, with_boxes = _images(sensors), "boxes" in sensors
+    lidar = Lidar(env, options.lidar) if "lidar" in sensors else None
+    boxes = Boxes(env, masks=options.format == "coco") if with_boxes else None
+    camera = Camera(env, *options.size, images, lidar, labels=with_boxes)
+    return camera, Encoding(round(1.0 / env.dt), images, image_type(options.format), lidar, boxes)
 
 
 def _readings(env: "NavEnv", sensors: tuple[str, ...]) -> "Readings":
