@@ -41,9 +41,10 @@ from urbanverse_mjx.simulation.rendering.model import build_render_model
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 SHADINGS = ("matte", "pbr", "megakernel", "stock")
-#: Options of each style that differ from the default: sky, textures, no shadows, one ray per pixel.
+#: Options of each style that differ from the default: sky, textures, direct light, one ray per pixel.
 STYLES: dict[str, dict[str, Any]] = {
     "plain": {},
+    "baked": {"light": "baked"},
     "shadows": {"shadows": True},
     "no-sky": {"sky": False},
     "no-textures": {"textures": False},

@@ -146,7 +146,7 @@ def refit(run: Run) -> dict[str, Any]:
     from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
     env, view = run.env, run.env.config.vision_config
-    options = {"shadows": view.shadows, "sky": view.sky, "shading": view.shading}
+    options = {"shadows": view.shadows, "sky": view.sky, "shading": view.shading, "light": view.get("light", "direct")}
     small = Renderer(env.bank, env.robot, 1, 1, **options)
     call = run.compile_("refit", draw_with(small), run.sims)
     sample = timing.time_(call, run.sims, repeats=run.case.repeats)

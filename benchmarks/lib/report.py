@@ -87,7 +87,7 @@ def describe(env: Any, case: Any) -> dict[str, Any]:
     """The measurement, machine and versions."""
     view, bank = env.config.vision_config, env.bank
     hulls, objects = (bank.inst_hull >= 0).sum(1), (bank.slot_mesh >= 0).sum(1)
-    seen = {name: view[name] for name in ("shading", "shadows", "sky") if name in view}
+    seen = {name: view[name] for name in ("shading", "shadows", "sky", "light") if name in view}
     return {
         "benchmark": "throughput",
         "env": case.env,

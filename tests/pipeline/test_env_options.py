@@ -216,3 +216,27 @@ def test_a_benchmark_names_overrides_and_keeps_what_it_fixes(
     with pytest.raises(ValidationError, match="found success_radius, which the benchmark fixes"):
         benchmark(str(tmp_path / "boxes.json"), tmp_path / "other", fixed, bank)
     assert not (tmp_path / "other").exists()
+
+
+@pytest.mark.parametrize("frozen", [None, "direct"])
+def test_a_benchmark_is_driven_in_the_light_of_its_list(
+    frozen: str | None, bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Lists from before there was baked light name no conditions; a trained policy keeps the light of its training."""
+    protocol = freeze("boxes", SceneBank.load(bank), 5, seed=0)
+    if frozen:
+        protocol = dataclasses.replace(protocol, conditions={"vision_config.light": frozen})
+    protocol.save(tmp_path / "boxes.json")
+    old = registry.get_default_config("CocoNav", "cpu").to_dict()
+    del old["vision_config"]["light"]
+    spec = types.SimpleNamespace(
+        environment="CocoNav", env_config=old, observations={"pixels/front": [27, 48, 3]}, steps=0, versions={}
+    )
+    monkeypatch.setattr("urbanverse_mjx.training.policy.latest_policy", lambda folder: folder)
+    monkeypatch.setattr("urbanverse_mjx.training.policy.load_policy", lambda _: (BASELINES["zero"], spec))
+    for number, policy in enumerate(("zero", str(tmp_path))):
+        options = BenchmarkOptions(policy=policy, contact="ends", pictures=False)
+        benchmark(str(tmp_path / "boxes.json"), tmp_path / f"out{number}", options, bank)
+    (scripted, _), (trained, _) = loads
+    assert scripted.vision_config.light == (frozen or "baked")
+    assert "light" not in trained.vision_config

@@ -89,5 +89,10 @@ def cast(street: Street, camera: str, height: int, width: int) -> tuple[np.ndarr
 
 def is_free(street: Street, point: np.ndarray, direction: np.ndarray) -> bool:
     """Whether no visible geom is on the ray from `point` along `direction`."""
+    return distance(street, point, direction) < 0
+
+
+def distance(street: Street, point: np.ndarray, direction: np.ndarray) -> float:
+    """m to the first visible geom on the ray from `point` along the unit vector `direction`; -1 if there is none."""
     geom = np.zeros(1, np.int32)
-    return mujoco.mj_ray(street.model, street.data, point, direction, _SEEN, 1, -1, geom, None) < 0
+    return mujoco.mj_ray(street.model, street.data, point, direction, _SEEN, 1, -1, geom, None)

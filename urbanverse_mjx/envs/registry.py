@@ -142,9 +142,27 @@ def bank_loader(name: str) -> BankLoader:
     return _entry(name).load_bank
 
 
+#: Keys that configs of older policies lack, and what those were trained with.
+_ADDED: dict[str, Any] = {"vision_config.light": "direct"}
+
+
+def _complete(config: ConfigDict, key: str) -> None:
+    """Adds a key of `_ADDED` to a config that has its section but not the key."""
+    *sections, name = key.split(".")
+    for section in sections:
+        if section not in config:
+            return
+        config = config[section]
+    if name not in config:
+        config[name] = _ADDED[key]
+
+
 def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDict:
     """A copy of `config` with flat dotted keys replaced, e.g. {"reward_config.scales.hit": -50}."""
-    copy = ConfigDict(config.to_dict()).lock()
+    copy = ConfigDict(config.to_dict())
+    for key in _ADDED.keys() & overrides.keys():
+        _complete(copy, key)
+    copy.lock()
     for key, value in overrides.items():
         try:
             copy.update_from_flattened_dict({key: value})

@@ -29,6 +29,9 @@ _SCHEMA_BEFORE = "urbanverse.protocol/1"
 #: Number of runs of the protocol `paper`, each of which drives every scene once (paper: "five runs per scene").
 RUNS = 5
 KINDS = ("paper", "full")
+#: Conditions of new lists, and of those that name none because they were frozen before there were others.
+CONDITIONS = {"vision_config.light": "baked"}
+_CONDITIONS_BEFORE = {"vision_config.light": "direct"}
 #: Decimals of x, y, z (m) and yaw (rad) in a file: 1 mm and 0.1 mrad.
 _DECIMALS = (3, 3, 3, 4)
 
@@ -90,6 +93,7 @@ class Protocol:
       scenes: all scenes, which the protocol `full` drives.
       version: version of the benchmark, which is raised when its scenes or robots change.
       robots: environment -> digest of its robot by `pins.robot_pin`; other robots are allowed too.
+      conditions: key of the environment's config -> value with which the benchmark was frozen; see `CONDITIONS`.
     """
 
     name: str
@@ -97,6 +101,7 @@ class Protocol:
     scenes: tuple[FrozenScene, ...]
     version: int = 1
     robots: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    conditions: Mapping[str, str] = dataclasses.field(default_factory=lambda: dict(_CONDITIONS_BEFORE))
 
     def __post_init__(self) -> None:
         v.text(self.name, "protocol.name")
@@ -120,6 +125,8 @@ class Protocol:
     def to_json(self) -> dict[str, Any]:
         body = dataclasses.asdict(self)
         scenes = body.pop("scenes")
+        if body["conditions"] == _CONDITIONS_BEFORE:
+            del body["conditions"]
         return {"schema": SCHEMA, "hash": self.content_hash(), **body, "scenes": scenes}
 
     def pinned(self, bank: SceneBank, robots: Mapping[str, RobotSpec]) -> "Protocol":
@@ -170,7 +177,7 @@ class Protocol:
             v.read_json(path, "protocol"),
             "protocol",
             ("schema", "hash", "name", "paper_scenes", "scenes"),
-            ("version", "robots"),
+            ("version", "robots", "conditions"),
         )
         v.choice(m["schema"], "protocol.schema", (SCHEMA, _SCHEMA_BEFORE))
         scenes = []
@@ -182,7 +189,11 @@ class Protocol:
             scenes.append(FrozenScene(s["id"], s["hash"], tuple(rows), pins))
         named = v.mapping(m.get("robots", {}), "protocol.robots", (), m.get("robots", {}))
         robots = {name: v.text(pin, f"protocol.robots.{name}") for name, pin in named.items()}
-        found = Protocol(m["name"], tuple(m["paper_scenes"]), tuple(scenes), m.get("version", 1), robots)
+        conditions = dict(_CONDITIONS_BEFORE)
+        for key, value in v.mapping(m.get("conditions", {}), "protocol.conditions", (), tuple(CONDITIONS)).items():
+            conditions[key] = v.text(value, f"protocol.conditions.{key}")
+        paper = tuple(m["paper_scenes"])
+        found = Protocol(m["name"], paper, tuple(scenes), m.get("version", 1), robots, conditions)
         if found.content_hash() != m["hash"]:
             raise v.fail(
                 str(path), "episodes that do not fit their hash", "a list as it was frozen", "restore the file from git"
@@ -319,7 +330,7 @@ def freeze(
         episodes = tuple(_episode(bank, row, int(k), int(s)) for k, s in zip(rows, seeds, strict=True))
         scenes.append(FrozenScene(scene, bank.meta["hashes"][scene], episodes))
     paper = tuple(s.id for s in scenes if s.id not in extra)
-    return Protocol(name, paper, tuple(scenes))
+    return Protocol(name, paper, tuple(scenes), conditions=CONDITIONS)
 
 
 def half_rows(bank: SceneBank, scene: int, half: float) -> np.ndarray:

@@ -257,6 +257,9 @@ def _config(
     environment = environment or options.env_name or "CocoNav"
     values = trained or registry.get_default_config(environment, options.preset).to_dict()
     config = evaluation_config(environment, values, ",".join(runs.scenes), options.dynamic)
+    # A trained policy sees what its training showed, as with the size of its images.
+    seen = {k: x for k, x in runs.protocol.conditions.items() if not (trained and k.startswith("vision_config."))}
+    config = registry.with_overrides(config, seen)
     fresh = registry.get_default_config(environment, "paper")
     task = {
         "impl": options.impl,

@@ -10,13 +10,23 @@ from ml_collections import ConfigDict
 
 from tests.support.unicycle import drive_to_goal, unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError, traversable
-from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, joystick_config, registry, wrap_for_training
+from urbanverse_mjx.envs import (
+    PRESETS,
+    NavEnv,
+    Result,
+    check_env,
+    default_config,
+    joystick_config,
+    registry,
+    wrap_for_training,
+)
 from urbanverse_mjx.envs.checks import EnvCheckError
 from urbanverse_mjx.envs.navigation.make import make_wheeled_env
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.envs.types import NavState
 from urbanverse_mjx.pipeline.training_run import bank_of
 from urbanverse_mjx.scene.terrain import terrain_bank
+from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.training.record import RunRequest, configs_of
 
 
@@ -195,6 +205,20 @@ def test_overrides_and_errors(small_bank: SceneBank) -> None:
         default_config("faster")
     with pytest.raises(ValidationError, match="names no scene"):
         unicycle_env(small_bank, {"scenes": "validation"})
+
+
+def test_configs_of_older_policies_draw_direct_light_unless_asked(small_bank: SceneBank) -> None:
+    """Every preset draws baked light; a config without the key means what there was before."""
+    assert {p: default_config(p).vision_config.light for p in PRESETS} == dict.fromkeys(PRESETS, "baked")
+    old = default_config("cpu").to_dict()
+    del old["vision_config"]["light"]
+    config = registry.with_overrides(ConfigDict(old), {"scenes": "all", "impl": "jax"})
+    asked = registry.with_overrides(config, {"vision_config.light": "baked"})
+    assert "light" not in config.vision_config
+    for given, light in ((config, "direct"), (asked, "baked")):
+        renderer = registry.load("CocoNav", config=given, bank=small_bank).renderer
+        assert isinstance(renderer, Renderer)
+        assert renderer.settings.light == light
 
 
 @pytest.mark.parametrize("preset", ["cpu", "fast"])

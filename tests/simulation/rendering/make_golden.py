@@ -16,9 +16,10 @@ def main() -> None:
     places = cases.make_places(bank, robot, 8)
     GOLDEN.mkdir(exist_ok=True)
     for shading in ("matte", "pbr"):
-        renderer = cases.make_renderer(bank, robot, shading=shading, shadows=True)
-        rgb = np.asarray(jax.vmap(renderer)(*places.inputs)["rgb"])
-        iio.imwrite(GOLDEN / f"{shading}.png", rgb.reshape(-1, cases.WIDTH, 3))
+        for name, options in ((shading, {"shadows": True}), (f"{shading}_baked", {"light": "baked"})):
+            renderer = cases.make_renderer(bank, robot, shading=shading, **options)
+            rgb = np.asarray(jax.vmap(renderer)(*places.inputs)["rgb"])
+            iio.imwrite(GOLDEN / f"{name}.png", rgb.reshape(-1, cases.WIDTH, 3))
 
 
 if __name__ == "__main__":

@@ -68,6 +68,7 @@ def _paper() -> ConfigDict:
                 "sky": True,
                 "shadows": False,
                 "shading": "pbr",
+                "light": "baked",
             },
             # Additional observations for a policy, a teacher or an auxiliary loss (`NavEnv`).
             "observations": {"proprio": False, "privileged_map": False},

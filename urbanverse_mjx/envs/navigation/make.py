@@ -136,4 +136,6 @@ def _renderer(
         appearance=config.randomization.appearance,
         agents=slot_appearances(kinds, bank),
         bodies=bodies,
+        # Policies from before there was baked light see what they were trained with.
+        light=view.get("light", "direct"),
     )

@@ -94,6 +94,7 @@ class Camera:
             appearance=env.config.randomization.appearance,
             agents=env.agent_appearances,
             bodies=env.num_bodies,
+            light=view.get("light", "direct"),
         )
         self._lidar = lidar
         assert renderer.camera is not None

@@ -8,6 +8,7 @@ streets at once.
 """
 
 import dataclasses
+import itertools
 from collections.abc import Iterator, Sequence
 
 import mujoco
@@ -27,6 +28,8 @@ NEAR = 0.01
 SLOT_GROUP = 0
 #: MuJoCo's default colour: a geom of this colour shows its material's colour instead.
 _INHERIT = (0.5, 0.5, 0.5, 1.0)
+#: m^2, product of a part's two shorter half sizes; thinner parts do not make the shade of a robot wider or taller.
+_THIN = 0.002
 #: Triangles of the meshes that are compiled together, at least.
 _TOGETHER = 1 << 17
 
@@ -60,6 +63,8 @@ class RenderModel:
         each robot geom in the geom's frame. labels (R, 2) i32: "object" and "category" of the moving geoms.
       num_bodies: bodies of the robot's model, the world included (1 without a robot), and behind them the agents.
       num_agents: how many of the bodies are agents.
+      shade_body (S,) i32, shade_box (S, 2, 3) m: the robot and the agents as boxes that shade what is around them:
+        centre and half size in the frame of a body.
       cameras: the robot's cameras by name.
     """
 
@@ -73,6 +78,8 @@ class RenderModel:
     labels: np.ndarray
     num_bodies: int
     num_agents: int
+    shade_body: np.ndarray
+    shade_box: np.ndarray
     cameras: dict[str, RobotCamera]
 
 
@@ -272,6 +279,27 @@ def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
     }
 
 
+def _robot_box(model: mujoco.MjModel, geoms: list[int]) -> tuple[int, np.ndarray]:
+    """The robot's first body, and centre and half size (2, 3) of the box around all visual geoms in its frame, as the
+    robot stands in its description."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    corners = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    ends, thin = [], []
+    for g in geoms:
+        centre, half = _geom_box(model, g)
+        points = (centre + corners * half) @ data.geom_xmat[g].reshape(3, 3).T + data.geom_xpos[g]
+        local = (points - data.xpos[1]) @ data.xmat[1].reshape(3, 3)
+        ends.append((local.min(0), local.max(0)))
+        thin.append(np.prod(np.sort(half)[:2]) < _THIN)
+    low, high = np.moveaxis(np.array(ends), 1, 0)
+    # The mast of a flag makes no robot taller.
+    thick = ~np.array(thin) if not all(thin) else np.ones(len(geoms), bool)
+    bottom, low, high = low[:, 2].min(), low[thick].min(0), high[thick].max(0)
+    low[2] = min(bottom, low[2])
+    return 1, np.stack([(low + high) / 2, (high - low) / 2])
+
+
 def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, appearances: Sequence[int]) -> np.ndarray:
     """Adds a geom for each agent, with the mesh of row `appearances[i]` of the bank's agents; (A, 2, 3) their boxes."""
     boxes, known = [], len(bank.agents["mesh"])
@@ -333,6 +361,8 @@ def build_render_model(
         position, quaternion = robot_model.geom_pos[geoms], robot_model.geom_quat[geoms]
         boxes = [_geom_box(robot_model, g) for g in geoms]
     bodies, number = 1 if robot_model is None else robot_model.nbody, len(appearances)
+    shades = [] if robot_model is None or not geoms else [_robot_box(robot_model, geoms)]
+    shades += [(bodies + i, box) for i, box in enumerate(agent_boxes)]
     labels = [[ROBOT_LABEL, ROBOT_LABEL]] * len(geoms) + [
         [AGENT_LABEL - k, bank.agents["category"][i]] for k, i in enumerate(appearances)
     ]
@@ -348,5 +378,7 @@ def build_render_model(
         labels=np.array(labels, np.int32).reshape(-1, 2),
         num_bodies=bodies + number,
         num_agents=number,
+        shade_body=np.array([body for body, _ in shades], np.int32),
+        shade_box=np.array([box for _, box in shades], np.float64).reshape(-1, 2, 3),
         cameras={} if robot_model is None else _cameras(robot_model),
     )

@@ -21,7 +21,7 @@ from ...precision import full_precision
 from .. import host_memory
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from .model import RenderModel, RobotCamera, build_render_model
-from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Scan, Settings
+from .settings import AGENT_LABEL, LIGHTS, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Scan, Settings
 from .street_batch import StreetBatch, Streets
 from .threads import run_all
 
@@ -78,6 +78,10 @@ class Renderer:
       agents: row of the bank's agents (`SceneBank.agents`) for each moving agent.
       bodies: largest number of objects moved from their poses in the bank, see `Bodies`.
       scan: rays of a LiDAR, for `view` with a field of view of pi / 2: "depth" is then the distance along the ray.
+      light: "direct" (nothing hides the sky, nor the sun without `shadows`) or "baked" (shadows of the sun and
+        occlusion of the sky by everything that stands in the bank, computed when the first frame is drawn and kept in
+        the cache folder; robots, agents and moved objects shade what is near them). With `shadows` the sun's are traced
+        instead.
 
     Raises:
       ValidationError: an unknown output or camera, a size below one, an appearance outside [0, 1), or colours or
@@ -101,6 +105,7 @@ class Renderer:
         agents: Sequence[int] = (),
         bodies: int = 0,
         scan: Scan | None = None,
+        light: str = "direct",
     ) -> None:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
@@ -108,6 +113,8 @@ class Renderer:
                 raise ValidationError(f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; fix its spelling")
         if shading not in SHADINGS:
             raise ValidationError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; fix its spelling")
+        if light not in LIGHTS:
+            raise ValidationError(f"light: found {light!r}; needed one of {', '.join(LIGHTS)}; fix its spelling")
         if not wanted or min(height, width, samples) < 1:
             raise ValidationError(
                 f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of "
@@ -120,7 +127,7 @@ class Renderer:
                 f"scan: found outputs {wanted}, {samples} samples; needed depth and labels, one sample"
             )
         self.bank = bank
-        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies, scan)
+        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies, scan, light)
         self.threads = threads or process.num_threads()
         self._build_model = functools.partial(build_render_model, bank, robot, tuple(agents))
         self._model: RenderModel | None = self._build_model()

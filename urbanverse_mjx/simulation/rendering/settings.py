@@ -9,6 +9,9 @@ ROBOT_LABEL = -2
 AGENT_LABEL = -3
 #: "pbr": glTF materials as mujoco-warp-pbr shows them; "matte": the same light without highlights.
 SHADINGS = ("pbr", "matte")
+#: "direct": sun and sky reach every surface that faces them (the sun: unless `shadows`); "baked": less what the street
+#: hides, computed once for each scene, and what moves nearby.
+LIGHTS = ("direct", "baked")
 OUTPUTS = ("rgb", "depth", "category", "object", "normal")
 #: Display colour of the sky where none is drawn (sky=False).
 PLAIN_SKY = (0.62, 0.74, 0.88, 1.0)
@@ -34,7 +37,8 @@ class Settings:
     """Options of rendering.
 
     outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
-    which appearances vary; bodies: objects of a scene that may have moved; scan: None for a camera; see `Renderer`.
+    which appearances vary; bodies: objects of a scene that may have moved; scan: None for a camera; light: of
+    `LIGHTS`; see `Renderer`.
     """
 
     height: int
@@ -47,3 +51,4 @@ class Settings:
     appearance: float = 0.0
     bodies: int = 0
     scan: Scan | None = None
+    light: str = "direct"

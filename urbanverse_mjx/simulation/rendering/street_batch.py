@@ -12,12 +12,14 @@ from ... import settings as process
 from ...datatypes import SceneBank
 from ...geometry import rotations
 from . import street_draw
+from .light_bake import Baker, light_tables
 from .meshes import RenderMeshes
 from .model import FAR, RenderModel, images
 from .pbr_private import build_dfg_lut, effective_geom_rgba, resolve_geom_materials
 from .scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from .settings import NOWHERE, Settings
 from .street_kernels import Street, Views, place
+from .street_light import SHADE, place_shades
 from .street_shade import Skies
 from .street_tree import Trees, as_floats, build_trees, joined
 from .threads import run_all
@@ -92,6 +94,13 @@ def _face_rows(meshes: RenderMeshes, faces: np.ndarray) -> np.ndarray:
     return _rows(*columns).reshape(-1, 4, 4)
 
 
+def _mesh_boxes(bank: SceneBank) -> np.ndarray:
+    """(M, 2, 3): centre and half size of the box around each mesh of the bank, m."""
+    parts = zip(bank.mesh_vertex_start[:-1], bank.mesh_vertex_start[1:], strict=True)
+    ends = np.array([(c.min(0), c.max(0)) for c in (bank.mesh_vertices[i:j] for i, j in parts)], np.float64)
+    return np.stack([0.5 * (ends[:, 0] + ends[:, 1]), 0.5 * (ends[:, 1] - ends[:, 0])], 1)
+
+
 def _mesh_balls(bank: SceneBank) -> np.ndarray:
     """(M, 4) f32: centre and radius of a ball around each mesh of the bank, m."""
     balls = np.zeros((bank.num_meshes, 4), np.float32)
@@ -115,6 +124,9 @@ class Streets:
         self._add_objects(bank, model, self._add_meshes(model.meshes), geoms)
         self._add_parts(model, geoms)
         self._add_light(bank)
+        self.num_shades = 0
+        if settings.light == "baked" and "rgb" in settings.outputs:
+            self._add_baked_light(bank, model)
         self.draw = street_draw.build_draw_kernel(settings, FAR, bank.sky_radiance.shape[2])
         self.ready = False
 
@@ -166,6 +178,11 @@ class Streets:
         texture = np.where(texture >= 0, texture + len(bank.texture_shape), -1)
         texture = np.concatenate([bank.material_texture[material], texture])
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
+        grounds = np.array([name.startswith("ground:") for name in bank.meta["categories"]])
+        self._is_ground = np.zeros(len(texels), bool)
+        self._is_ground[: len(mesh)] = grounds[bank.slot_category[scene, number]]
+        # Its sign tells the shading; see `street_shade`.
+        texels = np.where(self._is_ground, -texels, texels)
         metallic, roughness, _ = resolve_geom_materials(mjm)
         surfaces = _rows(
             texture,
@@ -176,6 +193,7 @@ class Streets:
         object_roots = as_floats(meshes.roots[np.concatenate([mesh, bank.num_meshes + part])])
         rows = np.concatenate([poses, _rows(colour, object_roots)[:, None], surfaces[:, None]], axis=1)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
+        self._mesh_of_object = mesh
         self.street.object_rows, self.street.num_objects = self._keep(rows), len(mesh)
         self.street.balls = self._keep(_mesh_balls(bank)[mesh])
         object_of_slot = np.full(bank.slot_mesh.shape, -1, np.int32)
@@ -222,6 +240,28 @@ class Streets:
         lights[:, :3, 3], lights[:, 3:6, 3] = sun, irradiance / np.pi
         lights[:, 6, 3], lights[:, 7, 3] = bank.scene_sky, bank.scene_sky_yaw
         self.street.lights = self._keep(lights)
+
+    def _add_baked_light(self, bank: SceneBank, model: RenderModel) -> None:
+        """Light that the streets hide, and the boxes of what moves; see `street_light`."""
+        baker = Baker(bank, self.street, self.roots.numpy(), self._is_ground)
+        sheets, texels, cells = light_tables(baker.lights())
+        self.street.sheets = self._keep(sheets)
+        for name, table in (("texels", texels), ("cells", cells)):
+            self._tables.append(wp.array(table, dtype=wp.uint8))
+            setattr(self.street, name, self._tables[-1].ptr or 0)
+        bodies = self.settings.bodies
+        numbers = [*model.shade_body, *(model.num_bodies + np.arange(bodies))]
+        boxes = np.concatenate([model.shade_box, np.ones((bodies, 2, 3))])
+        self.num_shades = self.street.num_shades = len(numbers)
+        self.shade_body, self.shade_box = wp.array(numbers, dtype=int), wp.array(_rounded(boxes), dtype=wp.vec3)
+        objects = _mesh_boxes(bank)[self._mesh_of_object] if bodies else np.zeros((0, 2, 3))
+        self.object_boxes = wp.array(_rounded(objects), dtype=wp.vec3)
+
+
+def _rounded(boxes: np.ndarray) -> np.ndarray:
+    """(n, 2, 3) boxes whose inscribed ellipsoids cover as much from above as the boxes given."""
+    scale = np.array([[1.0, 1.0, 1.0], [1.13, 1.13, 1.0]])
+    return np.maximum(boxes * scale, [[-np.inf] * 3, [0.05] * 3])
 
 
 def sky_polynomials(harmonics: np.ndarray, yaw: np.ndarray) -> np.ndarray:
@@ -274,6 +314,10 @@ class StreetBatch:
         self.views = Views()
         self.views.cameras, self.views.poses, self.views.balls, self.views.seen = (x.ptr or 0 for x in self._placed)
         self.views.moved = self._moved.ptr or 0
+        shades = streets.num_shades
+        self._shades = wp.zeros(max(num_worlds * SHADE * shades, 1), dtype=wp.vec4)
+        self._shaded = wp.zeros(num_worlds * (shades + 1), dtype=int)
+        self.views.shades, self.views.shaded = self._shades.ptr or 0, self._shaded.ptr or 0
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
         """Launches that draw the pieces of the batch; see `Renderer._render` for the arrays."""
@@ -284,6 +328,10 @@ class StreetBatch:
         views = [*robot, camera_position, turn, fovy, aspect, NOWHERE, *self._placed]
         elsewhere = [scene, *(moved or [self._unmoved]), s.object_of_slot, self._moved, int(settings.scan is not None)]
         wp.launch(place, dim=self.num_worlds, inputs=[*views, *elsewhere])
+        if s.num_shades:
+            shades = [s.shade_body, s.shade_box, s.object_boxes, xpos, xquat, camera_position]
+            inputs = [s.street, self.views, *shades, self._shades, self._shaded]
+            wp.launch(place_shades, dim=self.num_worlds, inputs=inputs)
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, appearance_seeds]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
         return [functools.partial(self._draw, *piece, [*kept, *out]) for piece in self.pieces]

@@ -12,6 +12,7 @@ from . import street_kernels as k
 from .pbr_private import srgb_oetf
 from .settings import OUTPUTS, Scan, Settings
 from .street_kernels import Street, Views
+from .street_light import exposure
 from .street_shade import Skies, Surface, make_background, make_display, make_shade, make_surface
 
 #: Rows of the bands in which a frame's pixels are drawn, column by column: a warp of the GPU draws 8x4 pixels, whose
@@ -37,6 +38,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
     scan = settings.scan or Scan(0.0, 0.0, far)
     far = scan.range
     ring = (scan.upper - scan.lower) / max(height - 1, 1)
+    baked = settings.light == "baked"
     nearest_hit, is_hidden = k.make_rays(moved)
     surface = make_surface(want_rgb, settings.shading == "pbr", moved)
     shade = make_shade(settings, is_hidden)
@@ -134,6 +136,8 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
             if wp.static(want_rgb):
                 if wp.static(appearance > 0.0):
                     radiance = wp.cw_mul(radiance, k.factors(appearance_seeds[world], -1, wp.static(appearance)))
+                if wp.static(baked):
+                    radiance = radiance * exposure(street, scene)
                 total += display(radiance)
         if wp.static(want_rgb):
             mean = total * wp.static(share * share)

@@ -53,6 +53,8 @@ def factors(appearance_seed: int, obj: int, share: float) -> wp.vec3:
 class Street:
     """Where the tables of rows stand that all worlds share; num_objects: objects before the first part of the robot;
     balls: around each of them in its frame; num_bodies: the last parts, which are objects of the street that moved.
+
+    sheets, texels, cells: baked light, see `street_light`; num_shades: moving bodies that shade what is around them.
     """
 
     nodes: wp.uint64
@@ -62,9 +64,13 @@ class Street:
     lights: wp.uint64
     parts: wp.uint64
     balls: wp.uint64
+    sheets: wp.uint64
+    texels: wp.uint64
+    cells: wp.uint64
     num_objects: int
     num_parts: int
     num_bodies: int
+    num_shades: int
 
 
 @wp.struct
@@ -72,7 +78,8 @@ class Views:
     """Where the tables stand that are filled anew for each frame, one world after the other.
 
     cameras: 4 rows a world; poses: 3 rows of T_part_world a part; balls: P + 1, around the parts and around all of
-    them; seen: P + 1, how many parts are in view, and which; moved: the object that each body is, -1 = none.
+    them; seen: P + 1, how many parts are in view, and which; moved: the object that each body is, -1 = none; shades: 3
+    rows of T_unit_world a shade; shaded: S + 1, how many shades are near, and which.
     """
 
     cameras: wp.uint64
@@ -80,6 +87,8 @@ class Views:
     balls: wp.uint64
     seen: wp.uint64
     moved: wp.uint64
+    shades: wp.uint64
+    shaded: wp.uint64
 
 
 @wp.func

@@ -11,6 +11,7 @@ from typing import Any
 
 import warp as wp
 
+from . import street_light_native
 from .street_tree import EMPTY, LEAF, NODE
 
 _NUMBERS = f"namespace urbanverse {{ constexpr int NODE = {NODE}, LEAF = {LEAF}, EMPTY = {EMPTY}; }}"
@@ -97,7 +98,8 @@ CUDA_CALLABLE inline bool enters(const Ray& r, const Row& lower, const Row& uppe
 struct Found { float distance, u, v; int object, face; };
 
 // Nearest of a leaf's triangles, from either side: leaves of trees and paint have two faces in one place. They grow by
-// a millionth, so that no ray passes between two of them.
+// a millionth, so that no ray passes between two of them. Of a triangle seen edge on t is 0 but for rounding (1e-30),
+// which is no hit.
 template <bool ANY>
 CUDA_CALLABLE inline void meet(wp::uint64 triangles, const Ray& r, int face, int object, Found& found)
 {
@@ -113,7 +115,7 @@ CUDA_CALLABLE inline void meet(wp::uint64 triangles, const Ray& r, int face, int
         const float bx = cy * e.z - cz * e.y, by = cz * e.x - cx * e.z, bz = cx * e.y - cy * e.x;
         const float v = (r.dx * bx + r.dy * by + r.dz * bz) * scale;
         const float t = (f.x * bx + f.y * by + f.z * bz) * scale;
-        if (lesser(lesser(u, v), 1.0f - u - v) >= -1.0e-6f && t > 0.0f && t < found.distance) {
+        if (lesser(lesser(u, v), 1.0f - u - v) >= -1.0e-6f && t > 1.0e-12f && t < found.distance) {
             found.distance = t, found.u = u, found.v = v, found.object = object, found.face = face;
             if (ANY) return;
         }
@@ -212,8 +214,9 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
 }  // namespace urbanverse
 """
 
+_PREAMBLE = _NUMBERS + _WALK + street_light_native.PREAMBLE
 #: Build options of a kernel that calls functions of `make_walks`.
-BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_NUMBERS + _WALK, extra_cpu_preamble=_NUMBERS + _WALK)
+BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_PREAMBLE, extra_cpu_preamble=_PREAMBLE)
 
 #: object, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).
 Found = wp.types.vector(length=5, dtype=wp.int32)

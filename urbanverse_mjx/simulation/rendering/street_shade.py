@@ -24,6 +24,7 @@ from .pbr_private import (
 )
 from .settings import PBR_EXPOSURE, PLAIN_SKY, Settings
 from .street_kernels import FACE, LIGHT, OBJECT, PART, Street, Views
+from .street_light import baked_light, moving_shade
 from .street_native import Hit
 
 #: Colour of the flat sky in linear light.
@@ -32,7 +33,8 @@ _FLAT = tuple(float(x) for x in srgb_to_linear(PLAIN_SKY[:3]))
 
 @wp.struct
 class Surface:
-    """The surface at the end of a ray; emission: emitted share of its colour on the display."""
+    """The surface at the end of a ray; emission: emitted share of its colour on the display; kind: 0 = an object of the
+    street, 1 = its ground, 2 = what moves."""
 
     normal: wp.vec3
     colour: wp.vec3
@@ -40,6 +42,7 @@ class Surface:
     metallic: float
     reflectance: float
     emission: float
+    kind: int
 
 
 @wp.struct
@@ -123,9 +126,11 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
                 uv = wp.vec2(b[3], c[3]) * w + wp.vec2(e[0], e[1]) * hit.u + wp.vec2(e[2], e[3]) * hit.v
                 # a[3]: texture lengths per metre; surface[1]: texels per texture length.
                 cone = spread * hit.distance / wp.max(wp.abs(facing), 0.05)
-                level = wp.log2(wp.max(cone * a[3] * surface[1], 1.0e-8))
+                level = wp.log2(wp.max(cone * a[3] * wp.abs(surface[1]), 1.0e-8))
                 texel = sample_texture(textures[int(surface[0])], uv, level)
                 out.colour = wp.cw_mul(out.colour, wp.vec3(texel[0], texel[1], texel[2]))
+            # Of the ground, texels are negative.
+            out.kind = wp.where(part >= 0, 2, wp.where(surface[1] < 0.0, 1, 0))
             if wp.static(gloss):
                 out.roughness = surface[2]
                 out.metallic = surface[3]
@@ -139,12 +144,34 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
     return surface
 
 
+def _make_unhidden(settings: Settings) -> Any:
+    """unhidden(street, views, world, scene, point, surface, sun): shares of sun and sky that reach a surface; that of
+    the sun is 1 where shadows are traced."""
+    baked, shadows = settings.light == "baked", settings.shadows
+
+    @wp.func
+    def unhidden(
+        street: Street, views: Views, world: int, scene: int, point: wp.vec3, surface: Surface, sun: wp.vec3
+    ) -> wp.vec2:
+        if wp.static(not baked):
+            return wp.vec2(1.0, 1.0)
+        left = baked_light(street, scene, point, surface.normal, surface.kind == 1)
+        if surface.kind < 2:
+            left = wp.cw_mul(left, moving_shade(street, views, world, point, sun))
+        if wp.static(shadows):
+            left[0] = 1.0
+        return left
+
+    return unhidden
+
+
 def make_shade(settings: Settings, is_hidden: Any) -> Any:
     """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the camera.
 
     is_hidden: of `street_kernels.make_rays`.
     """
     sky, shadows, gloss = settings.sky, settings.shadows, settings.shading == "pbr"
+    unhidden = _make_unhidden(settings)
 
     @wp.func
     def sunlight(
@@ -177,7 +204,9 @@ def make_shade(settings: Settings, is_hidden: Any) -> Any:
         if wp.static(sky):
             around = sky_light(street, scene, normal)
         sun = scalars(street, scene, 0)
-        direct = sunlight(street, views, root, world, scene, point, normal, sun)
+        left = unhidden(street, views, world, scene, point, surface, sun)
+        direct = sunlight(street, views, root, world, scene, point, normal, sun) * left[0]
+        around = around * left[1]
         if wp.static(not gloss):
             return wp.cw_mul(surface.colour, around + direct)
         facing = wp.max(-wp.dot(normal, direction), 1.0e-4)
@@ -197,6 +226,7 @@ def make_shade(settings: Settings, is_hidden: Any) -> Any:
             mirrored = sample_specular(
                 skies.radiance[number], skies.blurred[number], ahead, sky_row[1], lobes.perceptual_roughness
             )
+        mirrored = mirrored * left[1]
         light = wp.cw_mul(lobes.diffuse_color, around + direct)
         light += wp.cw_mul(mirrored, wp.cw_mul(lobes.spec_albedo, lobes.energy_comp))
         if wp.length_sq(direct) > 0.0:
