@@ -29,10 +29,10 @@ def places(bank: SceneBank, number: int, seed: int) -> list[tuple[int, np.ndarra
     for i in range(number):
         scene = i % bank.num_scenes
         row = rng.integers(bank.num_episodes[scene])
-        way = bank.episode_waypoints[scene, row, : bank.episode_num_waypoints[scene, row]].astype(float)
-        way = np.concatenate([bank.episode_start[scene, row, None, :3], way])
-        first = rng.integers(len(way) - 1)
-        here, ahead = way[first] + [0.0, 0.0, CAMERA], way[first + 1] + [0.0, 0.0, TARGET]
+        route = bank.episode_waypoints[scene, row, : bank.episode_num_waypoints[scene, row]].astype(float)
+        route = np.concatenate([bank.episode_start[scene, row, None, :3], route])
+        first = rng.integers(len(route) - 1)
+        here, ahead = route[first] + [0.0, 0.0, CAMERA], route[first + 1] + [0.0, 0.0, TARGET]
         found.append((scene, here, look_at(here, ahead)))
     return found
 
