@@ -116,15 +116,15 @@ def test_the_sky_that_reaches_the_ground_is_what_mj_ray_leaves_of_it(sunlit: Sce
     out = np.abs(places[:, 1]) - KERB_Y
     # Of the flat pavement, without its ramps and ends.
     places = places[(out > 0.5) & (out < 3.5) & (np.abs(places[:, 0] - 30.0) > 3.0) & (places[:, 0] > 1.0)]
-    shares, truths = [], []
+    shares, references = [], []
     for x, y in places:
         column, row = ((np.array([x, y]) - light.ground_origin) / light_bake.TEXEL).astype(int)
         shares.append(light.ground[column, row, 1] / 255.0)
         centre = light.ground_origin + (np.array([column, row]) + 0.5) * light_bake.TEXEL
         length = np.array([render_reference.distance(street, np.append(centre, KERB + 0.02), ray) for ray in rays])
         away = np.where(length < 0.0, 1.0, np.minimum(length / light_kernels.RANGE, 1.0))
-        truths.append(np.mean(light_kernels.DARKEST + (1.0 - light_kernels.DARKEST) * away))
-    found, expected = np.array(shares), np.array(truths)
+        references.append(np.mean(light_kernels.DARKEST + (1.0 - light_kernels.DARKEST) * away))
+    found, expected = np.array(shares), np.array(references)
     outside = expected > 0.3  # of objects
     found, expected = found[outside], expected[outside]
     error = found - expected
