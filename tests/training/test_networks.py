@@ -1,4 +1,4 @@
-"""Networks: the matrix-product convolution is flax's convolution, and the factory fits Brax."""
+"""Networks: every form of the convolution is flax's convolution, and the factory fits Brax."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ import pytest
 from flax import linen as nn
 
 from urbanverse_mjx.datatypes import ValidationError
-from urbanverse_mjx.training.networks import Encoder, conv_by_matmul, goal_features, make_networks
+from urbanverse_mjx.training.networks import CONVOLUTIONS, Encoder, convolution_of, goal_features, make_networks
 
 SIZES = {"pixels/front": (27, 48, 3), "goal": (2,), "privileged": (13,)}
 LAYERS = ((16, 4, 4), (32, 2, 2), (64, 2, 1))
@@ -17,23 +17,25 @@ LAYERS = ((16, 4, 4), (32, 2, 2), (64, 2, 1))
 
 @pytest.mark.parametrize(("kernel", "stride"), [(8, 4), (4, 2), (4, 4), (3, 1), (2, 1), (1, 1)])
 @pytest.mark.parametrize("shape", [(27, 48), (36, 64), (17, 19)])
-def test_conv_by_matmul_equals_flax(kernel: int, stride: int, shape: tuple[int, int]) -> None:
+@pytest.mark.parametrize("form", CONVOLUTIONS)
+def test_every_convolution_equals_flax(form: str, kernel: int, stride: int, shape: tuple[int, int]) -> None:
     x = jax.random.normal(jax.random.key(0), (2, *shape, 3))
     conv = nn.Conv(5, (kernel, kernel), (stride, stride), padding="VALID")
     params: Any = conv.init(jax.random.key(1), x)
     w, b = params["params"]["kernel"], params["params"]["bias"] + 0.3
     wanted: Any = conv.apply({"params": {"kernel": w, "bias": b}}, x)
-    got = conv_by_matmul(x, w, b, stride)
+    got = convolution_of(form)(x, w, b, stride)
     assert got.shape == wanted.shape
     np.testing.assert_allclose(got, wanted, atol=2e-5)
 
 
-def test_gradients_equal_flax() -> None:
+@pytest.mark.parametrize("form", CONVOLUTIONS)
+def test_gradients_equal_flax(form: str) -> None:
     x = jax.random.normal(jax.random.key(0), (2, 27, 48, 3))
     w = jax.random.normal(jax.random.key(1), (8, 8, 3, 4))
 
     def ours(w: jax.Array) -> jax.Array:
-        return (conv_by_matmul(x, w, jnp.zeros(4), 4) ** 2).mean()
+        return (convolution_of(form)(x, w, jnp.zeros(4), 4) ** 2).mean()
 
     def flax(w: jax.Array) -> jax.Array:
         dims = jax.lax.conv_dimension_numbers(x.shape, w.shape, ("NHWC", "HWIO", "NHWC"))
