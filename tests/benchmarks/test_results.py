@@ -1,5 +1,6 @@
 """The table of docs/results.md is that of the rows, and its intervals draw seeds and scenes."""
 
+import csv
 import json
 import pathlib
 import shutil
@@ -13,6 +14,41 @@ from benchmarks import results
 def test_the_page_holds_the_table_of_the_rows() -> None:
     page = results.PAGE.read_text(encoding="utf-8")
     assert results.with_table(page, results.table(results.read(results.SCORES))) == page, "run make results"
+
+
+def test_the_page_holds_the_table_of_the_training_streets() -> None:
+    page = results.PAGE.read_text(encoding="utf-8")
+    text = results.street_table(results.read_streets(results.SCORES))
+    assert results.with_table(page, text, results.STREET_MARKS) == page, "run make results"
+
+
+def test_a_difference_pairs_scenes_and_draws_seeds_of_each() -> None:
+    scenes = np.linspace(20.0, 90.0, 8)
+    easier, harder = np.stack([scenes + 5.0] * 3), np.stack([scenes] * 2)
+    found = results.difference(easier, harder)
+    assert found[:3] == pytest.approx((5.0, 5.0, 5.0))  # the same in every scene, however different the scenes are
+    apart = results.difference(easier + np.array([[-9.0], [0.0], [9.0]]), harder)
+    assert apart.mean == pytest.approx(5.0)
+    # The standard error of a mean of three seeds, times 2 x 1.96; drawn with replacement.
+    assert apart.high - apart.low == pytest.approx(3.92 * np.std([-9.0, 0.0, 9.0]) / np.sqrt(3), rel=0.15)
+
+
+def test_added_streets_stand_in_place_of_those_of_the_same_seed(tmp_path: pathlib.Path) -> None:
+    shutil.copy(results.SCORES / "training_streets.csv", tmp_path)
+    before = results.read_streets(tmp_path)
+    with (tmp_path / "training_streets.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if (row["streets"], row["seed"]) == ("144 procedural", "1")]
+    by_set = {name: {r["scene"]: {"SR": 50.0} for r in rows if r["set"] == name} for name in results.COMPARED}
+    body = {"teacher": {name: {"by_scene": scores} for name, scores in by_set.items()}}
+    (tmp_path / "result.json").write_text(json.dumps(body))
+    results.add_streets(tmp_path, tmp_path / "result.json", "teacher", "144 procedural", 1)
+    after = results.read_streets(tmp_path)
+    for streets, sets in before.items():
+        for name, rates in sets.items():
+            wanted = rates.copy()
+            if streets == "144 procedural":
+                wanted[1] = 50.0
+            np.testing.assert_array_equal(after[streets][name], wanted)
 
 
 def test_a_seed_that_differs_widens_the_interval() -> None:
