@@ -148,7 +148,8 @@ def test_images_are_those_of_the_rows_poses(recorded: tuple[pathlib.Path, dict[s
     folder = recorded[0]
     rows, view = table_of(folder), env.config.vision_config
     outputs = ("rgb", "depth", "category", "object", "normal")
-    renderer = Renderer(env.bank, env.robot, *SIZE, outputs, view.shadows, view.sky, shading=view.shading)
+    looks = {name: view[name] for name in ("shadows", "sky", "shading", "light")}
+    renderer = Renderer(env.bank, env.robot, *SIZE, outputs, **looks)
     capture, colours = cv2.VideoCapture(str(folder / f"videos/{FRONT}/chunk-000/file-000.mp4")), []
     while (frame := capture.read())[0]:
         colours.append(frame[1][..., ::-1])

@@ -134,6 +134,18 @@ def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Street
     assert page.session.rows == (0, 1)
 
 
+def test_a_scene_is_opened_from_elsewhere(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    """As the library's page does: from a thread of its own, while the page runs."""
+    page, streets, _ = served
+    session = page.session
+    page.open_scene(streets.scenes[1])
+    wait(lambda: page.session is not session)
+    assert streets.opened[-1] == (streets.scenes[1], 0, "go_to_goal", False)
+    assert page.session.scene == 1
+    page.open_scene(streets.scenes[0])
+    wait(lambda: page.session.scene == 0)
+
+
 def test_layers_are_switched(tab: Any, served: tuple[Page, Streets, str]) -> None:
     page = served[0]
     for layer, node in page.stage._robots[0].lines.items():

@@ -61,10 +61,11 @@ class ViewScenes:
         if key not in self._opened:
             while len(self._opened) >= _KEPT:
                 self._opened.pop(next(iter(self._opened)))
-            self._opened[key] = self._load(name, cousin)
+            self._opened[key] = self.load(name, cousin)
         return self._opened[key]
 
-    def _load(self, name: str, cousin: int) -> tuple[SceneBank, int]:
+    def load(self, name: str, cousin: int = 0) -> tuple[SceneBank, int]:
+        """Like `open` for a known scene, without keeping it."""
         from ..scene import pack_bank
 
         if name in self._banks:

@@ -106,6 +106,7 @@ def view(
     from ..viewer.front import served
     from ..viewer.page import Page
     from ..viewer.teleop import Teleop
+    from .view_library import ViewLibrary
 
     options = options or ViewOptions()
     options.check()
@@ -119,6 +120,7 @@ def view(
         name = scenes.first[0] if scenes.first else scenes.names[0]
         page = Page(server, choices, name, options.policy, options.robots, options.people, teleop)
         front.state = lambda: page.state
+        front.library = ViewLibrary(scenes, page.open_scene).answer
         on_ready(front.address)
         if options.open:
             webbrowser.open(front.address)

@@ -18,8 +18,9 @@ import pathlib
 import threading
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import viser
@@ -34,8 +35,12 @@ from ..datatypes import ValidationError
 from .recording import free_port, private_server
 from .teleop import Inputs, Teleop
 
-#: Paths of viser's page and of the socket for keys.
-FRAME, DRIVE = "/viser", "/drive"
+#: Paths of viser's page, of the socket for keys, and of the library's page.
+FRAME, DRIVE, LIBRARY = "/viser", "/drive", "/library"
+#: Takes the path below `LIBRARY` and the query; returns type and content, or raises a ValidationError.
+Library = Callable[[str, Mapping[str, str]], tuple[str, bytes]]
+#: In the page, the link to the library.
+_LINK = (b"<!-- library -->", b'<a href="library">Library</a>')
 _PAGE = pathlib.Path(__file__).with_name("teleop.html")
 _LARGEST = 50 * 2**20  # bytes of a message; viser's own limit
 #: s between two states sent to a browser, and between two measurements of its delay.
@@ -52,6 +57,9 @@ class Front:
       teleop: receives the inputs.
       state: function that returns the shown state as a JSON object; called often, from a thread.
 
+    Attributes:
+      library: answers the requests below `LIBRARY`, from several threads; None: there is no such page.
+
     Raises:
       ValidationError: the port is in use.
     """
@@ -61,6 +69,7 @@ class Front:
     ) -> None:
         self.port = free_port(host, port)
         self.state = state
+        self.library: Library | None = None
         self._host, self._behind, self._teleop = host, behind, teleop
         self._page = _PAGE.read_bytes()
         self._numbers = itertools.count()
@@ -106,6 +115,7 @@ class Front:
             max_size=_LARGEST,
             ping_interval=_PING_EVERY,
             close_timeout=1.0,
+            open_timeout=None,  # of a request, too, and drawing a image may take longer than its 10 s
             logger=_log(),
         )
 
@@ -115,10 +125,24 @@ class Front:
             return None
         path = request.path.partition("?")[0]
         if path == "/":
-            return _response(http.HTTPStatus.OK, self._page, {"Content-Type": "text/html; charset=utf-8"})
+            page = self._page.replace(*_LINK) if self.library is not None else self._page
+            return _response(http.HTTPStatus.OK, page, {"Content-Type": "text/html; charset=utf-8"})
         if path == FRAME or path.startswith(f"{FRAME}/"):
             return await asyncio.to_thread(self._of_viser, path.removeprefix(FRAME) or "/", request)
+        if self.library is not None and (path == LIBRARY or path.startswith(f"{LIBRARY}/")):
+            return await asyncio.to_thread(self._of_library, self.library, request.path)
         return _response(http.HTTPStatus.NOT_FOUND, b"not found", {"Content-Type": "text/plain"})
+
+    @staticmethod
+    def _of_library(library: Library, address: str) -> Response:
+        path, _, query = address.partition("?")
+        values = dict(urllib.parse.parse_qsl(query, keep_blank_values=False))
+        try:
+            kind, body = library(path.removeprefix(LIBRARY).strip("/"), values)
+        except ValidationError as error:
+            said = json.dumps({"error": str(error)}, ensure_ascii=False).encode()
+            return _response(http.HTTPStatus.BAD_REQUEST, said, {"Content-Type": "application/json"})
+        return _response(http.HTTPStatus.OK, body, {"Content-Type": kind})
 
     def _of_viser(self, path: str, request: Request) -> Response:
         accepted = {"Accept-Encoding": request.headers.get("Accept-Encoding", "identity")}

@@ -66,6 +66,15 @@ class Page(DrivePage):
         self._order(self._episode, self._begin)
         self._begin()
 
+    def open_scene(self, name: str) -> None:
+        """Opens a scene with the chosen policy, as its button does; from any thread."""
+
+        def order() -> None:
+            self._scene.value, self._cousin.value = name, 1
+            self._open()
+
+        self._orders.put(order)
+
     def _robot(self) -> int:
         return min(int(self._which.value) - 1, self.session.num_robots - 1)
 

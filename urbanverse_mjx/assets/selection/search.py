@@ -88,6 +88,10 @@ class ObjectLibrary:
             raise ValidationError(f"level: found {level!r}, needed 1, 2 or 3.")
         return list(dict.fromkeys(levels[int(digit) - 1] for levels in ontology.categories().values()))
 
+    def words(self, name: str) -> list[str]:
+        """The words that a filter of `LISTS` takes, in alphabetical order."""
+        return sorted(self._entries(name)[2])
+
     def filters(self) -> list[str]:
         """The names that `get_uids_conditioned` takes."""
         return [*self._filters, "query"]
