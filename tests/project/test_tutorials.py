@@ -103,3 +103,17 @@ def test_the_policy_of_the_tutorial_drives_to_the_goal(tmp_path: pathlib.Path) -
     exec(compile(body, "my_policy.py", "exec"), space)
     actions = space["Towards"]()({"goal": np.array([[5.0, 0.0], [0.0, 2.0], [-3.0, 4.0]])})
     np.testing.assert_allclose(actions, [[1, 0], [0, 1], [0, 0.8]], atol=1e-12)
+
+
+def test_the_messages_of_a_tutorial_are_those_of_the_code() -> None:
+    """The words of each message between its `...`, and `found` and `needed`, stand in one file of the package."""
+    text = (ROOT / "docs" / "tutorials" / "own_video.md").read_text(encoding="utf-8")
+    table = text.split("| message | cause | remedy |")[1].split("\n\n")[0]
+    messages = [m for line in table.splitlines()[2:] for m in re.findall(r"`([^`]+)`", line.split("|")[1])]
+    assert len(messages) > 6
+    package = (ROOT / "urbanverse_mjx").rglob("*.py")
+    # Parts of one message stand in several literals where values come between.
+    code = [re.sub(r"\{[^}]*\}|[\"'\s]+(?:f[\"'])?", " ", path.read_text(encoding="utf-8")) for path in package]
+    for message in messages:
+        words = [re.sub(r"[\s,]+", " ", part).strip() for part in re.split(r"\.\.\.|found|needed", message)]
+        assert any(all(word in re.sub(r"[\s,]+", " ", file) for word in words) for file in code), message

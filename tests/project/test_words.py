@@ -1,13 +1,18 @@
 """Retired words do not return: each was ambiguous, and more precise terms replace it."""
 
+import ast
+import functools
 import io
+import json
 import pathlib
 import re
 import tokenize
+from collections.abc import Callable
 
 import pytest
 
 from tests.project.test_style import ROOT, tracked
+from urbanverse_mjx.cli import main
 
 #: Word -> what to call it instead.
 RETIRED = {
@@ -106,3 +111,81 @@ def test_every_exception_is_needed() -> None:
     for name, paths in PLACES.items():
         for path in paths:
             assert re.search(rf"\b{name}\b", pathlib.Path(ROOT / path).read_text(encoding="utf-8")), (name, path)
+
+
+#: Words of `RETIRED` that have no plain sense in our subject, but in these phrases.
+PROSE = re.compile(rf"\b({'|'.join(sorted(set(RETIRED) - {'way'}))})(s|es)?\b", re.IGNORECASE)
+PHRASES = {
+    "eye level": "the height of a person's eyes",
+    '"eye"': "value of --perception",
+    "(default: eye)": "of --perception, in its help",
+    "ground truth": "a term of the field",
+    "ground-truth": "a term of the field",
+    "truth.json": "a file's name",
+    "picture.png": "a file's name",
+    "tour.mp4": "a file's name",
+    "-pictures": "a flag, and its opposite",
+    "--picture": "a flag",
+    "pictures:": "an argument with the flag's name",
+    "city-tour": "the paper's title",
+    "synthetic tour": "stored in the graphs of UrbanVerse-160",
+    "the noun ": "a part of speech",
+}
+
+
+def prose_with_retired(text: str) -> list[str]:
+    """Places in a text a user reads where a retired word stands, but in `PHRASES`."""
+    text = " ".join(text.split())
+    for phrase in PHRASES:
+        text = re.sub(re.escape(phrase), "", text, flags=re.IGNORECASE)
+    return [text[max(m.start() - 30, 0) : m.end() + 30] for m in PROSE.finditer(text)]
+
+
+@functools.cache
+def pages() -> dict[str, str]:
+    """The documentation by its file, but the list of changes and copied sources, which name what was renamed."""
+    files = [p for p in (ROOT / "docs").rglob("*") if p.suffix in (".md", ".ipynb") and "sources" not in p.parts]
+    found = {}
+    for path in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *files):
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".ipynb":
+            text = "\n".join("".join(cell["source"]) for cell in json.loads(text)["cells"])
+        found[path.relative_to(ROOT).as_posix()] = text
+    return found
+
+
+@functools.cache
+def sentences() -> dict[str, str]:
+    """Messages, docstrings and help of the package by their file and line, but of recipes, which describe objects."""
+    found = {}
+    for path in sorted((ROOT / "urbanverse_mjx").rglob("*.py")):
+        if "recipes" not in path.parts:
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
+                    found[f"{path.relative_to(ROOT).as_posix()}:{node.lineno}:{node.col_offset}"] = node.value
+    return found
+
+
+@pytest.mark.parametrize("texts", [pages, sentences], ids=lambda f: f.__name__)
+def test_no_text_that_a_user_reads_has_a_retired_word(texts: Callable[[], dict[str, str]]) -> None:
+    assert {place: found for place, text in texts().items() if (found := prose_with_retired(text))} == {}
+
+
+@pytest.mark.parametrize("command", sorted(main.COMMANDS))
+def test_no_help_has_a_retired_word(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Also names of flags and values, which are no sentences."""
+    with pytest.raises(SystemExit):
+        main.main([command, "--help"])
+    said = " ".join(capsys.readouterr().out.replace("\u2502", " ").split())
+    assert prose_with_retired(said.replace("eye,foundation", "").replace("--rivals", "")) == []
+
+
+def test_the_scan_of_texts_finds_what_it_should() -> None:
+    assert prose_with_retired("a tour of things") == ["a tour of things"] * 2
+    assert prose_with_retired("away from something; the ground truth at eye level; --no-pictures") == []
+
+
+def test_every_phrase_is_needed() -> None:
+    texts = "\n".join((*pages().values(), *sentences().values())).lower()
+    in_help = {"(default: eye)"}
+    assert [phrase for phrase in set(PHRASES) - in_help if phrase.lower() not in " ".join(texts.split())] == []

@@ -19,13 +19,13 @@ ANSWER_BYTES = 2**20
 TRIES = 3
 WAIT = 2.0  # s before the second try, doubled for each further one
 AGAIN = (408, 409, 429, 500, 502, 503, 504)
-_ASK = """The four pictures show one 3-D object from its sides; picture 0 is the side that its file calls the front,
-pictures 1, 2 and 3 are seen from 90, 180 and 270 degrees counter-clockwise. Its file is called {name}. The
-pictures have no scale. Answer with one JSON object and these fields only:
+_ASK = """The four images show one 3-D object from its sides; image 0 is the side that its file calls the front,
+images 1, 2 and 3 are seen from 90, 180 and 270 degrees counter-clockwise. Its file is called {name}. The
+images have no scale. Answer with one JSON object and these fields only:
 category (exactly one name of the list below), description (one sentence), description_view_0, description_view_1,
 description_view_2, description_view_3 (a few words each), height, length, width (metres of the real object; length is
 the longer ground side), materials (names, most first), materials_composition (shares that sum to 1), mass (kg),
-frontView (0 to 3: the picture that shows its front), quality (0 to 10), movable, receptacle, walkable, enterable,
+frontView (0 to 3: the image that shows its front), quality (0 to 10), movable, receptacle, walkable, enterable,
 support_surface (true or false), required_force (N to move it), friction_coefficient, bounciness, surface_roughness,
 reflectivity (0 to 1), surface_hardness (soft, semi-soft, hard), surface_finish (rough, matte, smooth, glossy, sleek,
 grippy), traversability (pass through, push through, obstacle), affordances, interactive_parts, colors (names),
