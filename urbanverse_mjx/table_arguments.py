@@ -13,7 +13,7 @@ import jax.numpy as jnp
 from jax.extend.core import jaxpr_as_fun
 
 #: Bytes from which on an array becomes an argument; smaller ones stay constants.
-LEAST = 1 << 16
+MIN_ELEMENTS = 1 << 16
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -40,7 +40,7 @@ class _Program:
     def __init__(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
         closed, shapes = jax.make_jaxpr(function, return_shape=True)(*arguments)
         structure = jax.tree.structure(shapes)
-        large = [k for k, x in enumerate(closed.consts) if getattr(x, "nbytes", 0) >= LEAST]
+        large = [k for k, x in enumerate(closed.consts) if getattr(x, "nbytes", 0) >= MIN_ELEMENTS]
         small = {k: x for k, x in enumerate(closed.consts) if k not in large}
         self.tables = [jnp.asarray(closed.consts[k]) for k in large]
 

@@ -90,7 +90,7 @@ def _moving_bodies(run: measure.Run | None) -> dict[str, Any]:
     bodies = run.sims.bodies
     home = jnp.asarray(run.env.bank.slot_position)[run.sims.scene[..., None], jnp.maximum(bodies.object_index, 0)]
     there = bodies.object_index >= 0
-    moving = there & (jnp.linalg.norm(bodies.velocity, axis=-1) > body_slots.SLOW)
+    moving = there & (jnp.linalg.norm(bodies.velocity, axis=-1) > body_slots.REST_SPEED)
     moved = there & (jnp.linalg.norm(bodies.position - home, axis=-1) > 0.01)
     return {name: round(float(x.sum(-1).mean()), 3) for name, x in (("moving", moving), ("moved", moved))}
 

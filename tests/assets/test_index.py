@@ -6,7 +6,7 @@ import pytest
 from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, load_index
 from urbanverse_mjx.assets.categories.ontology import categories
-from urbanverse_mjx.assets.categories.physical import ROLLING
+from urbanverse_mjx.assets.categories.physical import ROLLING_RESISTANCE
 from urbanverse_mjx.assets.categories.priors import prior
 from urbanverse_mjx.assets.exporting.export import export_glb
 from urbanverse_mjx.assets.meshes.glb import read_glb
@@ -116,7 +116,7 @@ def test_masses_are_plausible() -> None:
     own = {r.leaf for r in all_recipes() if r.physics is not None}
     for record in INDEX.records:
         rolls = record.leaf not in own and prior(record.leaf).rest == "rolls"
-        coefficient = ROLLING if rolls else record.friction_coefficient
+        coefficient = ROLLING_RESISTANCE if rolls else record.friction_coefficient
         assert record.required_force == pytest.approx(coefficient * record.mass * 9.81, abs=0.1, rel=2e-3), record.uid
 
 

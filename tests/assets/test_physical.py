@@ -12,7 +12,7 @@ from urbanverse_mjx.assets.categories.physical import (
     GRAVITY,
     MASS_STEP,
     ONE_PERSON_PUSH,
-    ROLLING,
+    ROLLING_RESISTANCE,
     Measured,
     Physical,
     agreeing,
@@ -38,7 +38,7 @@ def check(row: Prior, values: Physical) -> None:
     assert values.mass == pytest.approx(values.solid * density, rel=1e-12)
     assert (values.solid <= values.volume * (1 + 1e-9) + MASS_STEP / density).all()
     assert (values.volume <= np.prod(values.extent, axis=1) * (1 + 1e-9)).all()
-    coefficient = ROLLING if row.rest == "rolls" else values.friction
+    coefficient = ROLLING_RESISTANCE if row.rest == "rolls" else values.friction
     assert values.force == pytest.approx(coefficient * values.mass * GRAVITY, rel=1e-12)
     assert (np.abs(values.friction / friction - 1) <= 0.1 + 0.005 / friction + 1e-9).all()
     loose = row.rest not in ("fixed", "hangs")
@@ -127,7 +127,7 @@ def test_records_of_recipes_get_values_that_agree() -> None:
         row = prior(new.leaf)
         assert (new.uid, new.extent_xyz, new.volume, new.params) == (old.uid, old.extent_xyz, old.volume, old.params)
         assert row.mass[0] * 0.999 <= new.mass <= row.mass[2] * 1.001 or new.mass < row.mass[0]
-        coefficient = ROLLING if row.rest == "rolls" else new.friction_coefficient
+        coefficient = ROLLING_RESISTANCE if row.rest == "rolls" else new.friction_coefficient
         assert new.required_force == pytest.approx(coefficient * new.mass * GRAVITY, abs=0.06 + 0.005 * coefficient)
         assert AIR not in new.materials
         assert new.materials[0] in {name for make in row.makes for name in make.shares}

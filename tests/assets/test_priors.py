@@ -4,7 +4,7 @@ import pytest
 
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.categories.materials import materials, sources
-from urbanverse_mjx.assets.categories.physical import GRAVITY, ROLLING, medians, sample
+from urbanverse_mjx.assets.categories.physical import GRAVITY, ROLLING_RESISTANCE, medians, sample
 from urbanverse_mjx.assets.categories.priors import FORMS, Prior, prior, priors
 from urbanverse_mjx.assets.categories.published import published
 from urbanverse_mjx.datatypes import ValidationError
@@ -169,7 +169,7 @@ def test_every_source_is_listed_and_used() -> None:
 def test_force_of_a_car_with_brakes_and_of_a_bicycle_that_rolls() -> None:
     car, bicycle = (sample(prior(leaf), medians()) for leaf in ("car", "bicycle"))
     assert car.force[0] == pytest.approx(0.85 * 1430 * GRAVITY, rel=0.01)  # rubber on concrete
-    assert bicycle.force[0] == pytest.approx(ROLLING * 12.5 * GRAVITY, rel=0.01)
+    assert bicycle.force[0] == pytest.approx(ROLLING_RESISTANCE * 12.5 * GRAVITY, rel=0.01)
     assert bicycle.movable[0]
     assert not car.movable[0]
 

@@ -134,7 +134,7 @@ def test_same_uid_same_numbers_and_unknown_uid() -> None:
 def test_scenes_take_them(uid: str) -> None:
     sky = skies.build_sky(uid)
     assert sky.radiance.shape == (64, 128, 3)
-    assert sky.radiance.max() <= skies.BRIGHTEST
+    assert sky.radiance.max() <= skies.MAX_RADIANCE
     assert sky.sun_direction[2] > 0
     assert np.linalg.norm(sky.sun_direction) == pytest.approx(1, abs=1e-5)
     if uid.startswith("winter_dusk"):

@@ -18,7 +18,7 @@ from urbanverse_mjx.cli.train import main as train
 from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimState, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.pipeline import banks, evaluation, quick_bank, training_run
-from urbanverse_mjx.pipeline.evaluation import SHOWN, evaluate_policy
+from urbanverse_mjx.pipeline.evaluation import NUM_SHOWN, evaluate_policy
 from urbanverse_mjx.pipeline.rollout_video import random_draw
 from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
 from urbanverse_mjx.simulation.collision_slots.body_table import body_table
@@ -234,8 +234,8 @@ def test_the_video_shows_a_random_draw_with_how_each_episode_ended(
     evaluate_policy(policy, small_bank, tmp_path, 9, 5, True, True, "all")
     own = [r for r in BenchmarkReport.load(tmp_path / "report.json").episodes if r.agent == "trained"]
     assert not any(r.success for r in own), "nobody arrives within four steps"
-    drawn = random_draw(range(9), SHOWN, 5)
-    assert len(drawn) == SHOWN
+    drawn = random_draw(range(9), NUM_SHOWN, 5)
+    assert len(drawn) == NUM_SHOWN
     assert shown["columns"] == [9 + i for i in drawn], "`trained` is the second agent of its batch"
     assert shown["outcomes"] == [own[i].outcome for i in drawn]
-    assert {tuple(random_draw(range(9), SHOWN, seed)) for seed in range(9)} - {(0, 1, 2)}
+    assert {tuple(random_draw(range(9), NUM_SHOWN, seed)) for seed in range(9)} - {(0, 1, 2)}

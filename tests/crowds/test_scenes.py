@@ -62,7 +62,7 @@ def test_circle_of_sixteen_changes_places() -> None:
 @pytest.mark.slow
 def test_the_circle_stops_without_the_deadlock_rule(monkeypatch: pytest.MonkeyPatch) -> None:
     # The purpose of `deadlock`: the published program alone never resolves the ring.
-    monkeypatch.setattr(deadlock, "MOST", 0.0)
+    monkeypatch.setattr(deadlock, "MAX_ROTATION", 0.0)
     scene = scenes.circle(16, 5.0)
     path = scenes.run(scene, 20.0)
     assert path.overlap() <= DEEPEST

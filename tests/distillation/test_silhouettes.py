@@ -72,7 +72,7 @@ def test_an_outline_with_a_front_tells_it() -> None:
         fit = silhouettes.face(seen, prior)
         assert fit is not None
         assert np.cos(fit.best - yaw) > 0.98
-        assert fit.at(yaw + np.pi) - fit.at(yaw) > silhouettes.CLEAR
+        assert fit.at(yaw + np.pi) - fit.at(yaw) > silhouettes.MIN_MISFIT_DIFFERENCE
 
 
 def test_one_view_or_an_unknown_label_tells_nothing() -> None:

@@ -12,7 +12,7 @@ from tests.support.unicycle import UnicycleEngine, unicycle_env, unicycle_robot
 from tests.support.unsound import NO_NUMBERS, float_leaves, spoil, unsound
 from urbanverse_mjx.datatypes import AgentMotion, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, Result, registry
-from urbanverse_mjx.envs.finite import LARGEST, is_sound
+from urbanverse_mjx.envs.finite import MAX_MAGNITUDE, is_sound
 
 
 class BrokenEngine(UnicycleEngine):
@@ -80,8 +80,8 @@ def test_what_an_engine_spoils_ends_the_episode_where_it_stood(env: NavEnv) -> N
 
 def test_the_largest_number_is_sound_and_the_next_is_not() -> None:
     tree = {"count": jnp.int32(2**31 - 1), "key": jax.random.key(0)}
-    assert is_sound({**tree, "x": jnp.float32([LARGEST, -LARGEST])})
-    for wrong in (np.nextafter(np.float32(LARGEST), np.float32(np.inf)), *NO_NUMBERS):
+    assert is_sound({**tree, "x": jnp.float32([MAX_MAGNITUDE, -MAX_MAGNITUDE])})
+    for wrong in (np.nextafter(np.float32(MAX_MAGNITUDE), np.float32(np.inf)), *NO_NUMBERS):
         assert not is_sound({**tree, "x": jnp.float32([0.0, wrong])})
 
 

@@ -125,7 +125,7 @@ def test_cousins_keep_places_headings_and_affordances_and_differ_in_looks_and_ph
         assert len({(p.mass, p.friction) for p in placed}) > 1
         assert len({affordances(r) for r in records}) == 1
         for p, r in zip(placed, records, strict=True):
-            assert math.dist(p.position[:2], node.center[:2]) <= overlap.LIMIT
+            assert math.dist(p.position[:2], node.center[:2]) <= overlap.MAX_MOVE
             assert math.cos(p.yaw - node.yaw) == pytest.approx(1.0, abs=1e-6)
             assert np.abs(np.log(np.array(r.extent_xyz) * p.scale / node.size)).max() < math.log(4 / 3)
     for field in ("sky", "sky_yaw"):
@@ -173,7 +173,7 @@ def test_nothing_shares_a_place_and_moves_are_small(cousins):
             for p in cousin.layout.objects
         ]
         assert not overlap.penetrating_pairs(bodies)
-        assert all(distance <= overlap.LIMIT + 1e-6 for _, distance in cousin.moved)
+        assert all(distance <= overlap.MAX_MOVE + 1e-6 for _, distance in cousin.moved)
 
 
 def test_the_nearest_cousin_is_what_was_seen(cousins):

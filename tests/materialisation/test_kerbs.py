@@ -94,6 +94,6 @@ def test_a_pot_stands_on_a_table():
 def test_house_fronts_behind_the_pavement_take_its_height():
     house = box("house", 0.2, 8.0, x=24.0)
     assert standing.place_on_support(house, "house", SUPPORT).z == pytest.approx(0.15)
-    far = box("house", 0.2, 8.0, x=24.0 + 2 * standing.REACH)
+    far = box("house", 0.2, 8.0, x=24.0 + 2 * standing.GROUND_DISTANCE)
     assert standing.place_on_support(far, "house", SUPPORT).z == pytest.approx(0.2)
     assert math.isfinite(far.center[0])

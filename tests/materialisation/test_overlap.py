@@ -116,7 +116,10 @@ def test_a_crowd_is_sorted_out_without_a_new_penetration():
         (a, b)
         for i, a in enumerate(ids)
         for b in ids[i + 1 :]
-        if not rectangle(placed[a])[0].intersection(rectangle(placed[b])[0]).buffer(-overlap.TOUCH / 2).is_empty
+        if not rectangle(placed[a])[0]
+        .intersection(rectangle(placed[b])[0])
+        .buffer(-overlap.PENETRATION_TOLERANCE / 2)
+        .is_empty
     }
     assert found == {tuple(sorted(pair)) for pair in done.unresolved}
     assert all(0.0 < metres <= 0.5 + 1e-3 for _, metres in done.moved)

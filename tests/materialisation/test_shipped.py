@@ -54,9 +54,9 @@ def test_no_two_hulls_share_a_place(street):
             shapes.append((number, outline(placed, corners), z.min(), z.max()))
     for i, j in shapely.STRtree([s[1] for s in shapes]).query([s[1] for s in shapes], predicate="intersects").T:
         (a, pa, la, ha), (b, pb, lb, hb) = shapes[i], shapes[j]
-        if a < b and min(ha, hb) - max(la, lb) > overlap.TOUCH:
+        if a < b and min(ha, hb) - max(la, lb) > overlap.PENETRATION_TOLERANCE:
             # less than `TOUCH` deep is let be: a sliver no wider than that
-            assert pa.intersection(pb).buffer(-overlap.TOUCH / 2).is_empty, (a, b)
+            assert pa.intersection(pb).buffer(-overlap.PENETRATION_TOLERANCE / 2).is_empty, (a, b)
 
 
 def test_assets_are_as_large_as_the_graph_says(street):

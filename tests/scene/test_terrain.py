@@ -32,7 +32,7 @@ def _edges(kind: str, level: int, seed: int = 0) -> np.ndarray:
 @pytest.mark.parametrize("level", [0, terrain.LEVELS - 1])
 def test_scenes_are_full_squares(kind: str, level: int) -> None:
     area = sum(np.prod(np.ptp(np.array(r.polygon), axis=0)) for r in terrain.terrain_regions(kind, level))
-    assert area == pytest.approx(terrain.SIDE**2)
+    assert area == pytest.approx(terrain.SCENE_SIDE**2)
 
 
 def test_kerbs_grow_with_the_level_and_leave_the_tests_heights_out() -> None:

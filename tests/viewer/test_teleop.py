@@ -20,7 +20,7 @@ from urbanverse_mjx.viewer.front import Front, served
 from urbanverse_mjx.viewer.session import Driver, Machine, Session
 from urbanverse_mjx.viewer.teleop import (
     DEAD_ZONE,
-    FRESH,
+    MESSAGE_LIFETIME,
     STOP,
     Command,
     Inputs,
@@ -199,7 +199,7 @@ def test_the_robot_stops_within_three_tenths_of_a_second_of_the_last_message(lea
                 moved_until = step + 0.2
         assert moved_until <= last + 0.3 + 1e-9
         assert command is None
-    assert FRESH > 2 * 0.025
+    assert MESSAGE_LIFETIME > 2 * 0.025
 
 
 def test_a_tap_between_two_steps_counts_once() -> None:

@@ -19,7 +19,7 @@ from .. import settings
 _READING = re.compile(r"Error reading persistent compilation cache entry for '(?P<name>[^']+)'")
 _ZSTD = b"\x28\xb5\x2f\xfd"  # begins its files (RFC 8878, section 3.1.1)
 _ENTRY = "-cache"  # ends the names of JAX's files
-_WRITTEN = 60.0  # s after which a file is complete; JAX writes it in place
+_COMPLETE_AFTER = 60.0  # s after which a file is complete; JAX writes it in place
 
 
 def replace_damaged_entries(folder: pathlib.Path) -> None:
@@ -48,7 +48,7 @@ def _changed(folder: pathlib.Path) -> list[pathlib.Path]:
     from ..datatypes.checksums import changed_groups
 
     with contextlib.suppress(OSError):
-        entries = [p for p in sorted(folder.glob(f"*{_ENTRY}")) if time.time() - p.stat().st_mtime > _WRITTEN]
+        entries = [p for p in sorted(folder.glob(f"*{_ENTRY}")) if time.time() - p.stat().st_mtime > _COMPLETE_AFTER]
 
         record = settings.cache_dir("kernels", "jax.json")
         return list(changed_groups(folder, {path: [path] for path in entries}, record))

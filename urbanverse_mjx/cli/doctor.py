@@ -21,7 +21,7 @@ from .doctor_checks import CHECKS, Finding, reinstall
 #: compiles the renderer's kernels (20 s on a GPU, docs/sources/measured.md).
 TIMEOUT = 300.0
 #: s of wall time without computation after which a check counts as hanging.
-IDLE = 120.0
+IDLE_TIMEOUT = 120.0
 #: Share of one core below which a process counts as idle.
 _IDLE_SHARE = 0.01
 
@@ -35,7 +35,7 @@ class Row:
     finding: Finding
 
 
-def examine(name: str, timeout: float = TIMEOUT, idle: float = IDLE) -> Row:
+def examine(name: str, timeout: float = TIMEOUT, idle: float = IDLE_TIMEOUT) -> Row:
     """Runs one check in a new interpreter; crashes and time-outs become findings.
 
     Args:

@@ -20,15 +20,15 @@ from .bodies import PreferredVelocity
 from .motion import wrapped
 
 #: s, time constant of the average progress.
-MEMORY = 1.5
+PROGRESS_TIME_CONSTANT = 1.5
 #: rad, largest rotation of the preferred velocity; with more than pi / 2 an agent would walk back.
-MOST = 1.3
+MAX_ROTATION = 1.3
 #: s, mean time after which a blocked agent tries the other side.
-CHANGE_MIND = 3.0
+SIDE_CHANGE_TIME = 3.0
 #: s, time that a vehicle stands before it backs up (plus about a second); s, duration, and m/s, speed of backing up.
-STUCK, BACK_TIME, BACK_SPEED = 4.0, 3.0, 0.8
+STUCK_TIME, BACK_TIME, BACK_SPEED = 4.0, 3.0, 0.8
 #: Share of people that step to the right (Moussaïd et al. 2009, right-hand side countries).
-RIGHT = 0.8
+RIGHT_SIDE_SHARE = 0.8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,7 +49,7 @@ class DeadlockOptions:
 _OPTIONS = DeadlockOptions()
 
 
-def habitual_side(key: Any, agents: int, right: float = RIGHT) -> Any:
+def habitual_side(key: Any, agents: int, right: float = RIGHT_SIDE_SHARE) -> Any:
     """(agents,) f32: -1 for agents that step to their right, 1 for the others."""
     return jnp.where(jax.random.uniform(key, (agents,)) < right, -1.0, 1.0)
 
@@ -67,14 +67,14 @@ def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple
     square = wx * wx + wy * wy
     wanted = square > _OPTIONS.min_speed * _OPTIONS.min_speed
     forward = jnp.where(wanted, (wx * vx + wy * vy) / jnp.where(wanted, square, 1.0), 1.0)
-    return blocked + min(1.0, dt / MEMORY) * (1.0 - jnp.clip(forward, 0.0, 1.0) - blocked)
+    return blocked + min(1.0, dt / PROGRESS_TIME_CONSTANT) * (1.0 - jnp.clip(forward, 0.0, 1.0) - blocked)
 
 
 def step_aside(preferred_velocity: PreferredVelocity, blocked: Any, side: Any) -> PreferredVelocity:
     """Preferred velocities (A,), rotated to `side` for blocked agents (see `habitual_side`; 0 for no rotation)."""
     angle = (
         side
-        * MOST
+        * MAX_ROTATION
         * jnp.clip((blocked - _OPTIONS.first_share) / (_OPTIONS.full_share - _OPTIONS.first_share), 0.0, 1.0)
     )
     cos, sin = jnp.cos(angle), jnp.sin(angle)
@@ -99,14 +99,14 @@ def back_up(preferred_velocity: PreferredVelocity, backing: Any, heading: Any) -
 
 
 def backing_time(backing: Any, still: Any, key: Any, dt: float) -> Any:
-    """(A,) s, remaining time to back up after one step; vehicles that stood for `STUCK` s (`still`, (A,) s) begin to
-    back up."""
-    begins = (still > STUCK) & (jax.random.uniform(key, backing.shape) < dt)
+    """(A,) s, remaining time to back up after one step; vehicles that stood for `STUCK_TIME` s (`still`, (A,) s) begin
+    to back up."""
+    begins = (still > STUCK_TIME) & (jax.random.uniform(key, backing.shape) < dt)
     return jnp.where(backing > 0.0, jnp.maximum(backing - dt, 0.0), jnp.where(begins, BACK_TIME, 0.0))
 
 
 def reconsider(side: Any, blocked: Any, key: Any, dt: float) -> Any:
     """Sides (A,) after one step; an agent that stepped aside without success tries the other side after about
-    `CHANGE_MIND` s."""
-    chance = jnp.where(blocked >= _OPTIONS.full_share, min(1.0, dt / CHANGE_MIND), 0.0)
+    `SIDE_CHANGE_TIME` s."""
+    chance = jnp.where(blocked >= _OPTIONS.full_share, min(1.0, dt / SIDE_CHANGE_TIME), 0.0)
     return jnp.where(jax.random.uniform(key, side.shape) < chance, -side, side)

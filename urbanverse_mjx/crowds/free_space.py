@@ -19,7 +19,7 @@ from .kinds import SURFACES
 #: m, side of a cell: two cells of the scene's map.
 CELL = 0.1
 #: m above the ground; people walk under higher hulls (those of tree crowns reach down to 1.64 m) and over lower ones.
-HEADROOM, KICKED = 1.6, 0.05
+HEADROOM, STEP_OVER_HEIGHT = 1.6, 0.05
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,5 +104,5 @@ def _blocked(bank: SceneBank, scene: int, grid: Grid) -> np.ndarray:
     for corners in bank.standing_hulls(scene):
         cells = touched(grid, corners[:, :2])
         low, high = corners[:, 2].min() - ground[cells], corners[:, 2].max() - ground[cells]
-        blocked[cells] |= (low < HEADROOM) & (high > KICKED)
+        blocked[cells] |= (low < HEADROOM) & (high > STEP_OVER_HEIGHT)
     return blocked

@@ -22,7 +22,7 @@ import jax.numpy as jnp
 #: Offset of a half-plane without effect.
 NO_LIMIT = -1e6
 #: Sine of the angle below which two lines count as parallel: the published library's RVO_EPSILON.
-PARALLEL = 1e-5
+PARALLEL_TOLERANCE = 1e-5
 #: Tolerance of violations in units of the machine epsilon.
 _ULPS = 16.0
 #: Chunk size of the second program: one over its share of the agents, and its least number of agents.
@@ -73,7 +73,7 @@ def _on_line(lines: HalfPlanes, j: int, limit: Any, target: Any) -> tuple[Any, A
         ox, oy, other = lines.x[:j], lines.y[:j], lines.offset[:j]
         sine = ox * ny - oy * nx
         needed = other - offset * (ox * nx + oy * ny)
-        parallel = jnp.abs(sine) <= PARALLEL
+        parallel = jnp.abs(sine) <= PARALLEL_TOLERANCE
         crossing = needed / jnp.where(parallel, 1.0, sine)
         low = jnp.maximum(low, jnp.max(jnp.where(parallel | (sine < 0.0), -jnp.inf, crossing), axis=0))
         high = jnp.minimum(high, jnp.min(jnp.where(parallel | (sine > 0.0), jnp.inf, crossing), axis=0))
@@ -143,7 +143,7 @@ def _bisectors(lines: HalfPlanes, num_hard: int) -> HalfPlanes:
     k = jnp.arange(number).reshape(number, 1, *ones)
     i = jnp.arange(num_hard, number).reshape(1, number - num_hard, *ones)
     # Parallel lines have no bisector; the stricter one is handled before.
-    used = (k >= num_hard) & (k < i) & (length > PARALLEL)
+    used = (k >= num_hard) & (k < i) & (length > PARALLEL_TOLERANCE)
     scale = 1.0 / jnp.where(used, length, 1.0)
     hard = k < num_hard
     nothing = jnp.zeros_like(dx)

@@ -13,9 +13,9 @@ from .motion import wrapped
 
 #: m, distance within which an agent counts as visible from any side, and within the field of view; a person 30 m away
 #: is 6 pixels high in the paper's frame of 135 rows at a field of view of 60°.
-NOTICED, SEEN = 4.0, 30.0
+NOTICE_DISTANCE, VIEW_DISTANCE = 4.0, 30.0
 #: rad, half the angle of view within which an agent is visible, wider than the camera's.
-HALF_VIEW = 1.0
+HALF_VIEW_ANGLE = 1.0
 
 
 class Observer(NamedTuple):
@@ -33,8 +33,8 @@ def visible(observer: Observer, x: Any, y: Any) -> Any:
     """(...) bool, whether the observer would see an agent appear or vanish at points (...) m; ignores occlusion."""
     dx, dy = x - observer.x, y - observer.y
     distance = jnp.sqrt(dx * dx + dy * dy)
-    ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - observer.heading)) < HALF_VIEW
-    return observer.present & ((distance < NOTICED) | (ahead & (distance < SEEN)))
+    ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - observer.heading)) < HALF_VIEW_ANGLE
+    return observer.present & ((distance < NOTICE_DISTANCE) | (ahead & (distance < VIEW_DISTANCE)))
 
 
 def choose(

@@ -16,7 +16,7 @@ _COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 90.0, 1.5)), np.rad
 _MIN_SIDE = 0.01  # m
 #: Reduction of the outline misfit that a heading oblique to the surroundings needs; 85 of 100 objects are within 6° of
 #: the surrounding axes.
-ASKEW = 4.0
+OBLIQUE_MISFIT_REDUCTION = 4.0
 #: Bins of the histogram from which the density of points along a direction is computed.
 _BINS = 128
 
@@ -254,11 +254,11 @@ def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> fl
     if axis is not None:
         along = np.array([fit.at(side) for side in sides])
         k = int(along[:2].argmin()) if abs(along[0] - along[1]) > 1.0 else 0
-        if along[k] < least + ASKEW:
+        if along[k] < least + OBLIQUE_MISFIT_REDUCTION:
             best = float(sides[k])
     elif not fit.clear:
         return None
-    if fit.at(best + np.pi) - fit.at(best) > silhouettes.CLEAR or np.cos(best - sides[0]) >= -1e-6:
+    if fit.at(best + np.pi) - fit.at(best) > silhouettes.MIN_MISFIT_DIFFERENCE or np.cos(best - sides[0]) >= -1e-6:
         return best
     return best + np.pi
 

@@ -13,11 +13,11 @@ from .straight_pieces import FitOptions, straight_pieces
 #: m: corners are rounded to whole millimetres.
 GRID = 1e-3
 #: m, largest extension of a line that ends on another line; m by which it then crosses that line.
-_REACH, _OVER = 4.0, 0.01
+_MAX_EXTENSION, _OVERSHOOT = 4.0, 0.01
 #: Weight of a border between unseen cells relative to one between seen cells.
-_UNSEEN = 0.05
+_UNSEEN_BORDER_WEIGHT = 0.05
 #: Factor on the noise of a border with the outside, which lies where visibility ends.
-_OUTER = 2.0
+_OUTER_NOISE_FACTOR = 2.0
 #: Label of a face that contains no cell centre; rounds in which small areas are merged into neighbours.
 _NOBODY, _ROUNDS = -1, 8
 
@@ -74,8 +74,10 @@ def _fitted(
     sure = np.pad(known, 1).ravel()[stroke.sides].mean(1)
     if (np.pad(labels, 1).ravel()[stroke.sides[0]] == 0).any():
         sure = np.ones(len(sure))
-        options = dataclasses.replace(options, noise=_OUTER * options.noise, ceiling=_OUTER * options.ceiling)
-    made = straight_pieces(middles, np.maximum(sure, _UNSEEN), stroke.closed, options)
+        options = dataclasses.replace(
+            options, noise=_OUTER_NOISE_FACTOR * options.noise, ceiling=_OUTER_NOISE_FACTOR * options.ceiling
+        )
+    made = straight_pieces(middles, np.maximum(sure, _UNSEEN_BORDER_WEIGHT), stroke.closed, options)
     if stroke.closed:
         if len(made) < 3:  # an island of few cells has no long sides
             return shapely.LineString(shapely.get_coordinates(shapely.LineString(corners).simplify(cell)))
@@ -102,12 +104,12 @@ def _drawn_out(k: int, found: list[Stroke], lines: list[shapely.LineString]) -> 
 def _to_host(points: np.ndarray, host: BaseGeometry) -> np.ndarray:
     """The points, with the last moved onto the host line or just beyond it."""
     line = shapely.LineString(points)
-    end = substring(line, line.length - min(_REACH, line.length / 2), line.length)
+    end = substring(line, line.length - min(_MAX_EXTENSION, line.length / 2), line.length)
     if end.intersects(host):
         return points
     ahead = points[-1] - points[-2]
     ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
-    hit = shapely.LineString([points[-1], points[-1] + _REACH * ahead]).intersection(host)
+    hit = shapely.LineString([points[-1], points[-1] + _MAX_EXTENSION * ahead]).intersection(host)
     if hit.is_empty:
         return np.vstack([points, _beyond(points[-1], host)])
     return np.vstack([points[:-1], _beyond(points[-1], hit)])
@@ -116,7 +118,7 @@ def _to_host(points: np.ndarray, host: BaseGeometry) -> np.ndarray:
 def _beyond(point: np.ndarray, host: BaseGeometry) -> np.ndarray:
     """The point just beyond the nearest point of a host line."""
     at = shapely.get_coordinates(shapely.shortest_line(shapely.Point(point), host))[-1]
-    return at + _OVER * (at - point) / max(float(np.linalg.norm(at - point)), 1e-9)
+    return at + _OVERSHOOT * (at - point) / max(float(np.linalg.norm(at - point)), 1e-9)
 
 
 def _votes(faces: list[shapely.Polygon], labels: np.ndarray, origin: np.ndarray, cell: float) -> np.ndarray:

@@ -15,7 +15,7 @@ from ..datatypes.recording import SKY
 #: Number of points kept of a view; views with fewer pixels repeat some.
 POINTS = 192
 #: Side, in pixels, of the block that one pixel of the coarse depth covers.
-COARSE = 8
+COARSE_BLOCK_SIDE = 8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,12 +103,17 @@ def lift(
     grounds: list[tuple[np.ndarray, ...]] = []
     registered = recording.registered
     camera = recording.camera
-    rows = len(range(COARSE // 2, camera.height, COARSE)), len(range(COARSE // 2, camera.width, COARSE))
+    rows = (
+        len(range(COARSE_BLOCK_SIDE // 2, camera.height, COARSE_BLOCK_SIDE)),
+        len(range(COARSE_BLOCK_SIDE // 2, camera.width, COARSE_BLOCK_SIDE)),
+    )
     coarse = np.zeros((len(registered), *rows), np.float32)
     for row, number in enumerate(registered):
         depth = recording.depth(int(number))
         if depth is not None:
-            coarse[row] = depth[COARSE // 2 :: COARSE, COARSE // 2 :: COARSE]
+            coarse[row] = depth[
+                COARSE_BLOCK_SIDE // 2 :: COARSE_BLOCK_SIDE, COARSE_BLOCK_SIDE // 2 :: COARSE_BLOCK_SIDE
+            ]
             depth = np.where(depth <= max_range, depth, 0.0)
             masks, surfaces = recording.masks(int(number)), recording.surfaces(int(number))
             if masks is not None:

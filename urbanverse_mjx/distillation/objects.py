@@ -8,7 +8,7 @@ import numpy as np
 from ..datatypes import Camera, LabelPrior
 from . import bearings, boxes, fusion
 from .depth_scale import DepthScale
-from .lifting import COARSE, Views
+from .lifting import COARSE_BLOCK_SIDE, Views
 
 
 @dataclasses.dataclass(frozen=True)
@@ -258,8 +258,8 @@ def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrio
     inside &= (u > 0) & (u < camera.width) & (w > 0) & (w < camera.height)
     inside[frames] = False
     missing = np.flatnonzero(inside)
-    i = np.minimum(w[missing] / COARSE, fused.coarse.shape[1] - 1).astype(int)
-    j = np.minimum(u[missing] / COARSE, fused.coarse.shape[2] - 1).astype(int)
+    i = np.minimum(w[missing] / COARSE_BLOCK_SIDE, fused.coarse.shape[1] - 1).astype(int)
+    j = np.minimum(u[missing] / COARSE_BLOCK_SIDE, fused.coarse.shape[2] - 1).astype(int)
     depth = fused.coarse[missing, i, j] * fused.depth.scale[missing]
     slack = 0.5 * float(np.linalg.norm(box.size[:2])) + 2 * fused.depth.noise * local[missing, 2] + 0.3
     free = (depth == 0) | (depth > local[missing, 2] - slack)

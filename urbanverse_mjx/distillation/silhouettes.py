@@ -18,7 +18,7 @@ from .bearings import Bearings
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 6.0))
 #: Half the difference of misfits from which one heading is distinguished from most others; the mean error is 16° above
 #: it and 39° below (four captures).
-CLEAR = 4.0
+MIN_MISFIT_DIFFERENCE = 4.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Fit:
     @property
     def clear(self) -> bool:
         """Whether the best heading fits much better than most others."""
-        return bool(np.median(self.misfit) - self.misfit.min() > CLEAR)
+        return bool(np.median(self.misfit) - self.misfit.min() > MIN_MISFIT_DIFFERENCE)
 
     @property
     def best(self) -> float:

@@ -11,11 +11,11 @@ import numpy as np
 import shapely
 
 #: m, correlation length of the errors of neighbouring points.
-_CORRELATION = 0.5
+_CORRELATION_LENGTH = 0.5
 #: m; if two pieces intersect farther from their common point than this, a straight connection replaces the corner.
-_CORNER = 1.5
+_MAX_CORNER_DISTANCE = 1.5
 #: Cosine of the turn at which a corner is a spike and is cut off.
-_SHARP = -0.4
+_SPIKE_COSINE = -0.4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,7 +69,7 @@ def straight_pieces(points: np.ndarray, weights: np.ndarray, closed: bool, optio
     if len(points) < 3:
         return points
     spacing = float(np.median(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    weights = weights * spacing / (_CORRELATION * options.noise**2)
+    weights = weights * spacing / (_CORRELATION_LENGTH * options.noise**2)
     if closed:
         begin = int(np.argmax(np.linalg.norm(points - points.mean(0), axis=1)))
         points, weights = np.roll(points, -begin, 0), np.roll(weights, -begin)
@@ -140,8 +140,8 @@ def _corners(
     for k, before in enumerate(lines if closed else lines[:-1]):
         after, at = lines[(k + 1) % len(lines)], points[breaks[k + 1]]
         meet = _meeting(before, after)
-        sharp = before.direction @ after.direction < _SHARP
-        if meet is not None and not sharp and np.linalg.norm(meet - at) <= _CORNER:
+        sharp = before.direction @ after.direction < _SPIKE_COSINE
+        if meet is not None and not sharp and np.linalg.norm(meet - at) <= _MAX_CORNER_DISTANCE:
             out.append(meet)
         else:
             feet = [before.foot(at), after.foot(at)]

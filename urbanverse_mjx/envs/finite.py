@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 #: Larger numbers count as infinite, because their squares and cubes may overflow.
-LARGEST = 1e9
+MAX_MAGNITUDE = 1e9
 
 
 def _is_float(leaf: Any) -> bool:
@@ -15,8 +15,8 @@ def _is_float(leaf: Any) -> bool:
 
 
 def is_sound(tree: Any) -> Bool[Array, ""]:
-    """() bool: whether all floats of a pytree are numbers of at most `LARGEST`."""
-    sound = [(jnp.abs(leaf) <= LARGEST).all() for leaf in jax.tree.leaves(tree) if _is_float(leaf)]
+    """() bool: whether all floats of a pytree are numbers of at most `MAX_MAGNITUDE`."""
+    sound = [(jnp.abs(leaf) <= MAX_MAGNITUDE).all() for leaf in jax.tree.leaves(tree) if _is_float(leaf)]
     return jnp.array(sound).all()
 
 
@@ -24,7 +24,7 @@ def repaired[T](tree: T) -> tuple[T, Bool[Array, ""]]:
     """Replaces every float of a pytree that is NaN or too large by 0; also returns `is_sound` of the input."""
 
     def repair(leaf: Any) -> Any:
-        return jnp.where(jnp.abs(leaf) <= LARGEST, leaf, 0.0).astype(leaf.dtype) if _is_float(leaf) else leaf
+        return jnp.where(jnp.abs(leaf) <= MAX_MAGNITUDE, leaf, 0.0).astype(leaf.dtype) if _is_float(leaf) else leaf
 
     return jax.tree.map(repair, tree), is_sound(tree)
 

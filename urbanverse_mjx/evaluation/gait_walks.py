@@ -16,7 +16,7 @@ from ..robots.gait import Gait, sensor_frame
 
 #: z component of the world's up axis in the body frame below which a robot counts as fallen (72 degrees), as in
 #: `envs.joystick`.
-FALLEN = 0.3
+MIN_UPRIGHT = 0.3
 #: Prefix of the robot's names in `simulation.parity.c_mujoco.reference_model`.
 _ROBOT = "robot/"
 #: (N, 3) positions (m), (N,) headings (rad), () s -> (N, 3) commands.
@@ -101,7 +101,7 @@ class _Walker:
             self.fell = self.fell or bool(body.is_trunk[geoms].any())
         # mj_step leaves positions as they were before the integration.
         mujoco.mj_kinematics(model, data)
-        lying = data.xmat[body.root, 8] < FALLEN or not np.isfinite(data.qpos).all()
+        lying = data.xmat[body.root, 8] < MIN_UPRIGHT or not np.isfinite(data.qpos).all()
         self.fell = self.fell or bool(lying)
 
     def slip(self, control_dt: float) -> float:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from ..envs.navigation.dynamic import FAR
+from ..envs.navigation.dynamic import MAX_PEOPLE_DISTANCE
 
 
 class PeopleTally(NamedTuple):
@@ -27,7 +27,7 @@ class PeopleTally(NamedTuple):
 def no_people(number: int) -> PeopleTally:
     """The initial tally of `number` envs."""
     zero = jnp.zeros(number)
-    return PeopleTally(zero + FAR, zero, zero, zero)
+    return PeopleTally(zero + MAX_PEOPLE_DISTANCE, zero, zero, zero)
 
 
 def counted(tally: PeopleTally, metrics: Mapping[str, Any]) -> PeopleTally:

@@ -26,18 +26,18 @@ TURNS = (-1.0, -0.6, -0.35, -0.2, -0.1, 0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 TIMES = (0.2, 0.4, 0.6, 0.9, 1.2, 1.6)
 #: m, clearance below which the cost of a drive rises, and below which it counts as contact; the distances have an error
 #: of half a cell of 0.2 m.
-SHY, TOUCH = 0.4, 0.02
+COMFORT_DISTANCE, CONTACT_DISTANCE = 0.4, 0.02
 #: m, tolerance of the feet's distance to an edge, which is that of the nearest cell that is not completely walkable.
-EDGE = 0.12
+EDGE_TOLERANCE = 0.12
 #: Cost in metres of zero clearance during the whole drive, and of a contact.
-SHY_COST, TOUCH_COST = 5.0, 30.0
+ZERO_CLEARANCE_COST, CONTACT_COST = 5.0, 30.0
 #: m, spacing of the nodes of the cost-to-go; (X, Y, 2) m, nodes in the heading frame.
 STEP = 0.3
 NODES = np.stack(np.meshgrid(np.arange(-4, 17) * STEP, np.arange(-10, 11) * STEP, indexing="ij"), -1).astype(np.float32)
 #: m, distance along the route from the point nearest to the robot to the target point.
-AHEAD = 3.5
+LOOKAHEAD_DISTANCE = 3.5
 #: Additional cost per metre where the robot does not fit, and number of sweeps of the cost-to-go.
-CLOSED, SWEEPS = 20.0, 26
+BLOCKED_COST, SWEEPS = 20.0, 26
 _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
 
 
@@ -82,7 +82,7 @@ class RouteFollower:
         """(2,) waypoint in [-1, 1]."""
         xy, yaw = nav.sim.xpos[self._root, :2], rotations.yaw_of(nav.sim.xquat[self._root])
         here = terms.route_position(xy, nav.start, nav.waypoints)
-        target = terms.to_body(route_point(nav.start, nav.waypoints, here + AHEAD) - xy, yaw)
+        target = terms.to_body(route_point(nav.start, nav.waypoints, here + LOOKAHEAD_DISTANCE) - xy, yaw)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         pose = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw]))
         to_go = self._cost_to_go(nav, pose, target)
@@ -96,7 +96,7 @@ class RouteFollower:
         (2,)."""
         found = self._env.distances(nav, pose[:2] + terms.to_world(jnp.asarray(NODES), pose[2]))
         gap = jnp.minimum(found[..., 0] - self._body.half_width, found[..., 1])
-        dear = 1.0 + CLOSED * jnp.clip((SHY - gap) / SHY, 0.0, 1.0) ** 2
+        dear = 1.0 + BLOCKED_COST * jnp.clip((COMFORT_DISTANCE - gap) / COMFORT_DISTANCE, 0.0, 1.0) ** 2
         far = jnp.sqrt(((NODES - target) ** 2).sum(-1) + 1e-9)
         x, y = far.shape
 
@@ -120,13 +120,13 @@ class RouteFollower:
         drive = jnp.stack(poses)
         gaps, times = self._gaps(nav, drive), np.array(TIMES)
         steps = np.diff(times, prepend=0.0) / times[-1]
-        shy = (steps * jnp.clip((SHY - gaps) / SHY, 0.0, 1.0) ** 2).sum()
+        shy = (steps * jnp.clip((COMFORT_DISTANCE - gaps) / COMFORT_DISTANCE, 0.0, 1.0) ** 2).sum()
         # Later contacts cost less, because the next command can still avoid them.
-        touched = ((gaps < TOUCH) * (2.0 - times / times[-1])).max()
+        touched = ((gaps < CONTACT_DISTANCE) * (2.0 - times / times[-1])).max()
         nose = drive[:, :2] + 0.6 * jnp.stack([jnp.cos(drive[:, 2]), jnp.sin(drive[:, 2])], -1)
         local = terms.to_world(nose - start[:2], -start[2])
         left = _at(to_go, local)
-        return left[-1] + (steps * left).sum() + SHY_COST * shy + TOUCH_COST * touched
+        return left[-1] + (steps * left).sum() + ZERO_CLEARANCE_COST * shy + CONTACT_COST * touched
 
     def _gaps(self, nav: NavState, drive: Any) -> Any:
         """(T,) m, least distance of the robot at poses (T, 3) to hulls and of its feet to an edge."""
@@ -134,7 +134,7 @@ class RouteFollower:
         points = np.concatenate([discs[:, :2], feet[:, :2]])
         found = self._env.distances(nav, jnp.stack(placed(drive, points), -1))
         to_hull = found[:, : len(discs), 0] - discs[:, 2].astype(np.float32)
-        return jnp.minimum(to_hull.min(-1), found[:, len(discs) :, 1].min(-1) + EDGE)
+        return jnp.minimum(to_hull.min(-1), found[:, len(discs) :, 1].min(-1) + EDGE_TOLERANCE)
 
 
 def _at(values: Any, points: Any) -> Any:

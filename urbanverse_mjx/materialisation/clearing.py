@@ -57,7 +57,7 @@ def clear(
             movable, key=lambda m: (graph_objects[found[m].placed.id].score, found[m].placed.mass, found[m].placed.id)
         )
         other = found[j if k == i else i].placed
-        reason = f"there is no free place within {overlap.LIMIT:g} m of {other.id!r} ({other.category})"
+        reason = f"there is no free place within {overlap.MAX_MOVE:g} m of {other.id!r} ({other.category})"
         gone[k] = LeftOut(found[k].placed.id, found[k].placed.label, reason)
         no_room.append((found[k].placed.id, other.id))
     kept = [b for k, b in enumerate(found) if k not in gone]

@@ -38,7 +38,7 @@ from .shortlists import Candidate, LeftOut
 #: Part of the hashes of layouts.
 VERSION = f"cousins {versions.CODE['cousins'].version}"
 #: Largest number of cousins of a graph, that of the authors' release for one video.
-MOST = 64
+MAX_COUSINS = 64
 #: Pattern of `Source.video` in composed graphs, whose trajectory is a plan and was not filmed. Captures of generated
 #: blocks have "synthetic tour of ...".
 COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")
@@ -81,7 +81,7 @@ def materialise_cousins(
 
     Args:
       graph: graph of the scene; its descriptors, if any, select the appearance (see `describe`).
-      count: number of cousins, 1 to `MOST`.
+      count: number of cousins, 1 to `MAX_COUSINS`.
       seed: seed of the choice among equal fits.
       kerb: m, height of sidewalks whose step to the road the graph does not show; 0 leaves them level.
       objects: the catalogue; default: the packaged one.
@@ -90,7 +90,7 @@ def materialise_cousins(
     Raises:
       ValidationError: seed, count or kerb is out of range.
     """
-    v.integer(count, "cousins", 1, MOST)
+    v.integer(count, "cousins", 1, MAX_COUSINS)
     return _materialise(graph, range(count), seed, kerb, objects, hulls_of)
 
 
@@ -110,7 +110,7 @@ def materialise_cousin(
     Raises:
       ValidationError: cousin, seed or kerb is out of range.
     """
-    v.integer(cousin, "cousin", 0, MOST - 1)
+    v.integer(cousin, "cousin", 0, MAX_COUSINS - 1)
     return _materialise(graph, (cousin,), seed, kerb, objects, hulls_of)[0]
 
 
@@ -259,7 +259,7 @@ def _cut_back(obj: GraphObject, leaves: Mapping[str, str], strip: BaseGeometry) 
 def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
     """m, height of the ground that an object stands on or hangs above."""
     bottom = obj.center[2] - obj.size[2] / 2
-    return max(support.under(obj) or support.near(obj, standing.REACH), default=bottom)
+    return max(support.under(obj) or support.near(obj, standing.GROUND_DISTANCE), default=bottom)
 
 
 def _without_obstructing(

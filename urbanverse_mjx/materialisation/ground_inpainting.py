@@ -18,13 +18,13 @@ from . import overlap
 
 #: m², largest hole to fill; larger ones are courtyards or unobserved areas. Largest share of a hole that houses cover;
 #: otherwise it belongs to the houses.
-LARGEST, HOUSES = 400.0, 0.2
+MAX_HOLE_AREA, MAX_HOUSE_SHARE = 400.0, 0.2
 #: m around an object that gets ground; m, largest height difference of its foot and the adjacent ground; m, largest
 #: distance to that ground.
-MARGIN, FOOT, REACH = 0.3, 0.5, 3.0
+MARGIN, MAX_FOOT_DIFFERENCE, REACH = 0.3, 0.5, 3.0
 #: m²; smaller missing pieces are due to the rounding of outlines. m, largest gap between two pieces of ground that is
 #: closed.
-SLIVER, GAPE = 0.02, 0.02
+MIN_AREA, MAX_SEAM = 0.02, 0.02
 #: m; corners of outlines are rounded to whole millimetres, as in graphs.
 GRID = 1e-3
 #: Kinds that are extended under objects only if no other kind borders on the hole.
@@ -40,12 +40,12 @@ def fill(graph: SceneGraph, leaves: Mapping[str, str]) -> SceneGraph:
     carrying = [r for r in graph.ground if r.kind not in PAINT_KINDS]
     shapes = {r.id: shapely.Polygon(r.polygon) for r in carrying}
     ground = shapely.union_all(list(shapes.values()), grid_size=GRID)
-    closed = ground.buffer(GAPE, join_style="mitre").buffer(-GAPE, join_style="mitre")
+    closed = ground.buffer(MAX_SEAM, join_style="mitre").buffer(-MAX_SEAM, join_style="mitre")
     graph_objects = [obj for obj in graph.objects if obj.label in leaves]
     houses = shapely.union_all([overlap.ground_box(t) for t in graph_objects if _is_house(leaves[t.label])])
     missing = shapely.union_all([*_holes(closed, houses), *_under(graph_objects, leaves, closed, houses, carrying)])
     for part in shapely.get_parts(shapely.difference(missing, ground, grid_size=GRID)):
-        if part.area > SLIVER and isinstance(part, shapely.Polygon):
+        if part.area > MIN_AREA and isinstance(part, shapely.Polygon):
             _give(part, carrying, shapes)
     grown = {
         r.id: dataclasses.replace(r, polygon=tuple(shapes[r.id].exterior.coords[:-1]))
@@ -62,7 +62,7 @@ def _is_house(leaf: str) -> bool:
 def _holes(ground: BaseGeometry, houses: BaseGeometry) -> list[shapely.Polygon]:
     rings = [ring for part in shapely.get_parts(ground) for ring in shapely.get_rings(part)[1:]]
     holes = [shapely.Polygon(ring) for ring in rings]
-    return [h for h in holes if h.area <= LARGEST and h.intersection(houses).area <= HOUSES * h.area]
+    return [h for h in holes if h.area <= MAX_HOLE_AREA and h.intersection(houses).area <= MAX_HOUSE_SHARE * h.area]
 
 
 def _under(
@@ -82,18 +82,18 @@ def _under(
             continue
         foot = obj.center[2] - obj.size[2] / 2
         beside = support.under(obj) or support.near(obj, REACH)
-        if any(abs(z - foot) <= FOOT for z in beside):
+        if any(abs(z - foot) <= MAX_FOOT_DIFFERENCE for z in beside):
             found.append(box.buffer(MARGIN, join_style="mitre").difference(houses))
     return found
 
 
 def _give(part: shapely.Polygon, regions: Sequence[GroundRegion], shapes: dict[str, shapely.Polygon]) -> None:
     """Merges a piece into the region with the longest common border if the result is a simple polygon."""
-    near = part.buffer(GAPE)
+    near = part.buffer(MAX_SEAM)
     borders = {r.id: shapes[r.id].exterior.intersection(near).length for r in regions if r.id in shapes}
     order = sorted(regions, key=lambda r: (r.kind in LAST, -borders[r.id], r.id))
     for region in order:
-        if borders[region.id] <= 2 * GAPE:
+        if borders[region.id] <= 2 * MAX_SEAM:
             continue
         both = _beside_others(region.id, shapely.union_all([shapes[region.id], part], grid_size=GRID), shapes)
         if isinstance(both, shapely.Polygon) and not both.interiors:

@@ -13,7 +13,7 @@ from ..datatypes.ground import height_at
 #: m, height of a kerb of unknown height (paper, section on scene creation).
 KERB = 0.15
 #: m, least step at a border that counts as a kerb of the graph; fitted planes differ by less without a kerb.
-SEEN = 0.05
+MIN_OBSERVED_STEP = 0.05
 #: m, largest distance between neighbouring regions, and spacing of the border points at which heights are compared.
 GAP, SPACING = 0.3, 1.0
 WALKED, DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
@@ -22,16 +22,16 @@ WALKED, DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
 def raise_sidewalks(graph: SceneGraph, kerb: float = KERB) -> tuple[SceneGraph, tuple[str, ...]]:
     """Adds kerbs to a graph; returns it and the ids of the regions that were raised.
 
-    Touching regions of sidewalk and ground form a group. If any step from a group to the road is `SEEN` or more, its
-    kerbs, including dropped ones, are kept. Otherwise the group is raised with the objects on it until the median step
-    is `kerb`. A graph without road is not changed.
+    Touching regions of sidewalk and ground form a group. If any step from a group to the road is `MIN_OBSERVED_STEP`
+    or more, its kerbs, including dropped ones, are kept. Otherwise the group is raised with the objects on it until the
+    median step is `kerb`. A graph without road is not changed.
     """
     walked = [r for r in graph.ground if r.kind in WALKED]
     driven = [r for r in graph.ground if r.kind in DRIVEN]
     lift: dict[str, float] = {}
     for piece in _pieces(walked):
         steps = [s for a, b in itertools.product(piece, driven) for s in _steps(a, b)]
-        if steps and max(steps) < SEEN and any(r.kind == "sidewalk" for r in piece):
+        if steps and max(steps) < MIN_OBSERVED_STEP and any(r.kind == "sidewalk" for r in piece):
             lift |= dict.fromkeys((r.id for r in piece), kerb - float(np.median(steps)))
     if not lift:
         return graph, ()

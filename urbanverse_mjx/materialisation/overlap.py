@@ -17,8 +17,8 @@ from ..datatypes import validation as v
 from ..geometry.polygons import rectangle
 
 #: m, tolerated penetration; collision hulls of curved shapes are too large by about this much.
-TOUCH = 0.01
-LIMIT = 0.5  # m, largest movement of an object from its position in the graph
+PENETRATION_TOLERANCE = 0.01
+MAX_MOVE = 0.5  # m, largest movement of an object from its position in the graph
 STEP = 0.05  # m
 #: m, highest step that is a kerb; m of a step and m² of overlap below which an object stands next to the kerb.
 HIGHEST_KERB, KERB_TOUCH, SHARED_KERB = 0.35, 0.02, 1e-3
@@ -133,14 +133,14 @@ def penetration(a: Body, b: Body, offset: tuple[float, float] | None = None) -> 
     shift = np.subtract(a.offset if offset is None else offset, b.offset)
     move = np.array([shift[0], shift[1], 0.0])
     low, high = a.box[:3] + move, a.box[3:] + move
-    if (low >= b.box[3:] - TOUCH).any() or (b.box[:3] >= high - TOUCH).any():
+    if (low >= b.box[3:] - PENETRATION_TOLERANCE).any() or (b.box[:3] >= high - PENETRATION_TOLERANCE).any():
         return 0.0
     starts, ends = a.boxes[:, None, :3] + move, a.boxes[:, None, 3:] + move
     shared = np.minimum(ends, b.boxes[None, :, 3:]) - np.maximum(starts, b.boxes[None, :, :3])
     deepest = 0.0
-    for i, j in np.argwhere((shared > TOUCH).all(-1)):
+    for i, j in np.argwhere((shared > PENETRATION_TOLERANCE).all(-1)):
         deepest = max(deepest, _depth(a.prisms[i], b.prisms[j], shift))
-    return deepest if deepest > TOUCH else 0.0
+    return deepest if deepest > PENETRATION_TOLERANCE else 0.0
 
 
 def penetrating_pairs(bodies: Sequence[Body]) -> list[tuple[int, int]]:
@@ -237,14 +237,14 @@ def _within_reach(body: Body, bounds: tuple[float, float, float, float]) -> bool
     """Whether an object could touch a rectangle (lower and upper x, y) after any allowed movement."""
     x0, y0, x1, y1 = body.box[[0, 1, 3, 4]]
     bx0, by0, bx1, by1 = bounds
-    return bool(bx0 < x1 + LIMIT and x0 - LIMIT < bx1 and by0 < y1 + LIMIT and y0 - LIMIT < by1)
+    return bool(bx0 < x1 + MAX_MOVE and x0 - MAX_MOVE < bx1 and by0 < y1 + MAX_MOVE and y0 - MAX_MOVE < by1)
 
 
 def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bool) -> tuple[float, float] | None:
-    """The smallest offset within `LIMIT` at which the object has no contact; None if there is none."""
+    """The smallest offset within `MAX_MOVE` at which the object has no contact; None if there is none."""
     stuck = kerbs and support.in_kerb(body, body.offset)
     others = [o for o in bodies if o is not body and _within_reach(body, o.bounds)]
-    for ring in range(1, round(LIMIT / STEP) + 1):
+    for ring in range(1, round(MAX_MOVE / STEP) + 1):
         for k in range(DIRECTIONS):
             angle = math.tau * k / DIRECTIONS
             shift = (ring * STEP * math.cos(angle), ring * STEP * math.sin(angle))

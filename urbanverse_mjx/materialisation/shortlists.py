@@ -18,7 +18,7 @@ from .choice import Vector
 
 #: Difference to the least distortion (mean |log| of a side) up to which boxes fit equally well, because scaling removes
 #: it.
-SLACK = 0.08
+DISTORTION_SLACK = 0.08
 #: Least reduction of the distortion for a quarter turn of an asset; for a bench of 0.65 x 1.8 m it is 0.68.
 TURN_GAIN = 0.2
 #: Number of matches considered.
@@ -27,11 +27,11 @@ DEPTH = 40
 #: one cafe) and share an asset if their boxes and descriptors are similar.
 SINGLES = frozenset({"street user", "vehicle", "building"})
 #: Largest ratio of sides and largest mean difference of descriptors within a series.
-ALIKE_SIDE, ALIKE_DESCRIPTOR = 1.15, 12.0
+MAX_SIDE_RATIO, MAX_DESCRIPTOR_DIFFERENCE = 1.15, 12.0
 #: Leaves of the ontology that are ground, which is represented by regions and not by assets.
 GROUND_LEAVES = frozenset({"road", "sidewalk"})
 #: Least score of a leaf (`semantics.rank_leaves`); labels below it only share some letters with the leaf.
-LEAST_SCORE = 0.35
+MIN_SCORE = 0.35
 
 
 @dataclasses.dataclass(frozen=True)
@@ -90,12 +90,13 @@ def in_series(graph_objects: Sequence[GraphObject], leaf_of: dict[str, str]) -> 
 
 
 def _alike(a: GraphObject, b: GraphObject) -> bool:
-    if any(max(x / y, y / x) > ALIKE_SIDE for x, y in zip(a.size, b.size, strict=True)):
+    if any(max(x / y, y / x) > MAX_SIDE_RATIO for x, y in zip(a.size, b.size, strict=True)):
         return False
     if a.descriptor is None or b.descriptor is None or len(a.descriptor) != len(b.descriptor):
         return a.descriptor is b.descriptor
     return (
-        sum(abs(x - y) for x, y in zip(a.descriptor, b.descriptor, strict=True)) / len(a.descriptor) <= ALIKE_DESCRIPTOR
+        sum(abs(x - y) for x, y in zip(a.descriptor, b.descriptor, strict=True)) / len(a.descriptor)
+        <= MAX_DESCRIPTOR_DIFFERENCE
     )
 
 
@@ -111,7 +112,7 @@ def leaf_for(label: str, matcher: Matcher) -> str:
         raise ValidationError(f"no leaf of the ontology is called anything like {label!r}") from error
     if nearest in GROUND_LEAVES:
         raise ValidationError(f"{label!r} is ground, which regions hold")
-    if score < LEAST_SCORE:
+    if score < MIN_SCORE:
         raise ValidationError(f"no leaf of the ontology is called anything like {label!r}, the nearest is {nearest!r}")
     return matcher.leaves(label)[0]
 
@@ -120,7 +121,7 @@ def shortlist(series: Series, matcher: Matcher, objects: ObjectLibrary) -> list[
     """Assets that fit the label and box of a series and have the same affordances, best first, at least one."""
     obj = series.graph_objects[0]
     matches = matcher.match(
-        obj.label, obj.size, obj.descriptor, count=DEPTH, slack=SLACK, turn_gain=TURN_GAIN
+        obj.label, obj.size, obj.descriptor, count=DEPTH, slack=DISTORTION_SLACK, turn_gain=TURN_GAIN
     )  # fmt: skip
     records = objects.records([m.uid for m in matches])
     wanted = affordances(records[0])

@@ -23,7 +23,7 @@ COLLECTED = ("road", "sidewalk")
 PLAIN_CONDITIONS = frozenset({"dry", "worn", "cracked", "patched"})
 DAYTIMES = frozenset({"morning", "noon", "afternoon", "evening"})
 #: Hellinger distance of HSV histograms from which a sky matches no stored one (1: disjoint).
-STRANGE_SKY = 0.9
+MAX_SKY_DISTANCE = 0.9
 #: m; regions of a kind within this distance form one piece with one material.
 GAP = 0.05
 
@@ -131,7 +131,7 @@ def skies(graph: SceneGraph, count: int, seed: int) -> list[RankedAppearance]:
     ranked: list[RankedAppearance] = []
     if graph.sky_descriptor is not None:
         found = appearance_search.rank_skies(graph.sky_descriptor)
-        ranked = [RankedAppearance(uid, distance) for uid, distance in found if distance < STRANGE_SKY]
+        ranked = [RankedAppearance(uid, distance) for uid, distance in found if distance < MAX_SKY_DISTANCE]
     by_day = [RankedAppearance(r.uid, None) for r in sky_records() if r.time in DAYTIMES and not r.snow]
     return _one_each(ranked or by_day, count, seed, f"{graph.id}/sky")
 

@@ -28,7 +28,7 @@ from ..progress import COMPILING, Progress
 from .rollout_video import random_draw, write_episodes
 
 #: Number of episodes in the video of an evaluation.
-SHOWN = 3
+NUM_SHOWN = 3
 
 
 def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any, dynamic: bool) -> ConfigDict:
@@ -161,7 +161,7 @@ def evaluate_policy(
 
     Args:
       policy: a policy folder, or one of `SCRIPTED`.
-      video: whether to write a video of `SHOWN` episodes, drawn at random with `seed`.
+      video: whether to write a video of `NUM_SHOWN` episodes, drawn at random with `seed`.
       dynamic: whether there are moving people and objects.
       environment: environment whose robot is driven; None for that of the policy's training, CocoNav for scripted
         policies.
@@ -193,7 +193,7 @@ def evaluate_policy(
     if video:
         own = [r for r in results if r.agent == entrants.name]
         poses, first = trajectories[entrants.name]
-        shown = random_draw(range(num_episodes), SHOWN, seed)
+        shown = random_draw(range(num_episodes), NUM_SHOWN, seed)
         with Progress(quiet) as progress:
             report_drawn = progress.task("drawing", len(shown), unit="episodes")
             path = folder / "rollout.mp4"

@@ -25,7 +25,7 @@ _TYPES = {
 #: Corners of the circles of cylinders and capsules; 48 corners approximate a circle of 0.2 m within 0.4 mm.
 _CORNERS = 48
 #: Groups of geoms: visual, and collision only.
-_SEEN, _COLLIDES = 2, 3
+_VISUAL_GROUP, _COLLISION_GROUP = 2, 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,7 +72,7 @@ def replace_by_spheres(
     """
     solid = [g for g in spec.geoms if g.contype or g.conaffinity]
     others = [g for g in solid if g.type != mujoco.mjtGeom.mjGEOM_SPHERE]
-    seen = any(g.group == _SEEN for g in spec.geoms)
+    seen = any(g.group == _VISUAL_GROUP for g in spec.geoms)
     # Ids change when a geom is added, so everything is read before.
     fits: list[Fit] = []
     for geom in others:
@@ -90,7 +90,7 @@ def replace_by_spheres(
     for geom, fit in zip(others, fits, strict=True):
         _put(geom, fit)
         geom.contype = geom.conaffinity = 0
-        geom.group = geom.group if seen else _SEEN
+        geom.group = geom.group if seen else _VISUAL_GROUP
     named = {fit.geom: fit.spheres for fit in fits}
     return tuple(name for foot in feet for name in named.get(foot, (foot,))), tuple(fits)
 
@@ -101,7 +101,7 @@ def _put(geom: Any, fit: Fit) -> None:
         sphere = geom.parent.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=centre, size=[radius, 0, 0])
         for key in ("contype", "conaffinity", "condim", "priority", "friction", "solmix", "solref", "solimp"):
             setattr(sphere, key, getattr(geom, key))
-        sphere.margin, sphere.gap, sphere.group, sphere.mass = geom.margin, geom.gap, _COLLIDES, 0.0
+        sphere.margin, sphere.gap, sphere.group, sphere.mass = geom.margin, geom.gap, _COLLISION_GROUP, 0.0
 
 
 def _local(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray]:

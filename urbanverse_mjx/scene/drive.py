@@ -19,9 +19,9 @@ CONTROL_PERIOD = 0.2
 #: m, distance along the path to the point that the robot steers for; within the action's range of 1 m.
 LOOKAHEAD = 1.0
 #: Distance (m) to the goal that counts as arrived.
-ARRIVED = 0.5
+ARRIVAL_DISTANCE = 0.5
 #: Slowest average speed (m/s) and waiting time (s) before a drive counts as stuck.
-SLOWEST, MAX_WAIT = 0.6, 6.0
+MIN_MEAN_SPEED, MAX_WAIT = 0.6, 6.0
 _PATH_SPACING = 0.1
 
 
@@ -68,7 +68,7 @@ def drive_all(
     substeps = round(CONTROL_PERIOD / model.opt.timestep)
     dense = [np.concatenate([p[:1], resample(p, _PATH_SPACING)]) for p in paths]
     progress = np.zeros(len(paths), int)
-    limit = np.array([path_length(p) / SLOWEST + MAX_WAIT for p in paths])
+    limit = np.array([path_length(p) / MIN_MEAN_SPEED + MAX_WAIT for p in paths])
     drives: list[Drive | None] = [None] * len(paths)
     alive, time = np.arange(len(paths)), 0.0
     while len(alive):
@@ -103,7 +103,7 @@ def _judge(pose: np.ndarray, goal: np.ndarray, space: FreeSpace, time: float, li
     """A finished drive, or None while it continues."""
     if not np.isfinite(pose).all():
         return Drive(-1.0, "unstable")
-    if np.linalg.norm(pose[:2] - goal) < ARRIVED:
+    if np.linalg.norm(pose[:2] - goal) < ARRIVAL_DISTANCE:
         return Drive(time, "")
     if rotations.up_of(pose[3:7]) < 0.7:
         return Drive(-1.0, "tipped over")

@@ -44,7 +44,7 @@ class SceneMap:
       resolution: m.
       height: (X, Y) float32 m of the ground's top at the cell's centre, NaN where there is none.
       kind: (X, Y) uint8 over `ground.GROUND_KINDS`, paint included.
-      clearance: (X, Y) float32 m, free height above the ground; `FREE` if no hull hangs below 6.4 m.
+      clearance: (X, Y) float32 m, free height above the ground; `FREE_CLEARANCE` if no hull hangs below 6.4 m.
     """
 
     origin: np.ndarray

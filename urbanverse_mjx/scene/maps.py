@@ -13,7 +13,7 @@ from .ground import Region, kind_index, plane_height
 
 RESOLUTION = 0.05
 #: m, clearance of a cell without a hull above it, and height above which hulls are ignored (navbench's format).
-FREE, CEILING = 9.99, 6.4
+FREE_CLEARANCE, CEILING_HEIGHT = 9.99, 6.4
 #: m, width of the margin without ground around the regions.
 _MAP_MARGIN = 0.5
 
@@ -38,7 +38,7 @@ def ground_map(regions: Sequence[Region]) -> SceneMap:
             else:
                 height[i, j] = plane_height(region.plane, grid.centres(np.stack([i, j], -1)))
             kind[i, j] = kind_index(region)
-    return SceneMap(origin, RESOLUTION, height, kind, np.full(shape, np.float32(FREE)))
+    return SceneMap(origin, RESOLUTION, height, kind, np.full(shape, np.float32(FREE_CLEARANCE)))
 
 
 def with_clearance(
@@ -51,8 +51,8 @@ def with_clearance(
     clearance = scene_map.clearance.copy()
     for i, j, low, high in _footprints(scene_map, hulls, rotations, positions):
         ground = scene_map.height[i, j]
-        above = np.where(high > ground, np.maximum(low - ground, 0.0), FREE)
-        above = np.where(above < CEILING, above, FREE)
+        above = np.where(high > ground, np.maximum(low - ground, 0.0), FREE_CLEARANCE)
+        above = np.where(above < CEILING_HEIGHT, above, FREE_CLEARANCE)
         clearance[i, j] = np.fmin(clearance[i, j], above)
     return dataclasses.replace(scene_map, clearance=clearance)
 

@@ -16,7 +16,7 @@ from .geometry import SceneGeometry
 from .stability import Displacement, displacements
 
 #: m; an object hangs if its lowest point is higher than this above the ground.
-HANGS = 0.3
+MIN_HANGING_HEIGHT = 0.3
 #: Kinds of support (`assets.categories.priors`) of objects that stay fixed.
 HELD = frozenset({"fixed", "alive", "hangs"})
 #: m and rad below which an object counts as still.
@@ -61,5 +61,5 @@ def hanging(scene: SceneGeometry) -> np.ndarray:
     floor = np.full(len(low), np.nan)
     floor[inside] = ground[tuple(cells[inside].T)]
     # Houses stand beyond the ground, so their own lowest point is used as ground height.
-    floor = np.where(np.isfinite(floor), floor, np.where(np.isfinite(low), np.minimum(low, HANGS), 0.0))
-    return np.isfinite(low) & (low > floor + HANGS)
+    floor = np.where(np.isfinite(floor), floor, np.where(np.isfinite(low), np.minimum(low, MIN_HANGING_HEIGHT), 0.0))
+    return np.isfinite(low) & (low > floor + MIN_HANGING_HEIGHT)

@@ -27,10 +27,10 @@ NARROW = {"robot": 0.70, "ada": 0.915, "prowag": 1.22}
 #: m, widths between kerb and house for which national surveys report shares.
 WIDTHS = (2.0, 3.0)
 #: m; objects below this height above the ground narrow a pavement (height of a delivery robot).
-HEAD = 1.0
+HEAD_HEIGHT = 1.0
 #: m; narrower strips are not counted as pavement (remainders in corners and before steps), nor are gaps between houses
 #: up to the second width.
-LEAST, _SLIT = 0.9, 1.5
+MIN_PAVEMENT_WIDTH, _MAX_HOUSE_GAP = 0.9, 1.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -137,10 +137,10 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
         rotations.matrix(geometry.object_quaternion)[objects],
         geometry.object_position[objects],
     )
-    built = closed(roofs > m.height + HEAD, _SLIT / 2, m.resolution)
+    built = closed(roofs > m.height + HEAD_HEIGHT, _MAX_HOUSE_GAP / 2, m.resolution)
     pavement = (m.kind == KIND_INDEX["sidewalk"]) & ~built
     pavement = ndimage.binary_opening(pavement, np.ones((3, 3)))
-    clear = pavement & (m.clearance >= HEAD)
+    clear = pavement & (m.clearance >= HEAD_HEIGHT)
     spots, directions = _middle_lines(pavement, m.resolution)
     rim = ndimage.distance_transform_edt(pavement) * m.resolution
     full, gaps = [np.zeros(0)], [np.zeros(0)]
@@ -149,7 +149,7 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
     for start in range(0, len(spots), 512):
         part = slice(start, start + 512)
         width, gap = _cross(pavement, clear, spots[part], directions[part], reach[part], m.resolution)
-        straight = (width <= 2 * _OPTIONS.max_width_ratio * reach[part]) & (width >= LEAST)
+        straight = (width <= 2 * _OPTIONS.max_width_ratio * reach[part]) & (width >= MIN_PAVEMENT_WIDTH)
         full.append(width[straight])
         gaps.append(gap[straight])
     return PavementWidths(np.concatenate(full), np.concatenate(gaps))

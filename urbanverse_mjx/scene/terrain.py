@@ -25,18 +25,18 @@ KINDS = ("flat", "kerbs", "stairs", "slopes", "rough")
 #: Levels of difficulty of each kind.
 LEVELS = 10
 #: m, side of a scene.
-SIDE = 20.0
+SCENE_SIDE = 20.0
 #: Least and greatest height of a kerb (m), rise of a stair (m), slope, unevenness of rough ground (m), tilt of its
 #: pieces.
 KERB, RISE = (0.03, 0.22), (0.03, 0.17)
 SLOPE = (0.08, 0.45)  # the steepest is 24 degrees; a wheelchair ramp is 0.083
-ROUGH, TILT = (0.01, 0.07), (0.02, 0.15)
-#: m; no training kerb has the height of a test kerb within `APART`.
-TEST_KERBS, APART = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20), 0.003
+ROUGHNESS, TILT = (0.01, 0.07), (0.02, 0.15)
+#: m; no training kerb has the height of a test kerb within `TEST_KERB_MARGIN`.
+TEST_KERBS, TEST_KERB_MARGIN = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20), 0.003
 #: Least height of a kerb as a share of its level's height.
-LEAST_KERB = 0.7
+MIN_KERB_SHARE = 0.7
 TREAD = (0.30, 0.38)  # m, as stairs out of doors have it
-KERB_APART, SLOPE_LENGTH, LANDING = (1.0, 2.5), (1.5, 3.0), (1.0, 1.6)  # m
+KERB_SPACING, SLOPE_LENGTH, LANDING = (1.0, 2.5), (1.5, 3.0), (1.0, 1.6)  # m
 STAIRS = 4  # steps of a flight
 PIECE = (0.6, 1.2)  # m, of rough ground
 #: Friction of rubber on concrete; environments scale it.
@@ -64,21 +64,21 @@ def _kerb_height(rng: np.random.Generator, difficulty: float) -> float:
     """m, random height of a kerb; never a height that is reserved for tests."""
     high = _at(KERB, difficulty)
     while True:
-        height = rng.uniform(LEAST_KERB * high, high)
-        if np.abs(height - np.array(TEST_KERBS)).min() > APART:
+        height = rng.uniform(MIN_KERB_SHARE * high, high)
+        if np.abs(height - np.array(TEST_KERBS)).min() > TEST_KERB_MARGIN:
             return float(height)
 
 
 def _flat(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
     del rng, difficulty
-    yield SIDE, 0.0, 0.0
+    yield SCENE_SIDE, 0.0, 0.0
 
 
 def _kerbs(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
     climbed: list[float] = []
     while True:
         height = sum(climbed)
-        yield rng.uniform(*KERB_APART), height, height
+        yield rng.uniform(*KERB_SPACING), height, height
         # Steps up from the street, then down or up again; every edge is a kerb of random height.
         if not climbed or (len(climbed) == 1 and rng.random() < 0.3):
             climbed.append(_kerb_height(rng, difficulty))
@@ -125,7 +125,7 @@ def _rectangle(
     return GroundRegion(f"piece_{number}", "sidewalk", polygon, (*slope, offset))
 
 
-def strips_regions(strips: Iterator[Strip], side: float = SIDE) -> list[GroundRegion]:
+def strips_regions(strips: Iterator[Strip], side: float = SCENE_SIDE) -> list[GroundRegion]:
     """Regions of a square of `side` m about the origin that is filled with strips along x."""
     regions: list[GroundRegion] = []
     x, half = -0.5 * side, 0.5 * side
@@ -140,8 +140,8 @@ def strips_regions(strips: Iterator[Strip], side: float = SIDE) -> list[GroundRe
 
 def _rough_regions(rng: np.random.Generator, difficulty: float) -> list[GroundRegion]:
     """Pieces like unevenly laid slabs, each with a random height and tilt."""
-    half, unevenness, tilt = 0.5 * SIDE, _at(ROUGH, difficulty), _at(TILT, difficulty)
-    rows, columns = round(SIDE / PIECE[0]), round(SIDE / PIECE[1])
+    half, unevenness, tilt = 0.5 * SCENE_SIDE, _at(ROUGHNESS, difficulty), _at(TILT, difficulty)
+    rows, columns = round(SCENE_SIDE / PIECE[0]), round(SCENE_SIDE / PIECE[1])
     xs, ys = (np.linspace(-half, half, n + 1).tolist() for n in (rows, columns))
     regions: list[GroundRegion] = []
     for i in range(rows):

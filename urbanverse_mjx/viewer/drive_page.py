@@ -23,8 +23,8 @@ from .teleop import Command, Teleop, status
 VIEWS = ("behind the robot", "from above", "free")
 SPEEDS = ("1x", "2x", "4x", "as fast as possible")
 _FACTOR = {"1x": 1.0, "2x": 2.0, "4x": 4.0}
-_IDLE = 0.02  # s
-_HIGH = 28.0  # m, of the view from above
+_IDLE_PAUSE = 0.02  # s
+_ABOVE_HEIGHT = 28.0  # m, of the view from above
 #: Name of the policy that stands still.
 NOBODY = "zero"
 #: px, least width of the robot's camera image on the page.
@@ -86,7 +86,7 @@ class DrivePage:
             command = self._command()
             # The simulation pauses while no browser is connected.
             if not self.playing or not self._server.get_clients():
-                time.sleep(_IDLE)
+                time.sleep(_IDLE_PAUSE)
                 late = time.monotonic()
                 continue
             self._tick(command)
@@ -181,7 +181,7 @@ class DrivePage:
         if self._view.value != VIEWS[2]:
             position, target = chase_view(self.session, self.index, robot)
             if self._view.value == VIEWS[1]:
-                position = target + [-0.3 * _HIGH, 0.0, _HIGH]
+                position = target + [-0.3 * _ABOVE_HEIGHT, 0.0, _ABOVE_HEIGHT]
             for client in self._server.get_clients().values():
                 with client.atomic():
                     client.camera.position, client.camera.look_at = position, target

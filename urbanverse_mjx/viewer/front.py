@@ -42,7 +42,7 @@ Library = Callable[[str, Mapping[str, str]], tuple[str, bytes]]
 #: In the page, the link to the library.
 _LINK = (b"<!-- library -->", b'<a href="library">Library</a>')
 _PAGE = pathlib.Path(__file__).with_name("teleop.html")
-_LARGEST = 50 * 2**20  # bytes of a message; viser's own limit
+_MAX_BODY = 50 * 2**20  # bytes of a message; viser's own limit
 #: s between two states sent to a browser, and between two measurements of its delay.
 _TELL_EVERY, _PING_EVERY = 0.1, 2.0
 _FORWARDED = ("Content-Type", "Content-Encoding")
@@ -112,7 +112,7 @@ class Front:
             process_request=self._respond,
             select_subprotocol=_viser_protocol,
             compression=None,
-            max_size=_LARGEST,
+            max_size=_MAX_BODY,
             ping_interval=_PING_EVERY,
             close_timeout=1.0,
             open_timeout=None,  # of a request, too, and drawing a image may take longer than its 10 s
@@ -199,7 +199,7 @@ class Front:
             inner = await connect(
                 f"ws://127.0.0.1:{self._behind}",
                 subprotocols=protocols,
-                max_size=_LARGEST,
+                max_size=_MAX_BODY,
                 compression=None,
                 ping_interval=None,
                 proxy=None,

@@ -12,7 +12,7 @@ from trimesh.visual.material import PBRMaterial
 from trimesh.visual.texture import TextureVisuals
 
 #: cos of the angle between a face and its corners' mean normal from which it gets separate normals.
-_SHARP = 0.3
+_CREASE_COSINE = 0.3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -138,7 +138,7 @@ def with_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, n
     weighted = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     flat = _unit(weighted)
     mean = _unit(_summed(faces, weighted, len(vertices)))
-    alone = (np.einsum("fj,fcj->fc", flat, mean[faces]) < _SHARP).any(1)
+    alone = (np.einsum("fj,fcj->fc", flat, mean[faces]) < _CREASE_COSINE).any(1)
     mean = _unit(_summed(faces[~alone], weighted[~alone], len(vertices)))
     own = len(vertices) + np.arange(3 * alone.sum()).reshape(-1, 3)
     new = np.array(faces, np.int64)

@@ -25,7 +25,7 @@ _COLOURS = {
 _THICKNESS = {"goal": 0.08, "route": 0.05, "path": 0.05, "contacts": 0.03, "hulls": 0.02}
 #: The light of the project's images, by this much brighter: the page darkens bright light more (ACES tones).
 _EXPOSURE = 1.3
-_AWAY = (0.0, 0.0, -1000.0)
+_HIDDEN_POSITION = (0.0, 0.0, -1000.0)
 
 
 @dataclasses.dataclass
@@ -201,7 +201,7 @@ class Stage:
     def _set_lines(self, node: Any, points: np.ndarray) -> None:
         points = np.asarray(points, np.float32)
         if not len(points):
-            points = np.full((1, 2, 3), _AWAY, np.float32)  # viser draws no empty set of lines
+            points = np.full((1, 2, 3), _HIDDEN_POSITION, np.float32)  # viser draws no empty set of lines
         if node.points.shape != points.shape or not np.array_equal(node.points, points):
             node.points = points
 

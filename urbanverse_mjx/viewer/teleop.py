@@ -18,11 +18,11 @@ from ..datatypes import validation as v
 
 #: s after which a browser's last message expires and the robot is stopped. Including one control step of 0.2 s it stops
 #: within 0.3 s; browsers send 40 messages a second.
-FRESH = 0.1
+MESSAGE_LIFETIME = 0.1
 #: Share of a stick's range around its centre that is ignored, see `without_dead_zone`.
 DEAD_ZONE = 0.15
 #: Factor of the command while Shift is held.
-SLOW = 0.5
+SLOW_FACTOR = 0.5
 #: Number of events for the median latency.
 _LATENCIES = 50
 #: Names of keys by their place on the keyboard (`KeyboardEvent.code`) -> share of full (speed, turn to the left).
@@ -41,7 +41,7 @@ SLOW_KEYS = ("ShiftLeft", "ShiftRight")
 SWITCH_KEY, SWITCH_BUTTON = "KeyT", 0
 #: Axes of the left stick: to the right, backwards.
 _STICK = (0, 1)
-_LONGEST = 4096
+_MAX_MESSAGE = 4096
 
 
 class Command(NamedTuple):
@@ -76,8 +76,8 @@ class Inputs:
         Raises:
           ValidationError: something else.
         """
-        if len(message) > _LONGEST:
-            raise v.fail("message", f"{len(message)} bytes", f"at most {_LONGEST}")
+        if len(message) > _MAX_MESSAGE:
+            raise v.fail("message", f"{len(message)} bytes", f"at most {_MAX_MESSAGE}")
         try:
             body = json.loads(message)
         except ValueError as error:
@@ -112,7 +112,7 @@ class Inputs:
         held = {DRIVE_KEYS[key] for key in self.keys if key in DRIVE_KEYS}
         right, back = self._stick()
         speed, turn = sum(s for s, _ in held) - back, sum(t for _, t in held) - right
-        factor = 1.0 if self.keys.isdisjoint(SLOW_KEYS) else SLOW
+        factor = 1.0 if self.keys.isdisjoint(SLOW_KEYS) else SLOW_FACTOR
         return Command(factor * min(max(speed, 0.0), 1.0), factor * min(max(turn, -1.0), 1.0))
 
     def _stick(self) -> tuple[float, float]:
@@ -214,7 +214,7 @@ class Teleop:
             if self._owner is None:
                 return None
             browser = self._browsers.get(self._owner)
-            fresh = browser is not None and now - browser.received <= FRESH
+            fresh = browser is not None and now - browser.received <= MESSAGE_LIFETIME
             if fresh and browser is not None and browser.inputs.moves:
                 self._moved = now
             if self.give_back_after and now - self._moved > self.give_back_after:

@@ -13,7 +13,14 @@ from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.heights import GroundHeights
 from urbanverse_mjx.envs.navigation import terms
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
-from urbanverse_mjx.envs.navigation.clutter import FREE_ENDS, GAP, GROUND_CELL, MARGIN, TAKEN_FROM, Clutter
+from urbanverse_mjx.envs.navigation.clutter import (
+    END_CLEARANCE,
+    GROUND_CELL,
+    MIN_GAP,
+    MIN_SOURCE_DISTANCE,
+    ROUTE_MARGIN,
+    Clutter,
+)
 from urbanverse_mjx.envs.navigation.movables import body_sizes
 from urbanverse_mjx.envs.navigation.surroundings import Surroundings
 from urbanverse_mjx.robots import make_coco
@@ -68,18 +75,18 @@ def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, cl
         present = home.object_index[e] >= 0
         assert len(set(home.object_index[e][present].tolist())) == present.sum(), "no object twice"
         away = np.linalg.norm(home.position[e][present][:, None, :2] - fine, axis=-1).min(-1)
-        assert (away > TAKEN_FROM - 0.1).all(), "taken from where nobody drives"
+        assert (away > MIN_SOURCE_DISTANCE - 0.1).all(), "taken from where nobody drives"
         places = []
         for m in np.flatnonzero(moved[e]):
             p, r = placed.position[e, m, :2], float(clutter._radius[z, home.object_index[e, m]])
             assert r > 0.05
-            assert np.linalg.norm(fine - p, axis=1).min() >= robot.planner_radius + MARGIN + r - 0.02
-            assert np.linalg.norm(ends - p, axis=1).min() >= robot.planner_radius + r + FREE_ENDS
+            assert np.linalg.norm(fine - p, axis=1).min() >= robot.planner_radius + ROUTE_MARGIN + r - 0.02
+            assert np.linalg.norm(ends - p, axis=1).min() >= robot.planner_radius + r + END_CLEARANCE
             cell = tuple(np.floor((p - maps.origin[z]) / 0.05).astype(int))
             # Half a cell of 0.2 m in the class's fields, which hold boxes around the hulls, and 0.05 m in the map here.
-            assert maps.to_hull[z][cell] >= min(r + GAP - 0.2, 0.95)
-            assert maps.to_edge[z][cell] >= min(r + GAP - 0.2, 0.95)
-            assert all(np.linalg.norm(p - q) >= r + other + GAP - 1e-4 for q, other in places)
+            assert maps.to_hull[z][cell] >= min(r + MIN_GAP - 0.2, 0.95)
+            assert maps.to_edge[z][cell] >= min(r + MIN_GAP - 0.2, 0.95)
+            assert all(np.linalg.norm(p - q) >= r + other + MIN_GAP - 1e-4 for q, other in places)
             places.append((p, r))
             # As high above the ground as before, exactly in the class's cells; a kerb between cells is 0.1 m.
             for ground, error in ((looked_up, 1e-4), (heights, 0.02)):

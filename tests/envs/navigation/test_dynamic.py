@@ -16,7 +16,14 @@ from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
 from urbanverse_mjx.crowds.crowd import Crowd
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
-from urbanverse_mjx.envs.navigation.dynamic import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_appearances, slot_kinds
+from urbanverse_mjx.envs.navigation.dynamic import (
+    INTIMATE_DISTANCE,
+    MAX_PEOPLE_DISTANCE,
+    PEOPLE_METRICS,
+    PERSONAL_DISTANCE,
+    slot_appearances,
+    slot_kinds,
+)
 from urbanverse_mjx.envs.navigation.encounters import ENCOUNTERS, Encounters, route_pose
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal, make_report, to_markdown
@@ -83,12 +90,15 @@ def test_gaps_and_metrics_by_hand(env: NavEnv) -> None:
     values = dynamic.metrics(only, jnp.int32(Result.RUNNING), jnp.array([10.0, 7.0]), jnp.array([0.3, 0.4]))
     assert tuple(values) == PEOPLE_METRICS
     assert float(values["people_distance"]) == pytest.approx(gap, abs=1e-5)
-    assert [float(values[f"{n}_time_per_step"]) for n in ("intimate", "personal")] == [gap < INTIMATE, gap < PERSONAL]
+    assert [float(values[f"{n}_time_per_step"]) for n in ("intimate", "personal")] == [
+        gap < INTIMATE_DISTANCE,
+        gap < PERSONAL_DISTANCE,
+    ]
     assert float(values["personal_speed_per_step"]) == pytest.approx(0.5)
     nobody = dynamic.metrics(
         only._replace(present=jnp.zeros(9, bool)), jnp.int32(Result.HIT_AGENT), jnp.zeros(2), jnp.ones(2)
     )
-    assert [float(x) for x in nobody.values()] == [1.0, FAR, 0.0, 0.0, 0.0]
+    assert [float(x) for x in nobody.values()] == [1.0, MAX_PEOPLE_DISTANCE, 0.0, 0.0, 0.0]
     near = dynamic.nearer(jnp.full((2, 2), 2.0), only, jnp.array([[10.0, 6.5], [10.0, 20.0]]))
     np.testing.assert_allclose(near, [[0.5 - 0.27, 2.0], [2.0, 2.0]], atol=1e-6)
 
@@ -128,7 +138,7 @@ def test_check_env_accepts_dynamic_streets(env: NavEnv) -> None:
 @pytest.mark.slow
 def test_evaluation_counts_people(env: NavEnv) -> None:
     results, trajectory = Rollout(env, chunk=12).run({"go": go_to_goal, "zero": zero}, fixed_episodes(env, 6))
-    assert all(r.people_distance is not None and 0.0 <= r.people_distance <= FAR for r in results)
+    assert all(r.people_distance is not None and 0.0 <= r.people_distance <= MAX_PEOPLE_DISTANCE for r in results)
     assert all(0.0 <= r.intimate_time <= 1.0 for r in results if r.intimate_time is not None)
     assert trajectory.agents is not None
     assert trajectory.agents.position.shape == (12, 12, 9, 3)

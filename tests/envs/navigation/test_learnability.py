@@ -9,7 +9,7 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import Result, wrap_for_training
 from urbanverse_mjx.envs.navigation.config import default_config
-from urbanverse_mjx.envs.navigation.learnability import LEAST, NEW, Learnability, drawn
+from urbanverse_mjx.envs.navigation.learnability import MIN_WEIGHT, NEW_RESULT_WEIGHT, Learnability, drawn
 from urbanverse_mjx.envs.navigation.schedule import EpisodeSchedule
 from urbanverse_mjx.envs.wrappers import SUCCESS
 
@@ -33,7 +33,7 @@ def test_the_mean_follows_the_ends_of_each_episode_alone(table: Learnability) ->
         for key in set(zip(scene, row, strict=True)):
             ends = [r == Result.GOAL for z, e, r in zip(scene, row, result, strict=True) if (z, e) == key and r != 0]
             if ends:
-                expected[key] += NEW * (np.mean(ends) - expected[key])
+                expected[key] += NEW_RESULT_WEIGHT * (np.mean(ends) - expected[key])
     np.testing.assert_allclose(success, expected, rtol=1e-6)
     assert (expected != 0.5).sum() == 3
 
@@ -42,7 +42,7 @@ def test_episodes_are_drawn_by_their_weight(table: Learnability, small_bank: Sce
     rng = np.random.default_rng(0)
     success = rng.uniform(0.0, 1.0, table.first().shape).astype(np.float32)
     success[1, :5] = (0.0, 1.0, 0.5, 0.5, 0.0)
-    weights = success * (1 - success) + LEAST
+    weights = success * (1 - success) + MIN_WEIGHT
     exists = np.arange(success.shape[1]) < small_bank.num_episodes[:, None]
     exists[0] = False
     weights = np.where(exists, weights, 0.0)
@@ -98,6 +98,6 @@ def test_training_counts_the_ends_of_all_envs(small_bank: SceneBank) -> None:
         if number % 3 == 0:
             np.testing.assert_array_equal(state.info["result"], Result.TIMEOUT)
             for key in set(zip(*(x.tolist() for x in begun), strict=True)):
-                expected[key] *= 1.0 - NEW
+                expected[key] *= 1.0 - NEW_RESULT_WEIGHT
         np.testing.assert_allclose(state.info[SUCCESS], expected, rtol=1e-5)
     assert (expected < 0.5).sum() >= 32, "rarely the same again"

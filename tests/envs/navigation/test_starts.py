@@ -10,7 +10,7 @@ from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavState, default_config
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
 from urbanverse_mjx.envs.navigation.draws import Randomization
-from urbanverse_mjx.envs.navigation.starts import ASIDE, END_MARGIN, LEFT
+from urbanverse_mjx.envs.navigation.starts import END_MARGIN, MAX_ROUTE_DISTANCE, MIN_REMAINING_LENGTH
 from urbanverse_mjx.robots import make_coco
 
 NUMBER = 300
@@ -61,11 +61,11 @@ def test_starts_are_free_and_keep_the_rest_of_the_route(small_bank: SceneBank) -
         off_route.append(np.linalg.norm((start - begin)[:2] - share * span[:2]))
         assert start[2] == pytest.approx(begin[2] + share * span[2], abs=1e-3)
         left = np.linalg.norm(np.diff(np.concatenate([start[None], waypoints])[:, :2], axis=0), axis=1).sum()
-        assert left >= LEFT - 2 * ASIDE
+        assert left >= MIN_REMAINING_LENGTH - 2 * MAX_ROUTE_DISTANCE
         assert float(nav.route_length[e]) == pytest.approx(left, rel=1e-4)
     # Kerbs between two kinds of walkable ground, which only these maps hold.
     assert on_edge <= 0.02 * moved.sum()
-    assert max(off_route) <= ASIDE + 1e-3
+    assert max(off_route) <= MAX_ROUTE_DISTANCE + 1e-3
     assert np.mean(off_route) > 0.2
 
 

@@ -9,7 +9,7 @@ import pytest
 from urbanverse_mjx.datatypes import SceneBank, traversable
 from urbanverse_mjx.envs.navigation import surroundings as module
 from urbanverse_mjx.envs.navigation import terms
-from urbanverse_mjx.envs.navigation.surroundings import CELL, FAR, Surroundings
+from urbanverse_mjx.envs.navigation.surroundings import CELL, MAX_DISTANCE, Surroundings
 
 HEIGHT = 0.7
 
@@ -28,7 +28,7 @@ def test_distance_to_hulls(small_bank: SceneBank, surroundings: Surroundings) ->
     """Boxes of `box_bank` stand upright, so the ground distance to their footprints is what counts."""
     for scene in range(small_bank.num_scenes):
         points = places(small_bank, scene, 300)
-        wanted = np.full(len(points), FAR)
+        wanted = np.full(len(points), MAX_DISTANCE)
         for q in np.flatnonzero(small_bank.inst_hull[scene] >= 0):
             centre, half = small_bank.hull_box[small_bank.inst_hull[scene, q]]
             rotation = small_bank.inst_rotation[scene, q]
@@ -38,7 +38,7 @@ def test_distance_to_hulls(small_bank: SceneBank, surroundings: Surroundings) ->
         got = np.asarray(surroundings.distances(scene, jnp.asarray(points)))[:, 0]
         # A distance has at most the error of the distance to the cell's middle, and is stored in whole centimetres.
         assert np.abs(got - wanted).max() <= CELL * np.sqrt(0.5) + 0.006
-        assert (wanted < FAR).mean() > 0.1
+        assert (wanted < MAX_DISTANCE).mean() > 0.1
 
 
 def test_distance_to_the_edge(small_bank: SceneBank, surroundings: Surroundings) -> None:
@@ -48,7 +48,7 @@ def test_distance_to_the_edge(small_bank: SceneBank, surroundings: Surroundings)
         points = places(small_bank, scene, 200)
         wanted = np.array([np.linalg.norm(away - p, axis=1).min() for p in points])
         got = np.asarray(surroundings.distances(scene, jnp.asarray(points)))[:, 1]
-        inside = wanted < FAR - 0.5
+        inside = wanted < MAX_DISTANCE - 0.5
         # Cells of 20 cm count as walkable only as a whole: up to two of them are lost at an edge.
         assert np.abs(got - wanted)[inside].max() <= 2 * CELL * np.sqrt(2.0)
         assert (got[wanted > 1.0] > 0.4).all()
@@ -74,7 +74,7 @@ def test_reward_near_object_is_zero_from_a_metre_on() -> None:
 def test_large_banks_are_kept_in_the_cache(
     small_bank: SceneBank, surroundings: Surroundings, monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
 ) -> None:
-    monkeypatch.setattr(module, "KEEP_FROM", 1)
+    monkeypatch.setattr(module, "MIN_CACHED_HULLS", 1)
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
     for _ in range(2):
         np.testing.assert_array_equal(Surroundings(small_bank, HEIGHT).fields, surroundings.fields)
@@ -82,7 +82,7 @@ def test_large_banks_are_kept_in_the_cache(
     monkeypatch.setattr(module, "build_fields", lambda *_: pytest.fail("built though kept"))
     Surroundings(small_bank, HEIGHT)
     monkeypatch.undo()
-    monkeypatch.setattr(module, "KEEP_FROM", 1)
+    monkeypatch.setattr(module, "MIN_CACHED_HULLS", 1)
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
     kept.write_bytes(b"not a file of numpy's")
     np.testing.assert_array_equal(Surroundings(small_bank, HEIGHT).fields, surroundings.fields)

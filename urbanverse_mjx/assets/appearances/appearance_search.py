@@ -35,7 +35,7 @@ MATCH_SIZE = 32
 GROUND_CELLS = 4
 #: Saturation below which a colour counts as grey; number of value bins of greys, and of hue, saturation and value bins
 #: of other colours: 16 + 8 · 3 · 2 = 64 numbers.
-_GREY = 0.10
+_GREY_SATURATION = 0.10
 _GREYS, _HUES, _SATURATIONS, _VALUES = 16, 8, (0.10, 0.25, 0.45), 2
 
 
@@ -332,7 +332,7 @@ def _hsv_shares(pixels: np.ndarray) -> np.ndarray:
     grey = np.minimum((value * _GREYS).astype(int), _GREYS - 1)
     deep = np.digitize(saturation, _SATURATIONS[1:])
     colour = (np.minimum((hue * _HUES).astype(int), _HUES - 1) * 3 + deep) * _VALUES + (value >= 0.6)
-    counts = np.bincount(np.where(saturation < _GREY, grey, _GREYS + colour), minlength=64)
+    counts = np.bincount(np.where(saturation < _GREY_SATURATION, grey, _GREYS + colour), minlength=64)
     return counts / counts.sum()
 
 

@@ -27,10 +27,10 @@ AIR_TOP = 60_000.0
 SUNLIGHT = np.array([1.02, 1.0, 1.0])
 #: Multiply scattered light as a share of the mean first-order radiance, and its growth with haze (1/m).
 MULTIPLE_SCATTERING, MULTIPLE_IN_HAZE = 0.5, 4e4
-BRIGHTEST = 5.0
+MAX_RADIANCE = 5.0
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec. 709
 #: Supersampling factor of clouds.
-FINER = 3
+CLOUD_SUPERSAMPLING = 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -304,8 +304,8 @@ def _compose(sun: np.ndarray, weather: _Weather, name: str) -> tuple[np.ndarray,
     clear, direct = _cloudless(sun, weather)
     ambient = _irradiance(clear) / np.pi
     light = direct * max(float(sun[2]), 0.35) / np.pi
-    directions = _directions(FINER)[: half * FINER].reshape(-1, 3)
-    fine = np.repeat(np.repeat(clear, FINER, 0), FINER, 1).reshape(-1, 3)
+    directions = _directions(CLOUD_SUPERSAMPLING)[: half * CLOUD_SUPERSAMPLING].reshape(-1, 3)
+    fine = np.repeat(np.repeat(clear, CLOUD_SUPERSAMPLING, 0), CLOUD_SUPERSAMPLING, 1).reshape(-1, 3)
     opacity, thickness = _clouds(directions, weather, name)
     toward = np.clip(directions @ sun, 0.0, 1.0)
     # Thin edges let sunlight through, most towards the sun; thick cores are grey below.
@@ -316,7 +316,7 @@ def _compose(sun: np.ndarray, weather: _Weather, name: str) -> tuple[np.ndarray,
     texture = 1.0 - 0.30 * weather.density * thickness + 0.5 * (1 - weather.density) * toward**6
     sky = sky * (1 - weather.overcast) + grey * (gradation * texture)[:, None] * weather.overcast
     passed = (1 - weather.overcast) ** 2 * (1 - 0.45 * weather.cover * weather.density)
-    return sky.reshape(half, FINER, WIDTH, FINER, 3).mean((1, 3)), direct * passed
+    return sky.reshape(half, CLOUD_SUPERSAMPLING, WIDTH, CLOUD_SUPERSAMPLING, 3).mean((1, 3)), direct * passed
 
 
 def _tone(sky: np.ndarray, sun_light: np.ndarray, sun: np.ndarray, weather: _Weather) -> np.ndarray:
@@ -345,7 +345,7 @@ def _from_map(uid: str) -> Sky:
         id=uid,
         description=record.description,
         tags=(record.season, record.time, record.kind, record.weather, record.horizon),
-        radiance=np.minimum(radiance, BRIGHTEST).astype(np.float32),
+        radiance=np.minimum(radiance, MAX_RADIANCE).astype(np.float32),
         sun_direction=np.array([x * flat, y * flat, raised], np.float32),
         sun_irradiance=painted.sun_irradiance * np.float32(z > 0),
     )
@@ -376,7 +376,7 @@ def build_sky(sky_id: str) -> Sky:
     depth = np.linspace(0.0, 1.0, half)[:, None, None]
     horizon = sky[-1:].mean(1, keepdims=True)
     lower = ground + (horizon * 0.6 - ground) * np.exp(-depth * 14.0)
-    radiance = np.concatenate([sky, np.broadcast_to(lower, (half, WIDTH, 3))]).clip(0.0, BRIGHTEST)
+    radiance = np.concatenate([sky, np.broadcast_to(lower, (half, WIDTH, 3))]).clip(0.0, MAX_RADIANCE)
     return Sky(
         id=sky_id,
         description=weather.description,

@@ -29,10 +29,10 @@ GRAVITY = 9.81  # m/s^2
 ONE_PERSON_PUSH = 300.0
 # Rolling resistance of small wheels at the start: between car tyres on asphalt (0.02, source `etbroll`) and the
 # 0.1 and more of small hard castors (lever arm of 10 mm, source `cda3000`).
-ROLLING = 0.05
+ROLLING_RESISTANCE = 0.05
 # Share of the deviation from the median that length, width and height have in common (a large table is large in all
 # three); our judgement.
-COMMON = 0.6
+COMMON_SIZE_SHARE = 0.6
 # Spread of the fill: least for solid objects, most for hollow ones, whose walls differ.
 SOLID_SPREAD, HOLLOW_SPREAD = 0.02, 0.12
 # Relative, to either side: body mass at one height, from the 5th to the 95th percentile of adults' body mass index.
@@ -128,7 +128,7 @@ def sample(row: Prior, draws: Floats, measured: Measured | None = None) -> Physi
         volume = solid
     friction = material(row.contact).friction * (1.0 + FRICTION_SPREAD * (2.0 * draws[:, 10] - 1.0))
     friction = _rounded(friction, 0.01)
-    coefficient = np.full(count, ROLLING) if row.rest == "rolls" else friction
+    coefficient = np.full(count, ROLLING_RESISTANCE) if row.rest == "rolls" else friction
     force = coefficient * mass * GRAVITY
     movable = (force <= ONE_PERSON_PUSH) & (row.rest not in ("fixed", "hangs"))
     return Physical(extent, length, width, height, volume, solid, make, mass, friction, force, movable)
@@ -223,7 +223,7 @@ def _sizes(row: Prior, draws: Floats) -> tuple[Floats, Floats, Floats]:
     sizes = []
     for axis, span in enumerate((row.length, row.width, row.height)):
         own = draws[:, 2 + 2 * axis] + draws[:, 3 + 2 * axis] - 1.0
-        sizes.append(_rounded(_bent(*span, COMMON * common + (1.0 - COMMON) * own), SIZE_STEP))
+        sizes.append(_rounded(_bent(*span, COMMON_SIZE_SHARE * common + (1.0 - COMMON_SIZE_SHARE) * own), SIZE_STEP))
     length, width, height = sizes
     width = length if row.section in ("round", "ball") else np.minimum(width, length)
     height = {"lying": width, "wheel": length, "ball": length}.get(row.section, height)

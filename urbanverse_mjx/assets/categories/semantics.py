@@ -23,8 +23,8 @@ from .labels import mapped_labels
 from .ontology import UnknownLabelError
 
 #: Scores of exact names and of nouns of phrases, which rank before embeddings.
-EXACT, GUESSED = 1.0, 0.9
-MOST_EMBEDDED = 0.79  # lower than `GUESSED` by more than a query can add for colours and materials
+EXACT_SCORE, GUESS_SCORE = 1.0, 0.9
+MAX_EMBEDDING_SCORE = 0.79  # lower than `GUESS_SCORE` by more than a query can add for colours and materials
 LETTERS = (3, 4, 5)
 WORD_WEIGHT = 2.0  # a common whole word has more weight than its letters
 
@@ -99,16 +99,16 @@ def rank_leaves(label: str, count: int = 5, embedder: TextEmbedder | None = None
     Raises: UnknownLabelError: no word or letters in common with any name.
     """
     if embedder is None:
-        scores = np.minimum(default_index().scores(label), MOST_EMBEDDED)
+        scores = np.minimum(default_index().scores(label), MAX_EMBEDDING_SCORE)
     else:
         scores = _embedded(embedder, label)
     leaves = default_index().leaves
     place = {leaf: k for k, leaf in enumerate(leaves)}
     try:
-        scores[place[ontology.match_label(label)]] = EXACT
+        scores[place[ontology.match_label(label)]] = EXACT_SCORE
     except UnknownLabelError:
         try:
-            scores[place[ontology.guess_leaf(label)]] = GUESSED
+            scores[place[ontology.guess_leaf(label)]] = GUESS_SCORE
         except UnknownLabelError:
             if scores.max() <= 0.0:
                 raise
@@ -119,7 +119,7 @@ def rank_leaves(label: str, count: int = 5, embedder: TextEmbedder | None = None
 def _embedded(embedder: TextEmbedder, label: str) -> np.ndarray:
     leaves = default_index().leaves
     (query,) = embedder([label])
-    return np.clip(_leaf_vectors(embedder) @ query, 0.0, MOST_EMBEDDED)[: len(leaves)]
+    return np.clip(_leaf_vectors(embedder) @ query, 0.0, MAX_EMBEDDING_SCORE)[: len(leaves)]
 
 
 @functools.lru_cache(maxsize=2)

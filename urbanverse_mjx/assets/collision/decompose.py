@@ -27,20 +27,20 @@ FLUSH_HEIGHT = 0.03  # m; lower assets (a manhole cover) are flush with the grou
 FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
 FOOT_PLATE = 0.02  # m; a piece that ends below (a pole's foot plate) is left out, because wheels roll over it
 HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
-FLAT = 0.005  # m; a piece is flat if its points deviate less from a plane (root mean square)
+MAX_FLAT_DEVIATION = 0.005  # m; a piece is flat if its points deviate less from a plane (root mean square)
 # CoACD decomposes a piece if the empty share of its hull and the empty volume exceed these limits (the volume as m^3
 # and as a share of the asset's box).
 EXCESS_SHARE, EXCESS_VOLUME, EXCESS_OF_BOX = 0.26, 0.008, 1e-3  # 1, m^3, 1
-CHEAP_VOLUME = 2e-4  # m^3; unions that add less are always made
-HIGH = 1.7  # m; empty space above this height, over robots and most people, has little weight
-HIGH_WEIGHT = 0.1
+NEGLIGIBLE_VOLUME = 2e-4  # m^3; unions that add less are always made
+OVERHEAD_HEIGHT = 1.7  # m; empty space above this height, over robots and most people, has little weight
+OVERHEAD_WEIGHT = 0.1
 SHADOW_HEIGHT = 0.15  # m; newly covered ground counts as empty space of this height, so thin plates stay apart
 BATCH = 40  # meshes to a set of worker processes
 # A simplified hull is enlarged until the distance of its piece's points outside it is below this, in m or as a share of
 # its longest side.
-GAP, GAP_OF_PIECE = 0.05, 0.007  # m, 1
-GROWTHS = 3  # at most
-BESIDE = 0.02  # largest protrusion of a hull from the mesh's box, as a share of the box's side
+MAX_UNCOVERED_DISTANCE, MAX_UNCOVERED_SHARE = 0.05, 0.007  # m, 1
+MAX_ENLARGEMENTS = 3  # at most
+MAX_PROTRUSION = 0.02  # largest protrusion of a hull from the mesh's box, as a share of the box's side
 NEIGHBOURS = 10  # candidates for a union per piece
 COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 is the usual range
 
@@ -134,9 +134,9 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
       allowance: m^3 of air that the hull may add.
     """
     whole = convex_piece(vertices)
-    if budget == 1 or vertices[:, 2].min() > HIGH:
+    if budget == 1 or vertices[:, 2].min() > OVERHEAD_HEIGHT:
         return [whole]
-    if np.linalg.svd(vertices - vertices.mean(0), compute_uv=False)[-1] < FLAT * np.sqrt(len(vertices)):
+    if np.linalg.svd(vertices - vertices.mean(0), compute_uv=False)[-1] < MAX_FLAT_DEVIATION * np.sqrt(len(vertices)):
         return [whole]  # a cloth or a pane, which CoACD would split into many pieces
     vertices, faces = closed_surface(vertices, faces)
     air = whole.volume - signed_volume(vertices, faces)
@@ -163,8 +163,8 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
 def _cost(a: Piece, b: Piece, union: Piece) -> float:
     """Cost of a union for robots on the ground: m^3 of empty space, and newly covered ground."""
     space = max(union.volume - a.volume - b.volume, 0.0)
-    if union.corners[:, 2].min() > HIGH:
-        return HIGH_WEIGHT * space
+    if union.corners[:, 2].min() > OVERHEAD_HEIGHT:
+        return OVERHEAD_WEIGHT * space
     return space + SHADOW_HEIGHT * max(union.shadow - a.shadow - b.shadow, 0.0)
 
 
@@ -190,7 +190,7 @@ def merge_pieces(pieces: list[Piece], budget: int) -> list[Piece]:
         consider(i)
     while len(alive) > 1 and costs:
         (i, j), (cost, union) = min(costs.items(), key=lambda item: (item[1][0], item[0]))
-        if len(alive) <= budget and cost > CHEAP_VOLUME:
+        if len(alive) <= budget and cost > NEGLIGIBLE_VOLUME:
             break
         del alive[i], alive[j]
         costs = {pair: c for pair, c in costs.items() if i not in pair and j not in pair}
@@ -238,8 +238,8 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
     # The hull keeps the piece's vertical extent, so that it does not penetrate the pavement.
     low, high = corners[:, 2].min(), corners[:, 2].max()
     grown = corners[chosen]
-    bound = max(GAP, GAP_OF_PIECE * float(np.ptp(corners, axis=0).max()))
-    for _ in range(GROWTHS):
+    bound = max(MAX_UNCOVERED_DISTANCE, MAX_UNCOVERED_SHARE * float(np.ptp(corners, axis=0).max()))
+    for _ in range(MAX_ENLARGEMENTS):
         away = grown - grown.mean(0)
         reach = np.linalg.norm(away, axis=1, keepdims=True)
         grown = grown + away * 0.7 * missed / np.maximum(reach, 1e-6)
@@ -271,7 +271,7 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
         pieces = merge_pieces(parts, budget)
     # CoACD decomposes a voxel copy of the mesh, which exceeds it by up to a voxel. Hulls are therefore limited to the
     # mesh's box, except for the corners of coarse circles.
-    slack = np.array([BESIDE, BESIDE, 0.0]) * mesh.extent if mesh.extent[2] > FLUSH_HEIGHT else np.inf
+    slack = np.array([MAX_PROTRUSION, MAX_PROTRUSION, 0.0]) * mesh.extent if mesh.extent[2] > FLUSH_HEIGHT else np.inf
     low, high = mesh.vertices.min(0) - slack, mesh.vertices.max(0) + slack
     rounded = [np.round(np.clip(simplified(p.corners), low, high) / MILLIMETRE).astype(np.int32) for p in pieces]
     # Largest first, ties by position, because the order is part of the content.

@@ -17,7 +17,7 @@ from urbanverse_mjx.datatypes import validation as v
 
 from ..categories import ontology
 from ..categories.materials import AIR, FINISHES, HARDNESS, material
-from ..categories.physical import GRAVITY, ONE_PERSON_PUSH, ROLLING, composition, sample_meshes
+from ..categories.physical import GRAVITY, ONE_PERSON_PUSH, ROLLING_RESISTANCE, composition, sample_meshes
 from ..categories.priors import COMPOSITIONS, TRAVERSABILITY, prior
 from ..records.catalogue import SCHEMA
 from ..records.user_store import FILE_RECIPE
@@ -196,7 +196,7 @@ def describe(
     x, y, z = measured.extent
     mass = float(fields.get("mass", values.mass[0]))
     friction = float(fields.get("friction_coefficient", values.friction[0]))
-    force = (ROLLING if row.rest == "rolls" else friction) * mass * GRAVITY
+    force = (ROLLING_RESISTANCE if row.rest == "rolls" else friction) * mass * GRAVITY
     top, middle, _ = ontology.category_of(leaf)
     usual: dict[str, Any] = {
         "description": f"{leaf}, {max(x, y):.2f} m long, {min(x, y):.2f} m wide and {z:.2f} m high",

@@ -29,23 +29,64 @@ SCALE = "non-uniform scale"
 #: The paper's order (its list of nine).
 CORRUPTIONS = (BAD_MESH, NO_TEXTURE, PAPER, BASE, TERRAIN, NAMES, CAD, SEVERAL, SCALE)
 
-# Thresholds, chosen so that all shipped assets pass and the broken ones of the tests do not;
-# docs/decisions/asset_import.md.
-MANY = 300  # faces; below, statistics of surfaces are unreliable
-DEGENERATE = 0.3  # share of faces without area
-SHREDS, SHRED_FACES = 0.4, 3  # share of the area in components of so few faces
-NOISE_ANGLE, NOISE_NORMALS = 0.8, 0.7  # rad, mean bend; share of faces with a unique direction
-HALF_OPEN = 0.12  # norm of the sum of horizontal area vectors over the whole area (0 for a closed surface)
-THIN, BOARD = 0.02, 0.15  # ratio of the least to the middle side; boards may have a single face
-TERRAIN_UP, TERRAIN_FLAT, TERRAIN_COVER, LEVEL = 0.85, 0.35, 0.6, 0.7
-BASE_HEIGHT, BASE_AREA, BASE_SIDE = 0.12, 2.5, 1.6
-GAP, PARTNER, ALIKE = 0.04, 0.2, 0.8  # of the diagonal; shares of the largest cluster's box volume
-SLIVERS = 0.35
 CAD_WORDS = re.compile(
     r"solidworks|autodesk inventor|catia|opencascade|open cascade|freecad|step2gl|cad exchanger|onshape|fusion ?360|"
     r"\.(?:step|stp|iges|igs|sldprt|sldasm|catpart|ipt)\b",
     re.IGNORECASE,
 )
+
+
+@dataclasses.dataclass(frozen=True)
+class Thresholds:
+    """Limits of the rules, chosen so that all shipped assets pass and the broken ones of the tests do not
+    (docs/decisions/asset_import.md); shares are in [0, 1].
+
+    Attributes:
+      min_faces: number of faces below which statistics of surfaces are unreliable.
+      degenerate_share: of the faces, without area.
+      shred_share: of the area, in components of at most `shred_faces` faces.
+      shred_faces: see `shred_share`.
+      noise_angle: rad, mean bend from face to face of a noisy surface.
+      noise_normals: share of the faces that have a direction of their own in a noisy surface.
+      open_share: norm of the sum of the horizontal area vectors over the whole area; 0 for a closed surface.
+      sheet_ratio: of the least to the middle side, below which a shape is a sheet.
+      board_ratio: the same for a leaf's flattest object, up to which a single face is enough.
+      terrain_up: share of the area that faces the sky.
+      terrain_height: largest height over the shorter ground side of terrain.
+      terrain_cover: least share of the ground that terrain covers.
+      plate_share: of the ground, level; above it the shape is a plate and no terrain.
+      base_height: share of the height in which a base is looked for.
+      base_area: ground of a base over that of what stands on it.
+      base_side: side of a base over the largest side of the leaf at that height.
+      object_gap: share of the diagonal that separates two objects.
+      object_volume: share of the largest object's box volume that makes another object.
+      alike_volume: the same from which all objects are alike.
+      sliver_share: of the faces, thin triangles of trimmed surfaces.
+    """
+
+    min_faces: int = 300
+    degenerate_share: float = 0.3
+    shred_share: float = 0.4
+    shred_faces: int = 3
+    noise_angle: float = 0.8
+    noise_normals: float = 0.7
+    open_share: float = 0.12
+    sheet_ratio: float = 0.02
+    board_ratio: float = 0.15
+    terrain_up: float = 0.85
+    terrain_height: float = 0.35
+    terrain_cover: float = 0.6
+    plate_share: float = 0.7
+    base_height: float = 0.12
+    base_area: float = 2.5
+    base_side: float = 1.6
+    object_gap: float = 0.04
+    object_volume: float = 0.2
+    alike_volume: float = 0.8
+    sliver_share: float = 0.35
+
+
+_LIMITS = Thresholds()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,34 +107,34 @@ def find_in_shape(shape: Shape, source: Source, row: Prior | None) -> list[Findi
 
 
 def _terrain(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
-    if len(shape.faces) < MANY or (row and row.walkable):
+    if len(shape.faces) < _LIMITS.min_faces or (row and row.walkable):
         return
     x, y, z = shape.extent
     underside = (shape.normals[:, 2] < -0.99) & (shape.vertices[shape.faces][:, :, 2].max(1) < 0.02 * z)
     # A base plate is level; terrain is not.
     level = (shape.normals[:, 2] > 0.999) & (np.ptp(shape.vertices[shape.faces][:, :, 2], axis=1) < 1e-3)
-    if float(shape.areas[level].sum()) > LEVEL * x * y:
+    if float(shape.areas[level].sum()) > _LIMITS.plate_share * x * y:
         return
     areas, up = shape.areas[~underside], shape.area_vectors[~underside, 2]
     climbing = float(up[shape.normals[~underside, 2] > 0.3].sum())
     share = float(areas[shape.normals[~underside, 2] > 0.3].sum() / areas.sum())
     cover = climbing / (x * y)
-    if share > TERRAIN_UP and z < TERRAIN_FLAT * min(x, y) and TERRAIN_COVER < cover < 1.15:
+    if share > _LIMITS.terrain_up and z < _LIMITS.terrain_height * min(x, y) and _LIMITS.terrain_cover < cover < 1.15:
         yield Finding(TERRAIN, f"{share:.0%} of its surface faces the sky, over {cover:.0%} of its ground")
 
 
 def _several(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
     single = row is None or row.composition_type == "single"
-    label = shape.clusters(GAP)
+    label = shape.clusters(_LIMITS.object_gap)
     boxes = [
         (shape.boxes[label == k, 0].min(0), shape.boxes[label == k, 1].max(0)) for k in range(int(label.max()) + 1)
     ]
     volumes = np.array([np.prod(np.maximum(high - low, 1e-4)) for low, high in boxes])
-    large = volumes > PARTNER * volumes.max()
+    large = volumes > _LIMITS.object_volume * volumes.max()
     # Equal hoops of a rack form one asset; two equal cars do not have a plausible common shape.
     alike = (
         row is not None
-        and volumes[large].min() > ALIKE * volumes.max()
+        and volumes[large].min() > _LIMITS.alike_volume * volumes.max()
         and misfit_of_proportions(shape.extent, row) == 0
     )
     if single and large.sum() > 1 and not alike:
@@ -124,9 +165,9 @@ def _paper(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]
         return
     flat = _flatness(row)
     thickness = shape.thickness
-    if thickness < min(THIN, flat / 3):
+    if thickness < min(_LIMITS.sheet_ratio, flat / 3):
         yield Finding(PAPER, f"{thickness:.4f} times as thick as wide")
-    elif len(shape.faces) <= 64 and flat > THIN and _all_sheets(shape):
+    elif len(shape.faces) <= 64 and flat > _LIMITS.sheet_ratio and _all_sheets(shape):
         yield Finding(PAPER, f"made of {int(shape.label.max()) + 1} flat sheets")
 
 
@@ -151,37 +192,39 @@ def _base(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
     """Detects a slab at the base that is much wider than the object on it and than the largest object of the leaf."""
     height = shape.extent[2]
     tops = shape.vertices[shape.faces][:, :, 2].max(1)
-    foot = tops <= BASE_HEIGHT * height
+    foot = tops <= _LIMITS.base_height * height
     if row is None or not foot.any() or foot.all():
         return
     low, rest = (shape.vertices[np.unique(shape.faces[rows])] for rows in (foot, ~foot))
-    rest = rest[rest[:, 2] > BASE_HEIGHT * height] if (rest[:, 2] > BASE_HEIGHT * height).any() else rest
+    rest = (
+        rest[rest[:, 2] > _LIMITS.base_height * height] if (rest[:, 2] > _LIMITS.base_height * height).any() else rest
+    )
     sides, upper = np.ptp(low[:, :2], axis=0), np.ptp(rest[:, :2], axis=0)
     usual = max(row.length[2], row.width[2]) / row.height[1]
     share = float(np.prod(sides) / max(np.prod(upper), 1e-9))
-    if share > BASE_AREA and sides.max() > BASE_SIDE * usual * height:
+    if share > _LIMITS.base_area and sides.max() > _LIMITS.base_side * usual * height:
         yield Finding(BASE, f"a slab {share:.1f} times the ground of what stands on it")
 
 
 def _bad_mesh(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
-    if shape.degenerate > DEGENERATE:
+    if shape.degenerate > _LIMITS.degenerate_share:
         yield Finding(BAD_MESH, f"{shape.degenerate:.0%} of its faces have no area")
         return
-    if len(shape.faces) < MANY or (row and row.form == "plant"):
+    if len(shape.faces) < _LIMITS.min_faces or (row and row.form == "plant"):
         return
     counts = np.bincount(shape.label)
-    shreds = float(shape.areas[counts[shape.label] <= SHRED_FACES].sum() / shape.areas.sum())
-    if shreds > SHREDS:
+    shreds = float(shape.areas[counts[shape.label] <= _LIMITS.shred_faces].sum() / shape.areas.sum())
+    if shreds > _LIMITS.shred_share:
         yield Finding(BAD_MESH, f"{shreds:.0%} of its surface lies in loose shreds")
         return
     if len(shape.bends):
         directions = np.unique(np.round(shape.normals, 2), axis=0)
-        if shape.bends.mean() > NOISE_ANGLE and len(directions) > NOISE_NORMALS * len(shape.faces):
+        if shape.bends.mean() > _LIMITS.noise_angle and len(directions) > _LIMITS.noise_normals * len(shape.faces):
             yield Finding(BAD_MESH, f"a noisy surface, {np.degrees(shape.bends.mean()):.0f} degrees from face to face")
             return
     # The area vectors of a closed surface sum to zero; an open underside is harmless.
     missing = float(np.linalg.norm(shape.area_vectors.sum(0)[:2]) / shape.areas.sum())
-    if missing > HALF_OPEN and _flatness(row) > BOARD:
+    if missing > _LIMITS.open_share and _flatness(row) > _LIMITS.board_ratio:
         yield Finding(BAD_MESH, f"a side of it is missing ({missing:.0%} of its surface has no opposite face)")
 
 
@@ -201,7 +244,11 @@ def _cad(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
     words = CAD_WORDS.search(" ".join((source.generator, *source.names)))
     if words:
         yield Finding(CAD, f"no texture, and its file speaks of {words.group()!r}")
-    elif len(shape.faces) >= MANY and shape.slivers > SLIVERS and not any(p.uv is not None for p in source.parts):
+    elif (
+        len(shape.faces) >= _LIMITS.min_faces
+        and shape.slivers > _LIMITS.sliver_share
+        and not any(p.uv is not None for p in source.parts)
+    ):
         yield Finding(CAD, f"no texture, and {shape.slivers:.0%} of its faces are slivers of trimmed surfaces")
 
 

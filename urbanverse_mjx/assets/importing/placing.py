@@ -25,15 +25,15 @@ UNITS = {
     "thousandfold": 1000.0,
 }
 SLACK = math.log(1.25)  # log factor beyond the leaf's least and greatest sizes up to which the scale is not changed
-STRETCHED = math.log(2.0)  # log factor at the best scale that indicates another object
+MAX_STRETCH_LOG = math.log(2.0)  # log factor at the best scale that indicates another object
 # Least advantage (log of a side) of the fit of z up over y up, by the file's own statement. glTF defines y as up, most
 # OBJ files state no axis, and a file that states z up is believed unless y up fits far better.
 Z_UP = {True: math.log(2.0), None: math.log(1.1), False: -math.log(2.0)}
-OFF_MEDIAN = 0.25  # weight of the distance from the leaf's median sizes beside the misfit
+MEDIAN_WEIGHT = 0.25  # weight of the distance from the leaf's median sizes beside the misfit
 # Least ratio of the horizontal sides for a quarter turn, of the leaf's median and of the mesh. Assets about as long as
 # wide (people, letter boxes) may have either orientation.
-LONG, TURN = 1.5, 1.2
-MEASURED_APART = 0.1  # largest relative difference of the scales from two annotated sides
+MIN_LEAF_ASPECT, MIN_MESH_ASPECT = 1.5, 1.2
+MAX_SCALE_DIFFERENCE = 0.1  # largest relative difference of the scales from two annotated sides
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,7 +88,7 @@ def place(
     for name, rotation in (("y up", upright), ("z up", lying)):
         extent = np.ptp(vertices @ rotation.T, axis=0)
         scale, misfit, scaled = _scale(extent, row, sizes)
-        likely = misfit + OFF_MEDIAN * float(np.abs(_off_median(scale * extent, row)).mean())
+        likely = misfit + MEDIAN_WEIGHT * float(np.abs(_off_median(scale * extent, row)).mean())
         fits[name] = (rotation, extent, scale, misfit, scaled, likely)
     chosen = "z up" if fits["y up"][5] - fits["z up"][5] > Z_UP[y_up] else "y up"
     rotation, extent, scale, misfit, scaled, _ = fits[chosen]
@@ -153,8 +153,8 @@ def _annotated_scale(sides: np.ndarray, sizes: Mapping[str, float], row: Prior) 
     factors = [value / sides[k] for k, value in wanted.items()]
     # Annotators agree best on the height; without one, the first annotated side is used.
     factor = wanted[2] / sides[2] if 2 in wanted else factors[0]
-    misfit = max(abs(math.log(f / factor)) for f in factors) - math.log(1 + MEASURED_APART)
-    if abs(factor - 1.0) < MEASURED_APART:
+    misfit = max(abs(math.log(f / factor)) for f in factors) - math.log(1 + MAX_SCALE_DIFFERENCE)
+    if abs(factor - 1.0) < MAX_SCALE_DIFFERENCE:
         return 1.0, max(misfit, 0.0), ""
     return float(factor), max(misfit, 0.0), f"scaled by {factor:.4g} to the annotated size"
 
@@ -162,7 +162,7 @@ def _annotated_scale(sides: np.ndarray, sizes: Mapping[str, float], row: Prior) 
 def _front(extent: np.ndarray, row: Prior) -> int:
     """Quarter turns that bring the leaf's front to +x: the long side along x (a car) or along y (a bench)."""
     x, y, _ = extent
-    if row.front == "none" or row.length[1] < LONG * row.width[1]:
+    if row.front == "none" or row.length[1] < MIN_LEAF_ASPECT * row.width[1]:
         return 0
-    wrong = y > TURN * x if row.front == "end" else x > TURN * y
+    wrong = y > MIN_MESH_ASPECT * x if row.front == "end" else x > MIN_MESH_ASPECT * y
     return 3 if wrong else 0

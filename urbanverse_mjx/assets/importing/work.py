@@ -19,7 +19,7 @@ from ..records.user_store import HULLS
 from .annotation import SIZES, Measured, describe, leaf_in, licence_of, official_fields
 from .bake import bake
 from .corruption import NAMES, SCALE, Finding, find_in_shape
-from .placing import STRETCHED, Placement, place
+from .placing import MAX_STRETCH_LOG, Placement, place
 from .reading import Source, read_source
 from .screening import RefusedFileError
 from .shape import Shape
@@ -128,7 +128,7 @@ def _rotation(source: Source, placement: Placement | None) -> np.ndarray:
 
 
 def _scale_findings(placement: Placement, leaf: str) -> list[Finding]:
-    if placement.misfit > STRETCHED:
+    if placement.misfit > MAX_STRETCH_LOG:
         factor = np.exp(placement.misfit)
         return [Finding(SCALE, f"at any scale a side is {factor:.1f} times beyond what a {leaf} may have")]
     return [Finding(SCALE, placement.scaled, fixed=True)] if placement.scaled else []

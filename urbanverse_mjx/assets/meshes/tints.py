@@ -67,8 +67,8 @@ _MATTER = (
 # Distance of chromaticities (r, g, b over their sum) below which a colour, including its shades, counts as that of the
 # material. The distance of the lightest skin and beige paint is 0.03.
 _COLOUR_TOLERANCE = 0.03
-MILD = 0.04  # share of the hue shift that is applied to a colour with a meaning: at most 0.02, 7 degrees
-MILD_VALUE = 0.4  # the same for saturation and value
+HUE_SHIFT_SHARE = 0.04  # share of the hue shift that is applied to a colour with a meaning: at most 0.02, 7 degrees
+SATURATION_VALUE_SHARE = 0.4  # the same for saturation and value
 SATURATION, VALUE = 0.25, 0.18  # largest relative change of a painted cell; an estimate of the variation in a street
 
 BASIC: dict[str, tuple[int, int, int]] = {
@@ -127,9 +127,9 @@ def tinted(colors: NDArray, tint: NDArray, free: bool, paint: NDArray[np.bool_] 
     tint = np.asarray(tint, dtype=np.float64)
     full = (is_paint(colors) if paint is None else np.asarray(paint)) & free
     hue, saturation, value = hsv(colors)
-    hue = hue + tint[..., 0] * np.where(full, 1.0, MILD)
-    saturation = saturation * (1.0 + (tint[..., 1] - 1.0) * np.where(full, 1.0, MILD_VALUE))
-    value = value * (1.0 + (tint[..., 2] - 1.0) * np.where(full, 1.0, MILD_VALUE))
+    hue = hue + tint[..., 0] * np.where(full, 1.0, HUE_SHIFT_SHARE)
+    saturation = saturation * (1.0 + (tint[..., 1] - 1.0) * np.where(full, 1.0, SATURATION_VALUE_SHARE))
+    value = value * (1.0 + (tint[..., 2] - 1.0) * np.where(full, 1.0, SATURATION_VALUE_SHARE))
     return 255.0 * _rgb(hue - np.floor(hue), np.clip(saturation, 0.0, 1.0), np.clip(value, 0.0, 1.0))
 
 

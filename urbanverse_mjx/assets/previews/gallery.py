@@ -21,7 +21,7 @@ LABEL_HEIGHT = 22  # pixels
 ELEVATION = 14.0  # degrees, of the camera over the horizon
 #: Height over length below which a leaf (courts, crossings, knives) is seen from a higher elevation on a sheet, and
 #: that elevation in degrees.
-FLAT, ELEVATION_FLAT = 0.2, 42.0
+MAX_FLAT_ASPECT, FLAT_ELEVATION = 0.2, 42.0
 
 
 def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -> tuple[mujoco.MjModel, np.ndarray]:
@@ -158,8 +158,8 @@ def leaf_tile(name: str, meshes: Sequence[AssetMesh], size: tuple[int, int]) -> 
     """A row of a leaf's variants with a name underneath."""
     width, height = size
     tile, pen = paint.canvas(size, "white")
-    flat = all(m.extent[2] < FLAT * max(m.extent[:2]) for m in meshes)
-    elevation = ELEVATION_FLAT if flat else ELEVATION
+    flat = all(m.extent[2] < MAX_FLAT_ASPECT * max(m.extent[:2]) for m in meshes)
+    elevation = FLAT_ELEVATION if flat else ELEVATION
     row = render_row(meshes, (width, height - LABEL_HEIGHT), elevation_deg=elevation)
     tile.paste(Image.fromarray(row), (0, 0))
     paint.text(pen, name, (4, height - LABEL_HEIGHT + 3, width - 4, height - 5), "black", limit=14)

@@ -28,7 +28,7 @@ from ..categories.physical import (
     GRAVITY,
     MASS_STEP,
     ONE_PERSON_PUSH,
-    ROLLING,
+    ROLLING_RESISTANCE,
     Measured,
     Physical,
     composition,
@@ -71,8 +71,8 @@ SCHEMA = pa.schema(
     ]
 )
 # The clearance of the official example (a 6.1 m long car) is 1.5 m; the least one is for objects like bollards.
-CLEARANCE_LEAST, CLEARANCE_PER_METRE, CLEARANCE_MOST = 0.2, 0.25, 1.5
-SAME_MAKE = 0.05  # difference of the shared materials below which two makes fit equally well
+MIN_CLEARANCE, CLEARANCE_PER_METRE, MAX_CLEARANCE = 0.2, 0.25, 1.5
+MAX_MAKE_DIFFERENCE = 0.05  # difference of the shared materials below which two makes fit equally well
 # Materials that are treated as equal in the search for a base shape's make.
 _KIN = {
     "green wood": "wood",
@@ -82,7 +82,7 @@ _KIN = {
     "clay": "terracotta",
     "metal": "steel",
 }
-CLEARANCE_ALIVE = 0.5  # m, distance between people that pass each other
+PERSON_CLEARANCE = 0.5  # m, distance between people that pass each other
 
 
 def leaf_counts() -> dict[str, int]:
@@ -140,7 +140,7 @@ def _makes_of(row: Prior, bases: Sequence[AssetRecord], extent: Any, volume: Any
     one whose mass is nearest to the recipe's."""
     by_mass = sample_meshes(row.leaf, [r.uid for r in bases], extent, volume, [r.mass for r in bases]).make
     shared = np.array([[_shared(make.shares, r.materials) for make in row.makes] for r in bases])
-    alike = shared >= shared.max(1, keepdims=True) - SAME_MAKE
+    alike = shared >= shared.max(1, keepdims=True) - MAX_MAKE_DIFFERENCE
     return np.where(alike[np.arange(len(bases)), by_mass], by_mass, shared.argmax(1))
 
 
@@ -192,7 +192,7 @@ def _contradiction(row: Mapping[str, Any], densities: Mapping[str, float]) -> st
     matter = sum(share * densities[name] for name, share in zip(row["materials"], shares, strict=True))
     if abs(matter * row["volume"] - row["mass"]) > 1e-5 * row["mass"] + MASS_STEP:
         return "mass is not volume times the density of the materials"
-    coefficient = ROLLING if leaf.rest == "rolls" else row["friction_coefficient"]
+    coefficient = ROLLING_RESISTANCE if leaf.rest == "rolls" else row["friction_coefficient"]
     if abs(coefficient * row["mass"] * GRAVITY - row["required_force"]) > 1e-5 * row["required_force"] + 1e-5:
         return "required_force is not the coefficient times the weight"
     if row["movable"] != (leaf.rest not in ("fixed", "hangs") and row["required_force"] <= ONE_PERSON_PUSH):
@@ -270,8 +270,8 @@ def _clearance(row: Prior, values: Physical) -> Any:
     """m, recommended clearance: grows with the object's size, larger for people and animals, 0 for passable objects."""
     if row.traversability == "pass through":
         return np.zeros(len(values.length))
-    least = CLEARANCE_ALIVE if row.rest == "alive" else CLEARANCE_LEAST
-    return np.round(np.minimum(least + CLEARANCE_PER_METRE * values.length, CLEARANCE_MOST), 2)
+    least = PERSON_CLEARANCE if row.rest == "alive" else MIN_CLEARANCE
+    return np.round(np.minimum(least + CLEARANCE_PER_METRE * values.length, MAX_CLEARANCE), 2)
 
 
 def _traversable_by(row: Prior) -> list[str]:

@@ -27,7 +27,7 @@ from . import descriptors
 from .neural import ImageEmbedder
 from .search import ObjectLibrary, library
 
-KEEP = 1000  # the paper's number of candidates after the geometric step
+NUM_CANDIDATES = 1000  # the paper's number of candidates after the geometric step
 # Least score relative to the best one, and largest number, of candidate leaves; an exact match of a name has no
 # alternatives.
 _MIN_SCORE_RATIO, _MAX_LEAVES = 0.9, 3
@@ -68,7 +68,7 @@ class Matcher:
         size: Sequence[float],
         descriptor: Sequence[int] | NDArray | None = None,
         count: int = 5,
-        keep: int = KEEP,
+        keep: int = NUM_CANDIDATES,
         text: TextEmbedder | None = None,
         slack: float | None = None,
         turn_gain: float = 0.0,

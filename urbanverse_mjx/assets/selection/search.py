@@ -312,14 +312,14 @@ class ObjectLibrary:
             entries, parents, words = self._entries(column)
             said = [k for word, k in words.items() if f" {word} " in text]
             bonus = np.zeros(len(scores))
-            bonus[parents[np.isin(entries, said)]] = SAID
+            bonus[parents[np.isin(entries, said)]] = NAMED_LEAF_BONUS
             scores = scores + np.where(scores > 0.0, bonus, 0.0)
         return scores
 
 
 #: Names of materials in queries.
 MATERIAL_WORDS = {"wooden": "wood", "metal": "steel", "metallic": "steel", "woollen": "wool"}
-SAID = 0.05  # less than the difference between a named leaf and a similarly spelled one
+NAMED_LEAF_BONUS = 0.05  # less than the difference between a named leaf and a similarly spelled one
 
 
 def _embedder(model: str) -> TextEmbedder | None:

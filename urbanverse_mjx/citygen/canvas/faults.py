@@ -15,20 +15,20 @@ from . import ground_layers
 #: Free width (m) that a trajectory must have: a robot of 0.45 m radius, plus the planner's cells of 20 cm.
 CLEARANCE = 1.2
 #: An object whose foot is at most this far (m) over the ground should stand on it.
-NEAR = 0.3
+FLOATING_HEIGHT = 0.3
 #: Largest area (m²) by which two objects may overlap seen from above.
-TOUCH = 0.02
+MAX_OVERLAP_AREA = 0.02
 #: An object stands over a kerb if the ground under it differs by at least this much (m).
-ASTRIDE = 0.035
+KERB_DIFFERENCE = 0.035
 #: A free position must exist within this distance (m) of every point of the trajectory.
-REACH = 1.0
+FREE_POSITION_DISTANCE = 1.0
 
 
 def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: float = CLEARANCE) -> list[str]:
     """Returns the faults, one sentence each: floating or overlapping objects, objects half over a kerb, gaps in the
     ground, and a blocked trajectory."""
     found = ground_layers.seams([r for r in stage.regions if r.kind not in PAINT_KINDS])
-    standing = [o for o in stage.objects if clearance.is_obstacle(o) and foot(stage, o) < NEAR]
+    standing = [o for o in stage.objects if clearance.is_obstacle(o) and foot(stage, o) < FLOATING_HEIGHT]
     for obj in standing:
         if abs(foot(stage, obj)) > 2e-3:
             found.append(f"{obj.id} stands {foot(stage, obj):.2f} m off the ground")
@@ -61,7 +61,7 @@ def _astride(stage: Stage, obj: GraphObject) -> bool:
         return False
     corners = shapely.get_coordinates(clearance.footprint(obj).exterior)[:-1]
     heights = [stage.ground_height(x, y) for x, y in corners]
-    return max(heights) - min(heights) > ASTRIDE
+    return max(heights) - min(heights) > KERB_DIFFERENCE
 
 
 def _touching(standing: Sequence[GraphObject]) -> list[str]:
@@ -70,7 +70,7 @@ def _touching(standing: Sequence[GraphObject]) -> list[str]:
     found = []
     for i, j in shapely.STRtree(boxes).query(boxes, predicate="intersects").T:
         share = shapes[i].intersection(shapes[j]).area if i < j else 0.0
-        if share > TOUCH:
+        if share > MAX_OVERLAP_AREA:
             found.append(f"{standing[i].id} and {standing[j].id} share {share:.2f} m²")
     return found
 
@@ -84,10 +84,14 @@ def _blocked(
     for x, y in trajectory:
         point = shapely.Point(x, y)
         near = max(
-            (k for k, p in enumerate(pieces) if p.distance(point) <= REACH), key=lambda k: pieces[k].area, default=-1
+            (k for k, p in enumerate(pieces) if p.distance(point) <= FREE_POSITION_DISTANCE),
+            key=lambda k: pieces[k].area,
+            default=-1,
         )
         if near < 0:
-            return [f"the trajectory's point ({x:g}, {y:g}) is more than {REACH:g} m from any free place"]
+            return [
+                f"the trajectory's point ({x:g}, {y:g}) is more than {FREE_POSITION_DISTANCE:g} m from any free place"
+            ]
         homes.append(near)
     found = []
     for i in (i for i in range(len(homes) - 1) if homes[i] != homes[i + 1]):

@@ -25,7 +25,7 @@ SIZES: dict[str, tuple[catalogue.Size, ...]] = (
 
 JOINT = 0.08  # m at either end of a row of fence, so that rows may meet at a corner
 SEAT = 0.72  # m from the middle of a small table to that of a chair drawn up to it
-ABREAST = 0.62  # m between bicycles that share a stand
+BICYCLE_SPACING = 0.62  # m between bicycles that share a stand
 
 
 def blank(scene_id: str) -> Canvas:
@@ -73,7 +73,7 @@ def bicycles(canvas: Canvas, x: float, y: float, degrees: float, turned: Sequenc
     if rack:
         canvas.put("bicycle parking", x + 1.15 * math.cos(across - math.pi / 2), y, degrees, 1)
     for i, back in enumerate(turned):
-        off = (i - (len(turned) - 1) / 2) * ABREAST
+        off = (i - (len(turned) - 1) / 2) * BICYCLE_SPACING
         place = x + off * math.cos(across), y + off * math.sin(across)
         canvas.put("bicycle", *place, degrees + (180.0 if back else 0.0))
 

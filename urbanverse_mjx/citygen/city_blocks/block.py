@@ -20,8 +20,8 @@ VERSION = str(versions.CODE["blocks"].version)
 #: m, height of a trajectory's camera above the ground, and distance between its points.
 CAMERA_HEIGHT, STRIDE = 1.55, 2.4
 #: m, no crosswalk or side street begins closer than this to a bend, a crosswalk or an end.
-_CLEAR = 4.5
-_SMALL = frozenset({"motorcycle", "scooter", "bicycle"})
+_JUNCTION_CLEARANCE = 4.5
+_TWO_WHEELED = frozenset({"motorcycle", "scooter", "bicycle"})
 
 
 def block(profile: CityProfile, seed: int, name: str | None = None, length: float = LENGTH) -> SceneGraph:
@@ -56,7 +56,11 @@ def rng_of(profile: CityProfile, seed: int, what: str) -> random.Random:
 def plan_of(profile: CityProfile, rng: random.Random, length: float) -> Plan:
     """Returns the plan: crosswalks and side streets spread over the length, clear of bends, ends and each other."""
     line = StreetLine(length, profile.bends)
-    taken = [(0.0, _CLEAR), (length - _CLEAR, length), *((j - _CLEAR, j + _CLEAR) for j in line.joints)]
+    taken = [
+        (0.0, _JUNCTION_CLEARANCE),
+        (length - _JUNCTION_CLEARANCE, length),
+        *((j - _JUNCTION_CLEARANCE, j + _JUNCTION_CLEARANCE) for j in line.joints),
+    ]
 
     def find(wanted: float, half: float) -> float | None:
         for k in range(60):
@@ -124,7 +128,7 @@ def _parked(filler: Filler) -> None:
                 at += filler.uniform(3.0, 6.5)
                 continue
             along, across, _ = item.size
-            if item.label in _SMALL:
+            if item.label in _TWO_WHEELED:
                 filler.put(item, at + across / 2, side, -along / 2 - 0.1, 90.0 * side + filler.uniform(10, 40))
                 at += across + 0.18
                 continue

@@ -17,7 +17,7 @@ from .line import Point
 #: Labels that are placed along a narrow pavement instead of across it.
 TWO_WHEELED = frozenset({"bicycle", "motorcycle", "scooter"})
 #: m, least gap between two objects.
-APART = 0.06
+MIN_GAP = 0.06
 #: m along the street between the points of a lane, and between its bends.
 STEP, WANDER = 2.0, 11.0
 #: m kept free at both ends of the road.
@@ -150,7 +150,7 @@ class Filler:
         return True
 
     def _fits(self, shape: BaseGeometry, lane: bool) -> bool:
-        wide = shape.buffer(APART)
+        wide = shape.buffer(MIN_GAP)
         if not lane and any(zone.intersects(shape) for zone in self._closed):
             return False
         if not self._bounds:

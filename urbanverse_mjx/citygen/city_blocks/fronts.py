@@ -5,11 +5,11 @@ from .filling import Filler
 from .ground import ARM, CROSS_ROAD, FAR_PAVEMENT, SIDE_DEPTH, Plan
 
 #: m, greatest depth of a front, and greatest factor by which one is stretched.
-MOST_DEEP, STRETCH = 9.0, 1.25
+MAX_DEPTH, MAX_STRETCH = 9.0, 1.25
 #: m, gap between two fronts.
 JOINT = 0.02
 #: m, a shorter remainder at the end of a row is closed by a wall instead of a stretched house.
-LEAST = 4.5
+MIN_REMAINDER = 4.5
 
 
 def build(filler: Filler) -> None:
@@ -39,11 +39,11 @@ def build(filler: Filler) -> None:
 def _house(filler: Filler, frontage: float) -> stock.Item:
     """Returns a house of the profile's mix, close to a frontage (m) and to the profile's height."""
     profile = filler.plan.profile
-    wanted = (MOST_DEEP, frontage, filler.uniform(*profile.height))
+    wanted = (MAX_DEPTH, frontage, filler.uniform(*profile.height))
     house = stock.draw(stock.pick(profile.houses, filler.rng), filler.rng, wanted)
     # Fronts may be stretched towards the desired size within plausible limits.
-    size = [x * min(max(y / x, 1 / STRETCH), STRETCH) for x, y in zip(house.size, wanted, strict=True)]
-    size[0] = min(house.size[0], 1.4 * MOST_DEEP)
+    size = [x * min(max(y / x, 1 / MAX_STRETCH), MAX_STRETCH) for x, y in zip(house.size, wanted, strict=True)]
+    size[0] = min(house.size[0], 1.4 * MAX_DEPTH)
     return stock.Item(house.label, tuple(round(x, 3) for x in size), house.descriptor)  # type: ignore[arg-type]
 
 
@@ -52,10 +52,10 @@ def _row(filler: Filler, side: int, begin: float, end: float) -> None:
     profile = filler.plan.profile
     depth = filler.plan.front(side) - filler.plan.half
     at = begin
-    while end - at > LEAST:
+    while end - at > MIN_REMAINDER:
         left_over = end - at
         wanted = filler.uniform(*profile.frontage)
-        if left_over - wanted < LEAST:
+        if left_over - wanted < MIN_REMAINDER:
             wanted = left_over
         house = _house(filler, min(wanted, left_over))
         along, across, up = house.size
@@ -91,7 +91,7 @@ def _close(filler: Filler, plan: Plan, at_end: bool) -> None:
     edge, sign, facing = (filler.line.length, 1.0, 180.0) if at_end else (0.0, -1.0, 0.0)
     away = CROSS_ROAD + FAR_PAVEMENT
     at, stop = -plan.front(-1) - ARM, plan.front(1) + ARM
-    while stop - at > LEAST:
+    while stop - at > MIN_REMAINDER:
         house = _house(filler, filler.uniform(*profile.frontage))
         along, across, _ = house.size
         filler.put(house, edge + sign * (away + along / 2), 1, at + across / 2 - plan.half, facing, free=True)

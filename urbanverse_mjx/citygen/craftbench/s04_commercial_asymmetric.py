@@ -11,7 +11,7 @@ from ..canvas.groups import laid_table, railed_bicycles
 ID = "04_commercial_street_asymmetric_sidewalks_benches_bicycles"
 
 KERB = 0.14
-LENGTH, HALF, BROAD, NARROW = 84.0, 2.8, 6.8, 2.7
+LENGTH, HALF, BROAD_PAVEMENT_WIDTH, NARROW_PAVEMENT_WIDTH = 84.0, 2.8, 6.8, 2.7
 MARKET = (30.0, 52.0, 4.0)  # x from and to, m by which the houses recede
 
 #: Against the fronts of the broad side.
@@ -173,7 +173,7 @@ def build() -> Canvas:
     street = Canvas(ID, seed=604)
     _lay(street)
     broad, narrow = edge((0.0, HALF), (LENGTH, HALF), 1), edge((0.0, -HALF), (LENGTH, -HALF), -1)
-    street.against(broad.back(BROAD), FRONTS)
+    street.against(broad.back(BROAD_PAVEMENT_WIDTH), FRONTS)
     street.against(broad, KERBSIDE, 0.45)
     street.along(broad, BROAD_SIDE)
     for label, x, y, degrees, variant in STALLS:
@@ -196,7 +196,7 @@ def build() -> Canvas:
     laid_table(street, 63.9, 6.3, 180.0, (0.0, 160.0), 0)
     laid_table(street, 77.0, 8.5, 0.0, (0.0, 180.0))
     street.put("pedestrian adult", 60.4, 7.2, 100.0, 4)
-    street.against(narrow.back(NARROW), NARROW_WALL)
+    street.against(narrow.back(NARROW_PAVEMENT_WIDTH), NARROW_WALL)
     street.along(narrow, NARROW_PEOPLE)
     street.along(narrow.road(), ROAD)
     street.put("bus", -3.0, -4.0, 90.0, 1)
@@ -215,12 +215,14 @@ def build() -> Canvas:
 
 def _lay(street: Canvas) -> None:
     a, b, deep = MARKET
-    front = HALF + BROAD
+    front = HALF + BROAD_PAVEMENT_WIDTH
     street.ground("start", "sidewalk", rectangle(-10.9, -12.0, 0.0, 18.0), KERB)
     street.ground("broad", "sidewalk", rectangle(0.0, HALF, LENGTH, front + 2.4), KERB)
     street.ground("market", "sidewalk", rectangle(a, front, b, front + deep + 2.4), KERB)
-    street.ground("narrow", "sidewalk", rectangle(0.0, -HALF - NARROW - 2.4, LENGTH, -HALF), KERB)
-    street.ground("end", "sidewalk", rectangle(LENGTH, -HALF - NARROW - 2.4, LENGTH + 7.4, front + 2.4), KERB)
+    street.ground("narrow", "sidewalk", rectangle(0.0, -HALF - NARROW_PAVEMENT_WIDTH - 2.4, LENGTH, -HALF), KERB)
+    street.ground(
+        "end", "sidewalk", rectangle(LENGTH, -HALF - NARROW_PAVEMENT_WIDTH - 2.4, LENGTH + 7.4, front + 2.4), KERB
+    )
     street.ground("road", "road", rectangle(0.0, -HALF, LENGTH, HALF))
     street.ground("cross_road", "road", rectangle(-6.0, -12.0, 0.0, 18.0))
     for number, x in enumerate((17.0, 61.0)):
@@ -232,11 +234,11 @@ def _lay(street: Canvas) -> None:
 
 def _houses(street: Canvas, broad: Edge, narrow: Edge) -> None:
     a, b, deep = MARKET
-    street.houses(broad, ("pastry shop", "bank", "flower shop"), 0.0, a, BROAD)
-    street.houses(broad, ("bookstore", "clothing store"), a + 0.05, b - 0.05, BROAD + deep)
-    street.houses(broad, ("cafe", "bistro", "electronics store"), b, LENGTH + 5.0, BROAD)
+    street.houses(broad, ("pastry shop", "bank", "flower shop"), 0.0, a, BROAD_PAVEMENT_WIDTH)
+    street.houses(broad, ("bookstore", "clothing store"), a + 0.05, b - 0.05, BROAD_PAVEMENT_WIDTH + deep)
+    street.houses(broad, ("cafe", "bistro", "electronics store"), b, LENGTH + 5.0, BROAD_PAVEMENT_WIDTH)
     shops = ("hair salon", "bicycle shop", "pharmacy", "butcher shop", "optical store", "shoe store", "toy shop")
-    street.houses(narrow, (*shops, "bakery", "restaurant", "bookstore"), 0.0, LENGTH + 5.0, NARROW)
+    street.houses(narrow, (*shops, "bakery", "restaurant", "bookstore"), 0.0, LENGTH + 5.0, NARROW_PAVEMENT_WIDTH)
     street.houses(edge((LENGTH + 5.0, 9.6), (LENGTH + 5.0, -5.5), 1), ("clothing store", "cafe"), 0.0, 15.1, 0.0)
     street.houses(edge((-8.5, -12.0), (-8.5, 18.0), 1), ("hotel", "restaurant", "office building"), 0.0, 30.0, 0.0)
     street.houses(edge((-8.5, 18.0), (0.0, 18.0), 1), ("cheese shop",), 0.0, 8.5, 0.0)

@@ -9,7 +9,7 @@ from ..canvas.canvas import Canvas, edge
 from ..canvas.pieces import apron, barrel, blank, people, table, tables
 
 ID = "07_narrow_alley_outdoor_dining"
-PAVED, TERRACE = 0.12, 0.3  # m over the street's asphalt
+PAVEMENT_HEIGHT, TERRACE_HEIGHT = 0.12, 0.3  # m over the street's asphalt
 EAST, NORTH = 46.0, 38.0  # m, lengths of the alley's two arms
 
 
@@ -17,20 +17,20 @@ def _ground(c: Canvas) -> None:
     alley = [(0, -2.2), (12, -2.2), (12, -1.9), (30, -1.9), (30, -2.8), (46, -2.8), (46, -5), (60, -5), (60, 11)]
     alley += [(54.6, 11), (54.6, 24), (55.4, 24), (55.4, 49), (49.2, 49), (49.2, 30), (50, 30), (50, 11), (46, 11)]
     alley += [(46, 2.1), (34, 2.1), (34, 3.4), (18, 3.4), (18, 2.4), (0, 2.4)]
-    apron(c, "lots", alley, PAVED)
-    c.ground("alley", "sidewalk", alley, PAVED)
-    c.ground("terrace", "sidewalk", lay.rectangle(57.2, 4.2, 60.0, 11.0), TERRACE)
+    apron(c, "lots", alley, PAVEMENT_HEIGHT)
+    c.ground("alley", "sidewalk", alley, PAVEMENT_HEIGHT)
+    c.ground("terrace", "sidewalk", lay.rectangle(57.2, 4.2, 60.0, 11.0), TERRACE_HEIGHT)
     c.slope(
         "terrace_ramp",
         "sidewalk",
         lay.rectangle(57.6, 2.2, 59.4, 4.2),
-        [(57.6, 2.2, PAVED), (59.4, 2.2, PAVED), (57.6, 4.2, TERRACE)],
+        [(57.6, 2.2, PAVEMENT_HEIGHT), (59.4, 2.2, PAVEMENT_HEIGHT), (57.6, 4.2, TERRACE_HEIGHT)],
     )
-    c.ground("pavement", "sidewalk", lay.rectangle(41.0, 49.0, 64.0, 52.0), PAVED)
-    c.ground("far_pavement", "sidewalk", lay.rectangle(41.0, 58.0, 64.0, 61.0), PAVED)
-    c.ground("far_lot", "sidewalk", lay.rectangle(41.0, 61.0, 64.0, 64.0), PAVED)
-    c.ground("west_lot", "sidewalk", lay.rectangle(38.0, 49.0, 41.0, 61.0), PAVED)
-    c.ground("east_lot", "sidewalk", lay.rectangle(64.0, 49.0, 67.0, 61.0), PAVED)
+    c.ground("pavement", "sidewalk", lay.rectangle(41.0, 49.0, 64.0, 52.0), PAVEMENT_HEIGHT)
+    c.ground("far_pavement", "sidewalk", lay.rectangle(41.0, 58.0, 64.0, 61.0), PAVEMENT_HEIGHT)
+    c.ground("far_lot", "sidewalk", lay.rectangle(41.0, 61.0, 64.0, 64.0), PAVEMENT_HEIGHT)
+    c.ground("west_lot", "sidewalk", lay.rectangle(38.0, 49.0, 41.0, 61.0), PAVEMENT_HEIGHT)
+    c.ground("east_lot", "sidewalk", lay.rectangle(64.0, 49.0, 67.0, 61.0), PAVEMENT_HEIGHT)
     c.ground("street", "road", lay.rectangle(41.0, 52.0, 64.0, 58.0))
     c.ground("crossing", "crosswalk", lay.rectangle(50.3, 52.0, 54.3, 58.0))
     c.ramp("ramp_near", (52.3, 52.0), -90.0, parted=False)

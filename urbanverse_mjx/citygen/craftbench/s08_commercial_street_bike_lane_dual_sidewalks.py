@@ -10,25 +10,25 @@ from ..canvas.canvas import Canvas, edge
 from ..canvas.pieces import blank, people, tables
 
 ID = "08_commercial_street_bike_lane_dual_sidewalks"
-LENGTH, PAVED = 96.0, 0.14
+LENGTH, PAVEMENT_HEIGHT = 96.0, 0.14
 NORTH, SOUTH = edge((0, 5.0), (LENGTH, 5.0), 1), edge((0, -5.6), (LENGTH, -5.6), -1)
 
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
-    c.ground("north_lots", "sidewalk", box(0, 9.6, LENGTH + 5, 12.6), PAVED)
-    c.ground("south_lots", "sidewalk", box(0, -13.0, LENGTH + 5, -10.0), PAVED)
-    c.ground("side_lots", "sidewalk", box(40.0, 9.6, 54.0, 26.0), PAVED)
-    c.ground("west_lots", "sidewalk", box(-13.0, -18.5, -10.0, 18.5), PAVED)
-    c.ground("west_far", "sidewalk", box(-10.0, -16.0, -7.0, 16.0), PAVED)
-    c.ground("end_lots", "sidewalk", box(LENGTH + 5, -10.0, LENGTH + 8, 9.6), PAVED)
-    c.ground("north_pavement", "sidewalk", box(0, 5.0, LENGTH, 9.6), PAVED)
-    c.ground("south_pavement", "sidewalk", box(0, -10.0, LENGTH, -5.6), PAVED)
-    c.ground("end", "sidewalk", box(LENGTH, -10.0, LENGTH + 5, 9.6), PAVED)
+    c.ground("north_lots", "sidewalk", box(0, 9.6, LENGTH + 5, 12.6), PAVEMENT_HEIGHT)
+    c.ground("south_lots", "sidewalk", box(0, -13.0, LENGTH + 5, -10.0), PAVEMENT_HEIGHT)
+    c.ground("side_lots", "sidewalk", box(40.0, 9.6, 54.0, 26.0), PAVEMENT_HEIGHT)
+    c.ground("west_lots", "sidewalk", box(-13.0, -18.5, -10.0, 18.5), PAVEMENT_HEIGHT)
+    c.ground("west_far", "sidewalk", box(-10.0, -16.0, -7.0, 16.0), PAVEMENT_HEIGHT)
+    c.ground("end_lots", "sidewalk", box(LENGTH + 5, -10.0, LENGTH + 8, 9.6), PAVEMENT_HEIGHT)
+    c.ground("north_pavement", "sidewalk", box(0, 5.0, LENGTH, 9.6), PAVEMENT_HEIGHT)
+    c.ground("south_pavement", "sidewalk", box(0, -10.0, LENGTH, -5.6), PAVEMENT_HEIGHT)
+    c.ground("end", "sidewalk", box(LENGTH, -10.0, LENGTH + 5, 9.6), PAVEMENT_HEIGHT)
     c.ground("cross_road", "road", box(-7.0, -16.0, 0.0, 16.0))
     c.ground("road", "road", box(0, -5.6, LENGTH, 3.0))
     c.ground("lane", "road", box(0, 3.0, LENGTH, 5.0))
-    c.ground("side_pavement", "sidewalk", box(42.0, 9.6, 52.0, 24.0), PAVED)
+    c.ground("side_pavement", "sidewalk", box(42.0, 9.6, 52.0, 24.0), PAVEMENT_HEIGHT)
     c.ground("side_road", "road", box(44.0, 5.0, 50.0, 24.0))
     c.ground("zebra_west", "crosswalk", box(18.0, -5.6, 22.0, 5.0))
     c.ground("zebra_east", "crosswalk", box(82.0, -5.6, 86.0, 5.0))
@@ -43,10 +43,14 @@ def _ground(c: Canvas) -> None:
     c.ramp("ramp_cross_w", (-7.0, 7.2), 180.0, parted=False)
     c.ramp("ramp_cross_e", (0.0, 7.2), 0.0)
     # the bus island, and the raised crossing to it over the lane
-    c.ground("island", "sidewalk", box(60.0, 1.1, 76.0, 3.0), PAVED)
-    c.ground("hump", "crosswalk", box(66.4, 3.0, 69.6, 5.0), PAVED)
-    c.slope("hump_up", "road", box(65.0, 3.0, 66.4, 5.0), [(65.0, 3.0, 0), (65.0, 5.0, 0), (66.4, 3.0, PAVED)])
-    c.slope("hump_down", "road", box(69.6, 3.0, 71.0, 5.0), [(71.0, 3.0, 0), (71.0, 5.0, 0), (69.6, 3.0, PAVED)])
+    c.ground("island", "sidewalk", box(60.0, 1.1, 76.0, 3.0), PAVEMENT_HEIGHT)
+    c.ground("hump", "crosswalk", box(66.4, 3.0, 69.6, 5.0), PAVEMENT_HEIGHT)
+    c.slope(
+        "hump_up", "road", box(65.0, 3.0, 66.4, 5.0), [(65.0, 3.0, 0), (65.0, 5.0, 0), (66.4, 3.0, PAVEMENT_HEIGHT)]
+    )
+    c.slope(
+        "hump_down", "road", box(69.6, 3.0, 71.0, 5.0), [(71.0, 3.0, 0), (71.0, 5.0, 0), (69.6, 3.0, PAVEMENT_HEIGHT)]
+    )
     for i, (x0, x1) in enumerate(((0.4, 17.4), (22.6, 59.4), (76.6, 81.4), (86.6, 95.4))):
         c.paint(f"lane_edge_{i}", box(x0, 2.86, x1, 3.0))
     for i, (x0, x1) in enumerate(((1.0, 16.0), (24.5, 80.0), (88.5, 95.0))):

@@ -10,35 +10,35 @@ from ..canvas.canvas import Canvas, edge
 from ..canvas.pieces import blank, chain, people, table
 
 ID = "09_cbd_t_intersection_construction_sites"
-LENGTH, PAVED = 96.0, 0.18
+LENGTH, PAVEMENT_HEIGHT = 96.0, 0.18
 NORTH, SOUTH = edge((0, 7.0), (LENGTH, 7.0), 1), edge((0, -7.0), (LENGTH, -7.0), -1)
 WEST, EAST = edge((44.0, 12.0), (44.0, 62.0), 1), edge((54.0, 12.0), (54.0, 62.0), -1)
 
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
-    c.ground("north_lots", "sidewalk", box(-12.0, 12.0, LENGTH + 6, 14.6), PAVED)
-    c.ground("south_lots", "sidewalk", box(-12.0, -14.6, LENGTH + 6, -12.0), PAVED)
-    c.ground("stem_lots", "sidewalk", box(37.0, 12.0, 61.0, 64.6), PAVED)
-    c.ground("site_lots", "sidewalk", box(9.0, 30.0, 27.0, 32.6), PAVED)
-    c.ground("west_lots", "sidewalk", box(-14.6, -18.6, -12.0, 18.6), PAVED)
-    c.ground("east_lots", "sidewalk", box(LENGTH + 6, -12.0, LENGTH + 8.6, 12.0), PAVED)
-    c.ground("west_far", "sidewalk", box(-12.0, -16.0, -9.0, 16.0), PAVED)
-    c.ground("west_arms", "sidewalk", box(-9.0, -18.6, 0.0, 18.6), PAVED)
+    c.ground("north_lots", "sidewalk", box(-12.0, 12.0, LENGTH + 6, 14.6), PAVEMENT_HEIGHT)
+    c.ground("south_lots", "sidewalk", box(-12.0, -14.6, LENGTH + 6, -12.0), PAVEMENT_HEIGHT)
+    c.ground("stem_lots", "sidewalk", box(37.0, 12.0, 61.0, 64.6), PAVEMENT_HEIGHT)
+    c.ground("site_lots", "sidewalk", box(9.0, 30.0, 27.0, 32.6), PAVEMENT_HEIGHT)
+    c.ground("west_lots", "sidewalk", box(-14.6, -18.6, -12.0, 18.6), PAVEMENT_HEIGHT)
+    c.ground("east_lots", "sidewalk", box(LENGTH + 6, -12.0, LENGTH + 8.6, 12.0), PAVEMENT_HEIGHT)
+    c.ground("west_far", "sidewalk", box(-12.0, -16.0, -9.0, 16.0), PAVEMENT_HEIGHT)
+    c.ground("west_arms", "sidewalk", box(-9.0, -18.6, 0.0, 18.6), PAVEMENT_HEIGHT)
     c.ground("cross_road", "road", box(-9.0, -16.0, 0.0, 16.0))
     corner = [(0, 7), (41.5, 7), (44, 9.5), (44, 62), (39.5, 62), (39.5, 12), (0, 12)]
-    c.ground("north_west", "sidewalk", corner, PAVED)
+    c.ground("north_west", "sidewalk", corner, PAVEMENT_HEIGHT)
     corner = [(LENGTH, 7), (56.5, 7), (54, 9.5), (54, 62), (58.5, 62), (58.5, 12), (LENGTH, 12)]
-    c.ground("north_east", "sidewalk", corner, PAVED)
-    c.ground("south_pavement", "sidewalk", box(0, -12.0, LENGTH, -7.0), PAVED)
-    c.ground("forecourt", "sidewalk", box(LENGTH, -12.0, LENGTH + 6, 12.0), PAVED)
+    c.ground("north_east", "sidewalk", corner, PAVEMENT_HEIGHT)
+    c.ground("south_pavement", "sidewalk", box(0, -12.0, LENGTH, -7.0), PAVEMENT_HEIGHT)
+    c.ground("forecourt", "sidewalk", box(LENGTH, -12.0, LENGTH + 6, 12.0), PAVEMENT_HEIGHT)
     stem = [(41.5, 7), (56.5, 7), (54, 9.5), (54, 62), (44, 62), (44, 9.5)]
     c.ground("avenue", "road", box(0, -7.0, LENGTH, 7.0))
     c.ground("stem", "road", stem)
-    c.ground("stem_end", "sidewalk", box(44.0, 59.0, 54.0, 62.0), PAVED)
+    c.ground("stem_end", "sidewalk", box(44.0, 59.0, 54.0, 62.0), PAVEMENT_HEIGHT)
     # ground outside the pavements: the site, the pit
-    c.ground("site", "road", box(9.0, 10.6, 27.0, 30.0), PAVED)
-    c.ground("tower_lot", "road", box(68.4, 22.2, 88.8, 42.8), PAVED)
+    c.ground("site", "road", box(9.0, 10.6, 27.0, 30.0), PAVEMENT_HEIGHT)
+    c.ground("tower_lot", "road", box(68.4, 22.2, 88.8, 42.8), PAVEMENT_HEIGHT)
     c.ground("pit", "road", box(68.5, -11.4, 77.5, -8.4), -0.3)
     c.ground("zebra_stem", "crosswalk", box(44.0, 10.0, 54.0, 14.0))
     c.ground("zebra_west", "crosswalk", box(34.0, -7.0, 38.0, 7.0))

@@ -11,7 +11,7 @@ from ..canvas.canvas import Canvas, edge
 from ..canvas.pieces import apron, blank, chain, people, table
 
 ID = "10_cbd_cross_intersection_diverse_obstacles"
-PAVED, LOW = 0.15, 0.05
+PAVEMENT_HEIGHT, LOW_PAVEMENT_HEIGHT = 0.15, 0.05
 NW_LONG, NE_LONG = edge((-48, 6), (-12, 6), 1), edge((12, 6), (48, 6), 1)
 SW_LONG, SE_LONG = edge((-48, -6), (-12, -6), -1), edge((12, -6), (48, -6), -1)
 NW_SHORT, NE_SHORT = edge((-5.5, 13), (-5.5, 44), 1), edge((5.5, 13), (5.5, 44), -1)
@@ -27,13 +27,13 @@ def _ground(c: Canvas) -> None:
     south_east = [(48, -6), (8, -6), (5.5, -8.5), (5.5, -44), (10, -44), (10, -11), (48, -11)]
     high = {"north_west": north_west, "north_east": north_east, "south_west": south_west}
     high |= {"west_end": west_end, "north_end": north_end}
-    apron(c, "south_east_lots", south_east, LOW)
+    apron(c, "south_east_lots", south_east, LOW_PAVEMENT_HEIGHT)
     for name, ring in high.items():
-        apron(c, f"{name}_lots", ring, PAVED)
+        apron(c, f"{name}_lots", ring, PAVEMENT_HEIGHT)
     for name, ring in high.items():
-        c.ground(name, "sidewalk", ring, PAVED)
-    c.ground("south_east", "sidewalk", south_east, LOW)
-    c.ground("tower_lot", "road", box(20.4, -42.4, 40.8, -22.0), LOW)
+        c.ground(name, "sidewalk", ring, PAVEMENT_HEIGHT)
+    c.ground("south_east", "sidewalk", south_east, LOW_PAVEMENT_HEIGHT)
+    c.ground("tower_lot", "road", box(20.4, -42.4, 40.8, -22.0), LOW_PAVEMENT_HEIGHT)
     c.ground("east_lot", "road", box(48.0, -6.0, 50.4, 6.0))
     c.ground("south_lot", "road", box(-5.5, -46.4, 5.5, -44.0))
     c.ground("long", "road", box(-48.0, -6.0, 48.0, 6.0))

@@ -10,26 +10,26 @@ from ..canvas.canvas import Canvas, edge
 from ..canvas.pieces import apron, blank, chain, people, table
 
 ID = "11_urban_park_dogs_sports_area"
-PAVED, TERRACE = 0.15, 0.45
+PAVEMENT_HEIGHT, TERRACE_HEIGHT = 0.15, 0.45
 
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
-    apron(c, "lots", box(0, -14.0, 84.0, 56.0), PAVED)
-    c.ground("far_pavement", "sidewalk", box(0, -14.0, 84.0, -11.0), PAVED)
-    c.ground("pavement", "sidewalk", box(0, -4.0, 84.0, 0.0), PAVED)
+    apron(c, "lots", box(0, -14.0, 84.0, 56.0), PAVEMENT_HEIGHT)
+    c.ground("far_pavement", "sidewalk", box(0, -14.0, 84.0, -11.0), PAVEMENT_HEIGHT)
+    c.ground("pavement", "sidewalk", box(0, -4.0, 84.0, 0.0), PAVEMENT_HEIGHT)
     c.ground("street", "road", box(0, -11.0, 84.0, -4.0))
     c.ground("zebra", "crosswalk", box(40.0, -11.0, 44.0, -4.0))
-    c.ground("lawn", "ground", box(0, 0, 84.0, 56.0), PAVED)
+    c.ground("lawn", "ground", box(0, 0, 84.0, 56.0), PAVEMENT_HEIGHT)
     for i, x in enumerate((18.0, 40.0, 62.0)):
-        c.ground(f"gate_{i}", "sidewalk", box(x, 0, x + 4.0, 3.0), PAVED)
-    c.ground("diagonal", "sidewalk", [(18.6, 6.0), (22.0, 6.0), (36.0, 20.0), (34.3, 21.7)], PAVED)
-    c.ground("promenade", "sidewalk", box(0, 3.0, 84.0, 6.0), PAVED)
-    c.ground("west_path", "sidewalk", box(3.0, 6.0, 6.0, 50.0), PAVED)
-    c.ground("east_path", "sidewalk", box(78.0, 6.0, 81.0, 50.0), PAVED)
-    c.ground("north_path", "sidewalk", box(6.0, 47.0, 78.0, 50.0), PAVED)
-    c.ground("long_path", "sidewalk", box(6.0, 25.0, 78.0, 28.0), PAVED)
-    c.ground("cross_path", "sidewalk", box(38.0, 6.0, 41.0, 47.0), PAVED)
+        c.ground(f"gate_{i}", "sidewalk", box(x, 0, x + 4.0, 3.0), PAVEMENT_HEIGHT)
+    c.ground("diagonal", "sidewalk", [(18.6, 6.0), (22.0, 6.0), (36.0, 20.0), (34.3, 21.7)], PAVEMENT_HEIGHT)
+    c.ground("promenade", "sidewalk", box(0, 3.0, 84.0, 6.0), PAVEMENT_HEIGHT)
+    c.ground("west_path", "sidewalk", box(3.0, 6.0, 6.0, 50.0), PAVEMENT_HEIGHT)
+    c.ground("east_path", "sidewalk", box(78.0, 6.0, 81.0, 50.0), PAVEMENT_HEIGHT)
+    c.ground("north_path", "sidewalk", box(6.0, 47.0, 78.0, 50.0), PAVEMENT_HEIGHT)
+    c.ground("long_path", "sidewalk", box(6.0, 25.0, 78.0, 28.0), PAVEMENT_HEIGHT)
+    c.ground("cross_path", "sidewalk", box(38.0, 6.0, 41.0, 47.0), PAVEMENT_HEIGHT)
     ring = [
         (36.5, 19.5),
         (42.5, 19.5),
@@ -40,12 +40,12 @@ def _ground(c: Canvas) -> None:
         (32.5, 29.5),
         (32.5, 23.5),
     ]
-    c.ground("circle", "sidewalk", ring, PAVED)
-    c.ground("sand", "ground", box(60.0, 10.0, 75.0, 22.0), PAVED)
-    c.ground("dog_run", "ground", box(9.0, 31.0, 27.0, 44.0), PAVED)
-    c.ground("court", "sidewalk", box(45.0, 29.6, 75.0, 46.0), PAVED)
-    c.ground("terrace", "sidewalk", box(9.0, 15.0, 18.0, 23.0), TERRACE)
-    low, high = [(9.6, 12.0, PAVED), (11.4, 12.0, PAVED)], [(9.6, 15.0, TERRACE)]
+    c.ground("circle", "sidewalk", ring, PAVEMENT_HEIGHT)
+    c.ground("sand", "ground", box(60.0, 10.0, 75.0, 22.0), PAVEMENT_HEIGHT)
+    c.ground("dog_run", "ground", box(9.0, 31.0, 27.0, 44.0), PAVEMENT_HEIGHT)
+    c.ground("court", "sidewalk", box(45.0, 29.6, 75.0, 46.0), PAVEMENT_HEIGHT)
+    c.ground("terrace", "sidewalk", box(9.0, 15.0, 18.0, 23.0), TERRACE_HEIGHT)
+    low, high = [(9.6, 12.0, PAVEMENT_HEIGHT), (11.4, 12.0, PAVEMENT_HEIGHT)], [(9.6, 15.0, TERRACE_HEIGHT)]
     c.slope("terrace_ramp", "sidewalk", box(9.6, 12.0, 11.4, 15.0), [*low, *high])
     c.stairs("steps", (18.64, 19.0), 180.0, 4.0, 2)
     c.ramp("ramp_park", (42.0, -4.0), 90.0, parted=False)

@@ -13,7 +13,7 @@ from .outlines import Corner, corners, inside, ring
 from .site import Site
 
 #: m, depth of a parking bay, and of two rows of bays with a walkway between them.
-BAY, DEEP = 5.2, 12.4
+BAY_DEPTH, DOUBLE_BAY_DEPTH = 5.2, 12.4
 
 
 def park(scene_id: str, rng: random.Random) -> Site:
@@ -115,7 +115,7 @@ def parking(scene_id: str, rng: random.Random) -> Site:
     blocks, cars = rng.randint(2, 3), rng.randint(9, 15)
     walk = rng.uniform(2.5, 4.5)
     long = round(cars * pitch + 2 * aisle + 2.0, 1)
-    wide = round(walk + blocks * (DEEP + aisle) + aisle, 1)
+    wide = round(walk + blocks * (DOUBLE_BAY_DEPTH + aisle) + aisle, 1)
     outline = shapely.box(0.0, 0.0, long, wide)
     site.enclose(outline, 0.0, rng.sample(stock.SHEDS, 5))
     site.canvas.ground("lot_floor", "sidewalk", ring(outline)[:-1])
@@ -125,7 +125,7 @@ def parking(scene_id: str, rng: random.Random) -> Site:
     )
     site.houses()
     zone = inside(outline).difference(shapely.union_all([i.buffer(0.12, join_style="mitre") for i in islands]))
-    across = [walk / 2, *(walk + aisle / 2 + k * (DEEP + aisle) for k in range(blocks + 1))]
+    across = [walk / 2, *(walk + aisle / 2 + k * (DOUBLE_BAY_DEPTH + aisle) for k in range(blocks + 1))]
     for y in across:
         site.lane([(aisle / 2, y), (long - aisle / 2, y)], reach=(aisle / 2 if y > walk else walk / 2) - 0.75)
     for x in (aisle / 2, long - aisle / 2):
@@ -155,10 +155,10 @@ def _islands(site: Site, long: float, walk: float, blocks: int, aisle: float) ->
     """Adds kerbed islands at the ends of the rows."""
     found = []
     for k in range(blocks):
-        y = walk + aisle + k * (DEEP + aisle) + DEEP / 2
+        y = walk + aisle + k * (DOUBLE_BAY_DEPTH + aisle) + DOUBLE_BAY_DEPTH / 2
         for name, x in (("a", aisle + 0.2), ("b", long - aisle - 1.4)):
             if site.rng.random() < 0.75:
-                half = site.uniform(2.0, DEEP / 2 - 1.0)
+                half = site.uniform(2.0, DOUBLE_BAY_DEPTH / 2 - 1.0)
                 shape = shapely.box(round(x, 2), round(y - half, 2), round(x + 1.2, 2), round(y + half, 2))
                 site.canvas.ground(f"island_{k}{name}", "sidewalk", ring(shape)[:-1], 0.15)
                 found.append(shape)
@@ -169,7 +169,7 @@ def _cars(site: Site, zone: BaseGeometry, long: float, aisle: float, pitch: floa
     full = site.uniform(0.45, 0.95)
     for k in range(blocks):
         for half in (0, 1):
-            y = walk + aisle + k * (DEEP + aisle) + BAY / 2 + half * (DEEP - BAY)
+            y = walk + aisle + k * (DOUBLE_BAY_DEPTH + aisle) + BAY_DEPTH / 2 + half * (DOUBLE_BAY_DEPTH - BAY_DEPTH)
             x = aisle + 1.6 + pitch / 2
             while x < long - aisle - 1.6 - pitch / 2 + 0.01:
                 if site.rng.random() < full:

@@ -23,9 +23,9 @@ LANE = 1.25
 APRON = 2.4
 #: At most this many hulls within `REACH` (m) of a point of the raster (`CELL`, m): 16 slots, minus a reserve for points
 #: between those of the raster.
-MOST_HULLS, REACH, CELL = 14, 0.95, 0.3
+MAX_HULLS_IN_REACH, REACH, CELL = 14, 0.95, 0.3
 #: m, least gap between two objects, and height from which an object collides with overhanging crowns and arms.
-GAP, TALL = 0.06, 1.9
+MIN_GAP, OVERHANG_HEIGHT = 0.06, 1.9
 _BLOCK = 4.0  # m, side of the squares of the neighbour index
 
 
@@ -208,7 +208,7 @@ class Site:
         degrees: float,
         zone: BaseGeometry | None = None,
         size: catalogue.Size | None = None,
-        gap: float = GAP,
+        gap: float = MIN_GAP,
         above: float = 0.0,
     ) -> bool:
         """Places an object unless it would leave its zone, stand in a lane or touch another; returns whether it was
@@ -223,7 +223,7 @@ class Site:
             return False
         if self._kept.intersects(foot) or self._solid.near(foot, gap):
             return False
-        if size[2] > TALL and self._over.near(whole, 0.02):
+        if size[2] > OVERHANG_HEIGHT and self._over.near(whole, 0.02):
             return False
         if not self._take(label, foot, whole, size):
             return False
@@ -247,11 +247,11 @@ class Site:
         xs, ys = self._origin[0] + (low[0] + i) * CELL, self._origin[1] + (low[1] + j) * CELL
         inside = shapely.contains_xy(near, xs, ys) if part.size else np.zeros(part.shape, bool)
         hulls = stock.hulls(label, size, house)
-        if not house and part.size and (part + hulls)[inside].max(initial=0) > MOST_HULLS:
+        if not house and part.size and (part + hulls)[inside].max(initial=0) > MAX_HULLS_IN_REACH:
             return False
         part += hulls * inside
         self._solid.add(foot)
-        if size[2] > TALL:
+        if size[2] > OVERHANG_HEIGHT:
             self._over.add(whole)
         return True
 

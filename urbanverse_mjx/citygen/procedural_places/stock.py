@@ -108,8 +108,8 @@ HOMES = (
     "hair salon",
 )  # fmt: skip
 
-#: Number of hulls of the labels that have more than `FEW`, the largest over a label's base shapes.
-FEW = 3
+#: Number of hulls of the labels that have more than `DEFAULT_HULLS`, the largest over a label's base shapes.
+DEFAULT_HULLS = 3
 HULLS: dict[str, int] = {
     "bench": 6, "bicycle": 4, "bicycle parking": 5, "scooter": 4, "motorcycle": 5, "table": 4, "stool": 4,
     "picnic table": 6, "beach chair": 6, "hammock": 12, "tent": 12, "table-tennis table": 12, "trampoline": 12,
@@ -130,8 +130,9 @@ HULLS: dict[str, int] = {
     "bulldozer": 12, "motorcycle parking": 12, "truck": 5, "trailer": 12, "concrete tetrapod": 3, "gate": 12,
     "traffic light": 6, "caution sign": 5, "directional sign": 5, "traffic sign": 4, "tree": 5, "utility pole": 4,
 }  # fmt: skip
-#: A robot is close to at most `PART` hulls of an object longer than `LONG` (m), and to the `FRONT` hulls of a house.
-LONG, PART, FRONT = 3.9, 6, 2
+#: A robot is close to at most `LONG_OBJECT_HULLS` hulls of an object longer than `LONG_OBJECT_LENGTH` (m), and to the
+#: `HOUSE_HULLS` hulls of a house.
+LONG_OBJECT_LENGTH, LONG_OBJECT_HULLS, HOUSE_HULLS = 3.9, 6, 2
 
 #: Growth forms of trees that fit between houses.
 SLIM: tuple[catalogue.Size, ...] = (catalogue.TREES["slim"], catalogue.TREES["street"], catalogue.TREES["palm"])
@@ -147,5 +148,5 @@ SIDEWALKS: tuple[str, ...] = (
 def hulls(label: str, size: catalogue.Size, house: bool = False) -> int:
     """Returns about how many collision hulls of an object a robot beside it may be tested against."""
     if house:
-        return FRONT
-    return PART if max(size[:2]) > LONG else HULLS.get(label, FEW)
+        return HOUSE_HULLS
+    return LONG_OBJECT_HULLS if max(size[:2]) > LONG_OBJECT_LENGTH else HULLS.get(label, DEFAULT_HULLS)

@@ -72,7 +72,7 @@ DENSITY = {"kerb": (1.0, 2.0), "clear": (0.3, 0.9), "front": (0.4, 1.0), "road":
 #: m, distances from the kerb at which the kerb's zone begins and ends, and depth of the zone before the houses.
 KERB_ZONE, FRONT_ZONE = (0.25, 1.35), 1.0
 #: m, least gap between two objects, and length kept free on either side of a crosswalk's middle.
-APART, MOUTH = 0.3, 3.0
+MIN_GAP, MOUTH_CLEARANCE = 0.3, 3.0
 CAMERA_HEIGHT = 1.6
 _TRIES = 30
 
@@ -181,7 +181,9 @@ class _Scene:
         size = self._size_of(label)
         for _ in range(_TRIES):
             s = self.rng.uniform(*arm.free)
-            if min((abs(s - c) for c in arm.crosswalks), default=math.inf) < MOUTH + size[0] / 2 * (zone == "road"):
+            if min((abs(s - c) for c in arm.crosswalks), default=math.inf) < MOUTH_CLEARANCE + size[0] / 2 * (
+                zone == "road"
+            ):
                 continue
             (x, y), (u, w) = arm.frame(s)
             out, along = (-w * side, u * side), math.atan2(w, u)
@@ -209,7 +211,7 @@ class _Scene:
         bounds = {
             "kerb": KERB_ZONE,
             "front": (width - FRONT_ZONE, width - 0.05),
-            "clear": (KERB_ZONE[1] + APART, width - FRONT_ZONE - APART),
+            "clear": (KERB_ZONE[1] + MIN_GAP, width - FRONT_ZONE - MIN_GAP),
             "road": (-0.4 - 2 * reach, -0.2),
         }
         low, high = bounds[zone][0] + reach, bounds[zone][1] - reach
@@ -226,7 +228,7 @@ class _Scene:
         if not (self.ground.road if zone == "road" else self._middle).contains(shape):
             return False
         # A robot must be able to pass between two objects on one pavement, unless they stand in line along its edges.
-        reach = clearance.CLEARANCE if zone == "clear" else APART
+        reach = clearance.CLEARANCE if zone == "clear" else MIN_GAP
         if shape.buffer(reach).intersects(self._close_by(shape, reach)):
             return False
         self._taken.append(shape)

@@ -9,7 +9,7 @@ from ..canvas.canvas import Canvas, edge, edges
 from ..canvas.pieces import bicycles, blank, people, table
 
 ID = "v01_shopping_alley_with_two_bends"
-PAVED, HALF = 0.1, 2.6
+PAVEMENT_HEIGHT, HALF = 0.1, 2.6
 MIDDLE = [(0.0, 0.0), (22.0, 0.0), (40.0, 10.0), (64.0, 10.0)]
 L1, L2, L3 = edges(MIDDLE, HALF, 1)
 R1, R2, R3 = edges(MIDDLE, HALF, -1)
@@ -18,14 +18,14 @@ NEAR, FAR = edge((-3.2, -17.0), (-3.2, 17.0), -1), edge((-9.2, -17.0), (-9.2, 17
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
-    c.ground("lots", "sidewalk", lay.strip(MIDDLE, 2 * HALF + 4.8), PAVED)
-    c.ground("yard_lots", "sidewalk", box(64.0, 0.6, 76.4, 21.4), PAVED)
-    c.ground("near_lots", "sidewalk", box(-3.2, -19.4, 2.4, 19.4), PAVED)
-    c.ground("far_lots", "sidewalk", box(-14.4, -19.4, -9.2, 19.4), PAVED)
+    c.ground("lots", "sidewalk", lay.strip(MIDDLE, 2 * HALF + 4.8), PAVEMENT_HEIGHT)
+    c.ground("yard_lots", "sidewalk", box(64.0, 0.6, 76.4, 21.4), PAVEMENT_HEIGHT)
+    c.ground("near_lots", "sidewalk", box(-3.2, -19.4, 2.4, 19.4), PAVEMENT_HEIGHT)
+    c.ground("far_lots", "sidewalk", box(-14.4, -19.4, -9.2, 19.4), PAVEMENT_HEIGHT)
     c.ground("street", "road", box(-9.2, -19.4, -3.2, 19.4))
-    c.ground("near_pavement", "sidewalk", box(-3.2, -17.0, 0.0, 17.0), PAVED)
-    c.ground("alley", "sidewalk", lay.strip(MIDDLE, 2 * HALF), PAVED)
-    c.ground("yard", "sidewalk", box(64.0, 3.0, 74.0, 19.0), PAVED)
+    c.ground("near_pavement", "sidewalk", box(-3.2, -17.0, 0.0, 17.0), PAVEMENT_HEIGHT)
+    c.ground("alley", "sidewalk", lay.strip(MIDDLE, 2 * HALF), PAVEMENT_HEIGHT)
+    c.ground("yard", "sidewalk", box(64.0, 3.0, 74.0, 19.0), PAVEMENT_HEIGHT)
     c.ground("crossing", "crosswalk", box(-9.2, -2.0, -3.2, 2.0))
     c.ramp("ramp_near", (-3.2, 0.0), 0.0, parted=False)
     c.ramp("ramp_far", (-9.2, 0.0), 180.0)

@@ -11,32 +11,40 @@ from ..canvas.pieces import blank, chain, people, table
 from ..catalogue import TREES
 
 ID = "v02_park_edge_with_pond_and_playground"
-PAVED, WATER = 0.12, -0.3
+PAVEMENT_HEIGHT, WATER_HEIGHT = 0.12, -0.3
 POND = (25.0, 1.0)
 NEAR, FAR = edge((-3.2, -26.0), (-3.2, 26.0), -1), edge((-9.6, -26.0), (-9.6, 26.0), 1)
 
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
-    c.ground("far_pavement", "sidewalk", box(-15.0, -28.4, -9.6, 28.4), PAVED)
-    c.ground("pavement", "sidewalk", box(-3.2, -28.4, 0.0, 28.4), PAVED)
+    c.ground("far_pavement", "sidewalk", box(-15.0, -28.4, -9.6, 28.4), PAVEMENT_HEIGHT)
+    c.ground("pavement", "sidewalk", box(-3.2, -28.4, 0.0, 28.4), PAVEMENT_HEIGHT)
     c.ground("street", "road", box(-9.6, -28.4, -3.2, 28.4))
-    c.ground("lawn", "ground", box(0.0, -26.0, 56.0, 26.0), PAVED)
-    c.ground("lots_east", "sidewalk", box(56.0, -28.4, 58.4, 28.4), PAVED)
-    c.ground("lots_south", "sidewalk", box(0.0, -28.4, 56.0, -26.0), PAVED)
-    c.ground("lots_north", "sidewalk", box(0.0, 26.0, 56.0, 28.4), PAVED)
-    c.ground("path_west", "sidewalk", box(0.0, -0.6, 14.0, 2.6), PAVED)
-    c.ground("path_south_west", "sidewalk", lay.strip([(0.0, -20.0), (8.0, -20.0), (19.5, -9.5)], 2.6), PAVED)
-    c.ground("path_south_east", "sidewalk", lay.strip([(33.0, -7.6), (40.0, -14.0)], 2.8), PAVED)
-    c.ground("path_north_east", "sidewalk", lay.strip([(33.0, 9.6), (42.0, 17.0)], 2.8), PAVED)
-    c.ground("path_east", "sidewalk", lay.strip([(45.0, -12.0), (49.0, -4.0), (49.0, 8.0), (46.0, 15.0)], 2.6), PAVED)
-    c.ground("kiosk_court", "sidewalk", box(39.0, 14.0, 53.0, 24.0), PAVED)
+    c.ground("lawn", "ground", box(0.0, -26.0, 56.0, 26.0), PAVEMENT_HEIGHT)
+    c.ground("lots_east", "sidewalk", box(56.0, -28.4, 58.4, 28.4), PAVEMENT_HEIGHT)
+    c.ground("lots_south", "sidewalk", box(0.0, -28.4, 56.0, -26.0), PAVEMENT_HEIGHT)
+    c.ground("lots_north", "sidewalk", box(0.0, 26.0, 56.0, 28.4), PAVEMENT_HEIGHT)
+    c.ground("path_west", "sidewalk", box(0.0, -0.6, 14.0, 2.6), PAVEMENT_HEIGHT)
+    c.ground("path_south_west", "sidewalk", lay.strip([(0.0, -20.0), (8.0, -20.0), (19.5, -9.5)], 2.6), PAVEMENT_HEIGHT)
+    c.ground("path_south_east", "sidewalk", lay.strip([(33.0, -7.6), (40.0, -14.0)], 2.8), PAVEMENT_HEIGHT)
+    c.ground("path_north_east", "sidewalk", lay.strip([(33.0, 9.6), (42.0, 17.0)], 2.8), PAVEMENT_HEIGHT)
     c.ground(
-        "playground", "sidewalk", [(36.0, -13.0), (46.0, -10.5), (53.5, -14.0), (53.5, -24.0), (36.0, -24.0)], PAVED
+        "path_east",
+        "sidewalk",
+        lay.strip([(45.0, -12.0), (49.0, -4.0), (49.0, 8.0), (46.0, 15.0)], 2.6),
+        PAVEMENT_HEIGHT,
     )
-    c.ground("ring", "sidewalk", lay.disc(*POND, 12.6, 12), PAVED)
-    c.ground("bank", "ground", lay.disc(*POND, 9.6, 12), PAVED)
-    c.ground("pond", "road", lay.disc(*POND, 8.8, 12), WATER)
+    c.ground("kiosk_court", "sidewalk", box(39.0, 14.0, 53.0, 24.0), PAVEMENT_HEIGHT)
+    c.ground(
+        "playground",
+        "sidewalk",
+        [(36.0, -13.0), (46.0, -10.5), (53.5, -14.0), (53.5, -24.0), (36.0, -24.0)],
+        PAVEMENT_HEIGHT,
+    )
+    c.ground("ring", "sidewalk", lay.disc(*POND, 12.6, 12), PAVEMENT_HEIGHT)
+    c.ground("bank", "ground", lay.disc(*POND, 9.6, 12), PAVEMENT_HEIGHT)
+    c.ground("pond", "road", lay.disc(*POND, 8.8, 12), WATER_HEIGHT)
     c.ground("crossing", "crosswalk", box(-9.6, -1.0, -3.2, 3.0))
     c.ramp("ramp_near", (-3.2, 1.0), 0.0, parted=False)
     c.ramp("ramp_far", (-9.6, 1.0), 180.0)

@@ -11,7 +11,7 @@ from ..canvas.ground_layers import polar
 from ..canvas.pieces import apron, barrel, bicycles, blank, people, table
 
 ID = "v03_market_square_with_five_sides"
-PAVED, TERRACE = 0.1, 0.35
+PAVEMENT_HEIGHT, TERRACE_HEIGHT = 0.1, 0.35
 CORNERS = [(0.0, 4.0), (40.0, -4.0), (56.0, 18.0), (48.0, 40.0), (4.0, 40.0)]
 CROSS = (27.0, 18.6)
 LANE = 4.4  # m, width of the three lanes
@@ -25,22 +25,22 @@ def _edge(number: int, side: int) -> Edge:
 
 
 def _ground(c: Canvas) -> None:
-    apron(c, "lots", CORNERS, PAVED)
+    apron(c, "lots", CORNERS, PAVEMENT_HEIGHT)
     for number, begin, deep in LANES:
         line = _edge(number, -1)
         a, b, far = begin - 2.4, begin + LANE + 2.4, deep + 2.4
         ring = [line.at(a, 0.0), line.at(b, 0.0), line.at(b, far), line.at(a, far)]
         for s in (a, b):
             c.cut(line.at(s, -0.1), line.at(s, 3.0), "lots")
-        c.ground(f"lane_lots_{number}", "sidewalk", ring, PAVED)
-    c.ground("square", "sidewalk", CORNERS, PAVED)
+        c.ground(f"lane_lots_{number}", "sidewalk", ring, PAVEMENT_HEIGHT)
+    c.ground("square", "sidewalk", CORNERS, PAVEMENT_HEIGHT)
     for number, begin, deep in LANES:
         line = _edge(number, -1)
         ring = [line.at(begin, 0.0), line.at(begin + LANE, 0.0), line.at(begin + LANE, deep), line.at(begin, deep)]
-        c.ground(f"lane_{number}", "sidewalk", ring, PAVED)
+        c.ground(f"lane_{number}", "sidewalk", ring, PAVEMENT_HEIGHT)
     church = _edge(3, 1)
-    c.ground("terrace", "sidewalk", [church.at(s, d) for s, d in ((8, 0), (26, 0), (26, 5), (8, 5))], TERRACE)
-    foot, top = [(*church.at(5.0, d), PAVED) for d in (0.4, 2.6)], (*church.at(8.0, 0.4), TERRACE)
+    c.ground("terrace", "sidewalk", [church.at(s, d) for s, d in ((8, 0), (26, 0), (26, 5), (8, 5))], TERRACE_HEIGHT)
+    foot, top = [(*church.at(5.0, d), PAVEMENT_HEIGHT) for d in (0.4, 2.6)], (*church.at(8.0, 0.4), TERRACE_HEIGHT)
     ramp = [church.at(s, d) for s, d in ((5.0, 0.4), (8.0, 0.4), (8.0, 2.6), (5.0, 2.6))]
     c.slope("terrace_ramp", "sidewalk", ramp, [*foot, top])
     c.stairs("steps", church.at(17.0, 5.64), church.degrees - 90.0, 5.0, 2)

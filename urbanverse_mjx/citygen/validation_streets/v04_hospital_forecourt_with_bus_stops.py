@@ -11,7 +11,7 @@ from ..canvas.pieces import bicycles, blank, chain, people, table
 from ..catalogue import TREES
 
 ID = "v04_hospital_forecourt_with_bus_stops"
-PAVED = 0.14
+PAVEMENT_HEIGHT = 0.14
 DRIVE = [(14.0, -2.0), (14.0, 8.5), (21.5, 16.0), (44.5, 16.0), (52.0, 8.5), (52.0, -2.0)]
 KERB, FAR = edge((0.0, -2.0), (66.0, -2.0), 1), edge((0.0, -9.0), (66.0, -9.0), -1)
 FRONT = edge((4.0, 26.0), (62.0, 26.0), 1)
@@ -19,21 +19,31 @@ FRONT = edge((4.0, 26.0), (62.0, 26.0), 1)
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
-    c.ground("lots", "sidewalk", box(-2.4, -14.4, 68.4, 28.4), PAVED)
-    c.ground("court", "sidewalk", box(0.0, -2.0, 66.0, 26.0), PAVED)
-    c.ground("far_pavement", "sidewalk", box(-2.4, -12.0, 68.4, -9.0), PAVED)
+    c.ground("lots", "sidewalk", box(-2.4, -14.4, 68.4, 28.4), PAVEMENT_HEIGHT)
+    c.ground("court", "sidewalk", box(0.0, -2.0, 66.0, 26.0), PAVEMENT_HEIGHT)
+    c.ground("far_pavement", "sidewalk", box(-2.4, -12.0, 68.4, -9.0), PAVEMENT_HEIGHT)
     c.ground("street", "road", box(-2.4, -9.0, 68.4, -2.0))
     c.ground("drive", "road", lay.strip(DRIVE, 5.0))
-    c.ground("lawn_west", "ground", box(1.0, 6.0, 9.0, 20.0), PAVED)
-    c.ground("lawn_east", "ground", box(57.0, 6.0, 65.0, 20.0), PAVED)
-    c.ground("bed", "ground", [(19.0, 3.6), (30.0, 3.6), (30.0, 11.0), (23.6, 11.0), (19.0, 6.4)], PAVED)
-    c.ground("bed_east", "ground", [(36.0, 3.6), (47.0, 3.6), (47.0, 6.4), (42.4, 11.0), (36.0, 11.0)], PAVED)
+    c.ground("lawn_west", "ground", box(1.0, 6.0, 9.0, 20.0), PAVEMENT_HEIGHT)
+    c.ground("lawn_east", "ground", box(57.0, 6.0, 65.0, 20.0), PAVEMENT_HEIGHT)
+    c.ground("bed", "ground", [(19.0, 3.6), (30.0, 3.6), (30.0, 11.0), (23.6, 11.0), (19.0, 6.4)], PAVEMENT_HEIGHT)
+    c.ground("bed_east", "ground", [(36.0, 3.6), (47.0, 3.6), (47.0, 6.4), (42.4, 11.0), (36.0, 11.0)], PAVEMENT_HEIGHT)
     c.ground("zebra_in", "crosswalk", box(11.5, -1.8, 16.5, 2.2))
     c.ground("zebra_out", "crosswalk", box(49.5, -1.8, 54.5, 2.2))
     c.ground("zebra_street", "crosswalk", box(31.0, -9.0, 35.0, -2.0))
-    c.ground("hump", "crosswalk", box(31.0, 13.5, 35.0, 18.5), PAVED)
-    c.slope("hump_up", "road", box(29.4, 13.5, 31.0, 18.5), [(29.4, 13.5, 0), (29.4, 18.5, 0), (31.0, 13.5, PAVED)])
-    c.slope("hump_down", "road", box(35.0, 13.5, 36.6, 18.5), [(36.6, 13.5, 0), (36.6, 18.5, 0), (35.0, 13.5, PAVED)])
+    c.ground("hump", "crosswalk", box(31.0, 13.5, 35.0, 18.5), PAVEMENT_HEIGHT)
+    c.slope(
+        "hump_up",
+        "road",
+        box(29.4, 13.5, 31.0, 18.5),
+        [(29.4, 13.5, 0), (29.4, 18.5, 0), (31.0, 13.5, PAVEMENT_HEIGHT)],
+    )
+    c.slope(
+        "hump_down",
+        "road",
+        box(35.0, 13.5, 36.6, 18.5),
+        [(36.6, 13.5, 0), (36.6, 18.5, 0), (35.0, 13.5, PAVEMENT_HEIGHT)],
+    )
     c.ramp("ramp_in_west", (11.5, 0.2), 180.0, parted=False)
     c.ramp("ramp_in_east", (16.5, 0.2), 0.0, parted=False)
     c.ramp("ramp_out_west", (49.5, 0.2), 180.0, parted=False)

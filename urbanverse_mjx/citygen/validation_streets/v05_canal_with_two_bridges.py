@@ -10,7 +10,7 @@ from ..canvas.pieces import bicycles, blank, chain, people, tables
 
 ID = "v05_canal_with_two_bridges"
 LENGTH, HALF, QUAY = 76.0, 4.0, 5.6
-LOW, HIGH, TOP, WATER = 0.15, 0.55, 0.83, -0.7
+LOW_QUAY_HEIGHT, HIGH_QUAY_HEIGHT, BRIDGE_HEIGHT, WATER_HEIGHT = 0.15, 0.55, 0.83, -0.7
 NORTH, SOUTH = edge((0.0, HALF), (LENGTH, HALF), 1), edge((0.0, -HALF), (LENGTH, -HALF), -1)
 WEST_BRIDGE, EAST_BRIDGE = (16.0, 19.6), (58.0, 61.6)
 RISE = (38.0, 42.8)  # m, where the quays climb
@@ -22,24 +22,38 @@ def _ground(c: Canvas) -> None:
         inner, outer, lots = side * HALF, side * (HALF + QUAY), side * (HALF + QUAY + 2.4)
         middle = side * (HALF + 2.9)
         a, b = _span(inner, lots)
-        c.ground(f"{name}_low", "sidewalk", box(0.0, a, RISE[0], b), LOW)
-        c.ground(f"{name}_high", "sidewalk", box(RISE[1], a, LENGTH, b), HIGH)
+        c.ground(f"{name}_low", "sidewalk", box(0.0, a, RISE[0], b), LOW_QUAY_HEIGHT)
+        c.ground(f"{name}_high", "sidewalk", box(RISE[1], a, LENGTH, b), HIGH_QUAY_HEIGHT)
         a, b = _span(outer, lots)
-        c.ground(f"{name}_lots", "sidewalk", box(RISE[0], a, RISE[1], b), LOW)
-        slope = [(RISE[0], inner, LOW), (RISE[0], middle, LOW), (RISE[1], inner, HIGH)]
+        c.ground(f"{name}_lots", "sidewalk", box(RISE[0], a, RISE[1], b), LOW_QUAY_HEIGHT)
+        slope = [
+            (RISE[0], inner, LOW_QUAY_HEIGHT),
+            (RISE[0], middle, LOW_QUAY_HEIGHT),
+            (RISE[1], inner, HIGH_QUAY_HEIGHT),
+        ]
         a, b = _span(inner, middle)
         c.slope(f"{name}_ramp", "sidewalk", box(RISE[0], a, RISE[1], b), slope)
         a, b = _span(middle, outer)
-        c.ground(f"{name}_ledge", "sidewalk", box(RISE[0], a, RISE[1], b), LOW)
+        c.ground(f"{name}_ledge", "sidewalk", box(RISE[0], a, RISE[1], b), LOW_QUAY_HEIGHT)
         c.stairs(f"{name}_steps", (RISE[1] - 0.96, (middle + outer) / 2), 0.0, abs(outer - middle), 3)
-    c.ground("canal", "road", box(0.0, -HALF, LENGTH, HALF), WATER)
-    c.ground("bridge_west", "sidewalk", box(WEST_BRIDGE[0], -HALF, WEST_BRIDGE[1], HALF), LOW)
+    c.ground("canal", "road", box(0.0, -HALF, LENGTH, HALF), WATER_HEIGHT)
+    c.ground("bridge_west", "sidewalk", box(WEST_BRIDGE[0], -HALF, WEST_BRIDGE[1], HALF), LOW_QUAY_HEIGHT)
     x0, x1 = EAST_BRIDGE
-    c.ground("bridge_east", "sidewalk", box(x0, -0.8, x1, 0.8), TOP)
-    c.slope("bridge_up", "sidewalk", box(x0, -HALF, x1, -0.8), [(x0, -HALF, HIGH), (x1, -HALF, HIGH), (x0, -0.8, TOP)])
-    c.slope("bridge_down", "sidewalk", box(x0, 0.8, x1, HALF), [(x0, HALF, HIGH), (x1, HALF, HIGH), (x0, 0.8, TOP)])
-    c.ground("west_end", "sidewalk", box(-7.0, -12.0, 0.0, 12.0), LOW)
-    c.ground("east_end", "sidewalk", box(LENGTH, -12.0, LENGTH + 5.0, 12.0), HIGH)
+    c.ground("bridge_east", "sidewalk", box(x0, -0.8, x1, 0.8), BRIDGE_HEIGHT)
+    c.slope(
+        "bridge_up",
+        "sidewalk",
+        box(x0, -HALF, x1, -0.8),
+        [(x0, -HALF, HIGH_QUAY_HEIGHT), (x1, -HALF, HIGH_QUAY_HEIGHT), (x0, -0.8, BRIDGE_HEIGHT)],
+    )
+    c.slope(
+        "bridge_down",
+        "sidewalk",
+        box(x0, 0.8, x1, HALF),
+        [(x0, HALF, HIGH_QUAY_HEIGHT), (x1, HALF, HIGH_QUAY_HEIGHT), (x0, 0.8, BRIDGE_HEIGHT)],
+    )
+    c.ground("west_end", "sidewalk", box(-7.0, -12.0, 0.0, 12.0), LOW_QUAY_HEIGHT)
+    c.ground("east_end", "sidewalk", box(LENGTH, -12.0, LENGTH + 5.0, 12.0), HIGH_QUAY_HEIGHT)
     c.wear((10.0, 6.0), "sidewalk/setts_small")
     c.wear((17.0, 0.0), "sidewalk/boardwalk")
     c.wear((60.0, 0.0), "sidewalk/granite_light")

@@ -9,7 +9,7 @@ from ..canvas.canvas import Canvas, edge, edges
 from ..canvas.pieces import bicycles, blank, chain, people, table
 
 ID = "v06_school_street_with_chicane"
-PAVED, HALF, WALK = 0.14, 3.0, 4.2
+PAVEMENT_HEIGHT, HALF, WALK = 0.14, 3.0, 4.2
 MIDDLE = [(0.0, 0.0), (0.0, 20.0), (7.0, 29.0), (7.0, 62.0)]
 L1, L2, L3 = edges(MIDDLE, HALF, 1)
 R1, R2, R3 = edges(MIDDLE, HALF, -1)
@@ -20,17 +20,24 @@ COURT = (14.2, 32.0, 26.8, 58.0)
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
     x0, y0, x1, y1 = COURT
-    c.ground("lots", "sidewalk", lay.strip(MIDDLE, 2 * (HALF + WALK) + 4.8), PAVED)
-    c.ground("court_lots", "sidewalk", box(x0, y0 - 2.4, x1 + 2.4, y1 + 2.4), PAVED)
-    c.ground("south_lots", "sidewalk", box(-9.6, -2.4, 9.6, 0.0), PAVED)
-    c.ground("north_lots", "sidewalk", box(-2.6, 62.0, 16.6, 64.4), PAVED)
-    c.ground("pavement", "sidewalk", lay.strip(MIDDLE, 2 * (HALF + WALK)), PAVED)
-    c.ground("court", "sidewalk", box(x0, y0, x1, y1), PAVED)
-    c.ground("lawn", "ground", box(20.0, 33.0, 25.0, 41.0), PAVED)
+    c.ground("lots", "sidewalk", lay.strip(MIDDLE, 2 * (HALF + WALK) + 4.8), PAVEMENT_HEIGHT)
+    c.ground("court_lots", "sidewalk", box(x0, y0 - 2.4, x1 + 2.4, y1 + 2.4), PAVEMENT_HEIGHT)
+    c.ground("south_lots", "sidewalk", box(-9.6, -2.4, 9.6, 0.0), PAVEMENT_HEIGHT)
+    c.ground("north_lots", "sidewalk", box(-2.6, 62.0, 16.6, 64.4), PAVEMENT_HEIGHT)
+    c.ground("pavement", "sidewalk", lay.strip(MIDDLE, 2 * (HALF + WALK)), PAVEMENT_HEIGHT)
+    c.ground("court", "sidewalk", box(x0, y0, x1, y1), PAVEMENT_HEIGHT)
+    c.ground("lawn", "ground", box(20.0, 33.0, 25.0, 41.0), PAVEMENT_HEIGHT)
     c.ground("road", "road", lay.strip(MIDDLE, 2 * HALF))
-    c.ground("table", "crosswalk", box(4.0, 42.0, 10.0, 47.0), PAVED)
-    c.slope("table_up", "road", box(4.0, 40.4, 10.0, 42.0), [(4.0, 40.4, 0), (10.0, 40.4, 0), (4.0, 42.0, PAVED)])
-    c.slope("table_down", "road", box(4.0, 47.0, 10.0, 48.6), [(4.0, 48.6, 0), (10.0, 48.6, 0), (4.0, 47.0, PAVED)])
+    c.ground("table", "crosswalk", box(4.0, 42.0, 10.0, 47.0), PAVEMENT_HEIGHT)
+    c.slope(
+        "table_up", "road", box(4.0, 40.4, 10.0, 42.0), [(4.0, 40.4, 0), (10.0, 40.4, 0), (4.0, 42.0, PAVEMENT_HEIGHT)]
+    )
+    c.slope(
+        "table_down",
+        "road",
+        box(4.0, 47.0, 10.0, 48.6),
+        [(4.0, 48.6, 0), (10.0, 48.6, 0), (4.0, 47.0, PAVEMENT_HEIGHT)],
+    )
     c.ground("crossing", "crosswalk", box(-3.0, 8.0, 3.0, 12.0))
     c.ramp("ramp_west", (-3.0, 10.0), 180.0)
     c.ramp("ramp_east", (3.0, 10.0), 0.0)

@@ -9,9 +9,9 @@ from ..canvas.canvas import Canvas, edge
 from ..canvas.pieces import apron, bicycles, blank, chain, people, table
 
 ID = "v07_supermarket_car_park"
-PAVED = 0.12
-WIDE, DEEP = 64.0, 46.0
-KERB, FAR = edge((0.0, -2.0), (WIDE, -2.0), 1), edge((0.0, -8.4), (WIDE, -8.4), -1)
+PAVEMENT_HEIGHT = 0.12
+LOT_WIDTH, LOT_DEPTH = 64.0, 46.0
+KERB, FAR = edge((0.0, -2.0), (LOT_WIDTH, -2.0), 1), edge((0.0, -8.4), (LOT_WIDTH, -8.4), -1)
 #: y of the two aisles that cars drive on, and their width.
 AISLES, AISLE = (9.0, 25.0), 6.0
 WEST, MIDDLE, EAST = (0.0, 3.0), (30.6, 33.4), (61.0, 64.0)
@@ -19,15 +19,15 @@ WEST, MIDDLE, EAST = (0.0, 3.0), (30.6, 33.4), (61.0, 64.0)
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
-    apron(c, "lots", box(0.0, -11.4, WIDE, DEEP), PAVED)
-    c.ground("far_pavement", "sidewalk", box(0.0, -11.4, WIDE, -8.4), PAVED)
-    c.ground("street", "road", box(-2.4, -8.4, WIDE + 2.4, -2.0))
-    c.ground("pavement", "sidewalk", box(0.0, -2.0, WIDE, 1.6), PAVED)
-    c.ground("car_park", "road", box(0.0, 1.6, WIDE, 36.0))
-    c.ground("front", "sidewalk", box(0.0, 36.0, WIDE, DEEP), PAVED)
+    apron(c, "lots", box(0.0, -11.4, LOT_WIDTH, LOT_DEPTH), PAVEMENT_HEIGHT)
+    c.ground("far_pavement", "sidewalk", box(0.0, -11.4, LOT_WIDTH, -8.4), PAVEMENT_HEIGHT)
+    c.ground("street", "road", box(-2.4, -8.4, LOT_WIDTH + 2.4, -2.0))
+    c.ground("pavement", "sidewalk", box(0.0, -2.0, LOT_WIDTH, 1.6), PAVEMENT_HEIGHT)
+    c.ground("car_park", "road", box(0.0, 1.6, LOT_WIDTH, 36.0))
+    c.ground("front", "sidewalk", box(0.0, 36.0, LOT_WIDTH, LOT_DEPTH), PAVEMENT_HEIGHT)
     for name, (x0, x1) in (("west", WEST), ("middle", MIDDLE), ("east", EAST)):
-        c.ground(f"walk_{name}", "sidewalk", box(x0, 1.6, x1, 36.0), PAVED)
-    c.ground("walk_across", "sidewalk", box(3.0, 16.4, 61.0, 20.0), PAVED)
+        c.ground(f"walk_{name}", "sidewalk", box(x0, 1.6, x1, 36.0), PAVEMENT_HEIGHT)
+    c.ground("walk_across", "sidewalk", box(3.0, 16.4, 61.0, 20.0), PAVEMENT_HEIGHT)
     for k, y in enumerate(AISLES):
         for name, (x0, x1) in (("west", WEST), ("middle", MIDDLE), ("east", EAST)):
             c.ground(f"zebra_{name}_{k}", "crosswalk", box(x0, y - AISLE / 2, x1, y + AISLE / 2))
@@ -55,25 +55,25 @@ def _ground(c: Canvas) -> None:
 
 def _fronts(c: Canvas) -> None:
     c.houses(
-        edge((0.0, DEEP), (WIDE, DEEP), 1),
+        edge((0.0, LOT_DEPTH), (LOT_WIDTH, LOT_DEPTH), 1),
         ("supermarket", "supermarket", "electronics store", "bakery"),
         0.0,
-        WIDE,
+        LOT_WIDTH,
         0.0,
     )
-    c.houses(edge((0.0, 20.0), (0.0, DEEP), 1), ("warehouse",), 0.0, DEEP - 20.0, 0.0)
+    c.houses(edge((0.0, 20.0), (0.0, LOT_DEPTH), 1), ("warehouse",), 0.0, LOT_DEPTH - 20.0, 0.0)
     c.houses(edge((0.0, -2.0), (0.0, 20.0), 1), ("house", "auto repair shop"), 0.0, 22.0, 0.0)
     c.houses(
-        edge((WIDE, -2.0), (WIDE, DEEP), -1),
+        edge((LOT_WIDTH, -2.0), (LOT_WIDTH, LOT_DEPTH), -1),
         ("apartment building",) * 2 + ("garage", "apartment building"),
         0.0,
         48.0,
         0.0,
     )
     row = ("house", "house", "apartment building", "house", "bank", "house", "house")
-    c.houses(edge((0.0, -11.4), (WIDE, -11.4), -1), row, 0.0, WIDE, 0.0)
+    c.houses(edge((0.0, -11.4), (LOT_WIDTH, -11.4), -1), row, 0.0, LOT_WIDTH, 0.0)
     c.houses(edge((-2.4, -11.4), (-2.4, -2.0), 1), ("house",), 0.0, 9.4, 0.0)
-    c.houses(edge((WIDE + 2.4, -11.4), (WIDE + 2.4, -2.0), -1), ("house",), 0.0, 9.4, 0.0)
+    c.houses(edge((LOT_WIDTH + 2.4, -11.4), (LOT_WIDTH + 2.4, -2.0), -1), ("house",), 0.0, 9.4, 0.0)
 
 
 def _cars(c: Canvas) -> None:
@@ -159,7 +159,7 @@ def _walkways(c: Canvas) -> None:
 
 def _doors(c: Canvas) -> None:
     """The pavement before the shops: trolleys in rows, plants and grills for sale, a sausage stall."""
-    front = edge((0.0, DEEP), (WIDE, DEEP), -1)
+    front = edge((0.0, LOT_DEPTH), (LOT_WIDTH, LOT_DEPTH), -1)
     for k in range(5):
         c.put("shopping cart", *front.at(16.2, 1.0 + 1.02 * k), 90.0, 0)
     c.along(
@@ -196,7 +196,9 @@ def _doors(c: Canvas) -> None:
             ("waste station", 3.4, 5.0, 90.0, 1),
         ],
     )
-    c.row("bollard", edge((0.0, 36.0), (WIDE, 36.0), 1), (11.0, 13.0, 20.0, 22.0, 24.0, 40.0, 42.0, 44.0, 46.0), 0.4)
+    c.row(
+        "bollard", edge((0.0, 36.0), (LOT_WIDTH, 36.0), 1), (11.0, 13.0, 20.0, 22.0, 24.0, 40.0, 42.0, 44.0, 46.0), 0.4
+    )
     for x in (58.6, 61.2):
         table(c, x, 44.8, (0.0, 180.0), 1)
     table(c, 59.6, 42.4, (40.0, 220.0), 1)

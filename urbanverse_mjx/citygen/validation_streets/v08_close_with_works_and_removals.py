@@ -11,33 +11,33 @@ from ..canvas.pieces import blank, chain, people
 from ..catalogue import TREES
 
 ID = "v08_close_with_works_and_removals"
-PAVED, HALF, WALK, GARDEN = 0.12, 2.6, 2.6, 3.0
-LONG, HEAD, BAR = 36.0, 7.0, 14.0  # m: to the hammerhead, its depth, half its width
-LEFT, RIGHT = edge((-HALF, 0.0), (-HALF, LONG), 1), edge((HALF, 0.0), (HALF, LONG), -1)
-BACK = LONG + HEAD  # y of the hammerhead's far kerb
+PAVEMENT_HEIGHT, HALF, WALK, GARDEN = 0.12, 2.6, 2.6, 3.0
+STEM_LENGTH, HEAD, BAR = 36.0, 7.0, 14.0  # m: to the hammerhead, its depth, half its width
+LEFT, RIGHT = edge((-HALF, 0.0), (-HALF, STEM_LENGTH), 1), edge((HALF, 0.0), (HALF, STEM_LENGTH), -1)
+BACK = STEM_LENGTH + HEAD  # y of the hammerhead's far kerb
 STREET = edge((-26.0, -2.4), (26.0, -2.4), 1)
 
 
 def _ground(c: Canvas) -> None:
     box = lay.rectangle
     outer = HALF + WALK
-    c.ground("front_lots", "sidewalk", box(-26.0, -2.4, 26.0, 2.4), PAVED)
-    c.ground("lots", "sidewalk", box(-outer - GARDEN - 2.4, 2.0, outer + GARDEN + 2.4, LONG), PAVED)
-    c.ground("head_lots", "sidewalk", box(-BAR - 5.0, LONG - 3.0, BAR + 5.0, BACK + WALK), PAVED)
-    c.ground("back_lots", "sidewalk", box(-BAR - 2.4, BACK + WALK, BAR + 2.4, BACK + 24.0), PAVED)
-    c.ground("gardens_west", "ground", box(-outer - GARDEN, 2.0, -outer, LONG - WALK), PAVED)
-    c.ground("gardens_east", "ground", box(outer, 2.0, outer + GARDEN, LONG - WALK), PAVED)
-    c.ground("gardens_north_west", "ground", box(-BAR, BACK + WALK, -1.6, BACK + WALK + GARDEN), PAVED)
-    c.ground("gardens_north_east", "ground", box(1.6, BACK + WALK, BAR, BACK + WALK + GARDEN), PAVED)
+    c.ground("front_lots", "sidewalk", box(-26.0, -2.4, 26.0, 2.4), PAVEMENT_HEIGHT)
+    c.ground("lots", "sidewalk", box(-outer - GARDEN - 2.4, 2.0, outer + GARDEN + 2.4, STEM_LENGTH), PAVEMENT_HEIGHT)
+    c.ground("head_lots", "sidewalk", box(-BAR - 5.0, STEM_LENGTH - 3.0, BAR + 5.0, BACK + WALK), PAVEMENT_HEIGHT)
+    c.ground("back_lots", "sidewalk", box(-BAR - 2.4, BACK + WALK, BAR + 2.4, BACK + 24.0), PAVEMENT_HEIGHT)
+    c.ground("gardens_west", "ground", box(-outer - GARDEN, 2.0, -outer, STEM_LENGTH - WALK), PAVEMENT_HEIGHT)
+    c.ground("gardens_east", "ground", box(outer, 2.0, outer + GARDEN, STEM_LENGTH - WALK), PAVEMENT_HEIGHT)
+    c.ground("gardens_north_west", "ground", box(-BAR, BACK + WALK, -1.6, BACK + WALK + GARDEN), PAVEMENT_HEIGHT)
+    c.ground("gardens_north_east", "ground", box(1.6, BACK + WALK, BAR, BACK + WALK + GARDEN), PAVEMENT_HEIGHT)
     c.ground("street", "road", box(-26.0, -8.4, 26.0, -2.4))
-    c.ground("far_pavement", "sidewalk", box(-26.0, -13.4, 26.0, -8.4), PAVED)
-    c.ground("pavement", "sidewalk", box(-26.0, -2.4, 26.0, 0.0), PAVED)
-    c.ground("close", "road", box(-HALF, -2.4, HALF, LONG))
-    c.ground("hammerhead", "road", box(-BAR, LONG, BAR, BACK))
+    c.ground("far_pavement", "sidewalk", box(-26.0, -13.4, 26.0, -8.4), PAVEMENT_HEIGHT)
+    c.ground("pavement", "sidewalk", box(-26.0, -2.4, 26.0, 0.0), PAVEMENT_HEIGHT)
+    c.ground("close", "road", box(-HALF, -2.4, HALF, STEM_LENGTH))
+    c.ground("hammerhead", "road", box(-BAR, STEM_LENGTH, BAR, BACK))
     c.ground("garage_lane", "road", box(-BAR, BACK + 15.0, BAR, BACK + 20.0))
     c.ground("zebra_mouth", "crosswalk", box(-HALF, -2.2, HALF, 0.4))
     c.ground("crossing", "crosswalk", box(-HALF, 16.0, HALF, 19.0))
-    c.ground("crossing_head", "crosswalk", box(-2.0, LONG, 2.0, BACK))
+    c.ground("crossing_head", "crosswalk", box(-2.0, STEM_LENGTH, 2.0, BACK))
     c.ground("zebra_street", "crosswalk", box(-16.0, -8.4, -12.0, -2.4))
     c.ramp("ramp_mouth_w", (-HALF, -0.9), 180.0, parted=False, flare=0.4, half_width=0.9)
     c.ramp("ramp_mouth_e", (HALF, -0.9), 0.0, parted=False, flare=0.4, half_width=0.9)
@@ -46,11 +46,15 @@ def _ground(c: Canvas) -> None:
     c.ramp("ramp_head_n", (0.0, BACK), 90.0, parted=False)
     c.ramp("ramp_street_n", (-14.0, -2.4), 90.0, parted=False)
     c.ramp("ramp_street_s", (-14.0, -8.4), -90.0, parted=False)
-    c.ground("crossing_bar", "crosswalk", [(-HALF, LONG - 3.4), (HALF, LONG - 3.4), (HALF, LONG), (-HALF, LONG)])
-    c.ramp("ramp_bar_w", (-HALF, LONG - 2.0), 180.0, parted=False, flare=0.4)
-    c.ramp("ramp_bar_e", (HALF, LONG - 2.0), 0.0, parted=False, flare=0.4)
+    c.ground(
+        "crossing_bar",
+        "crosswalk",
+        [(-HALF, STEM_LENGTH - 3.4), (HALF, STEM_LENGTH - 3.4), (HALF, STEM_LENGTH), (-HALF, STEM_LENGTH)],
+    )
+    c.ramp("ramp_bar_w", (-HALF, STEM_LENGTH - 2.0), 180.0, parted=False, flare=0.4)
+    c.ramp("ramp_bar_e", (HALF, STEM_LENGTH - 2.0), 0.0, parted=False, flare=0.4)
     for name in ("lots", "front_lots", "head_lots", "back_lots"):
-        for y in (0.0, 9.0, 25.0, LONG, BACK, BACK + WALK + GARDEN, BACK + 15.0):
+        for y in (0.0, 9.0, 25.0, STEM_LENGTH, BACK, BACK + WALK + GARDEN, BACK + 15.0):
             c.cut((-26.0, y), (26.0, y), name)
         for x in (-outer, outer, -1.6, 1.6):
             c.cut((x, -2.4), (x, BACK + 24.0), name)
@@ -66,13 +70,13 @@ def _ground(c: Canvas) -> None:
 
 def _fronts(c: Canvas) -> None:
     d = WALK + GARDEN
-    c.houses(LEFT, ("house", "house", "house"), 3.0, LONG - WALK - 0.4, d)
-    c.houses(RIGHT, ("house", "garage", "house", "house"), 3.0, LONG - WALK - 0.4, d)
+    c.houses(LEFT, ("house", "house", "house"), 3.0, STEM_LENGTH - WALK - 0.4, d)
+    c.houses(RIGHT, ("house", "garage", "house", "house"), 3.0, STEM_LENGTH - WALK - 0.4, d)
     back = edge((-BAR, BACK), (BAR, BACK), 1)
     c.houses(back, ("house", "house"), 0.0, BAR - 1.6, d)
     c.houses(back, ("house", "house"), BAR + 1.6, 2 * BAR, d)
-    c.houses(edge((-BAR, LONG), (-BAR, BACK), 1), ("garage",), 0.0, HEAD, 2.6)
-    c.houses(edge((BAR, LONG), (BAR, BACK), -1), ("garage",), 0.0, HEAD, 2.6)
+    c.houses(edge((-BAR, STEM_LENGTH), (-BAR, BACK), 1), ("garage",), 0.0, HEAD, 2.6)
+    c.houses(edge((BAR, STEM_LENGTH), (BAR, BACK), -1), ("garage",), 0.0, HEAD, 2.6)
     row = ("garage", "garage", "garage", "garage")
     c.houses(edge((-BAR, BACK + 20.0), (BAR, BACK + 20.0), 1), row, 0.0, 2 * BAR, 0.4)
     for x in (-BAR - 1.0, BAR + 1.0):
@@ -188,7 +192,10 @@ def _head(c: Canvas) -> None:
             ("hatchback car", 3.6, -1.3, "-"),
         ],
     )
-    lower_west, lower_east = edge((-BAR, LONG), (-HALF, LONG), -1), edge((HALF, LONG), (BAR, LONG), -1)
+    lower_west, lower_east = (
+        edge((-BAR, STEM_LENGTH), (-HALF, STEM_LENGTH), -1),
+        edge((HALF, STEM_LENGTH), (BAR, STEM_LENGTH), -1),
+    )
     c.along(
         lower_west,
         [

@@ -14,7 +14,7 @@ from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, OUTP
 SIGMA, SIGMA_SMALL = 4.0, 2.0
 #: Instances with fewer output pixels have no centre, because they cannot be recognised.
 MIN_PIXELS = 12
-NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
+MIN_DEPTH, MAX_DEPTH = 0.2, 120.0  # m, depths that count
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,13 +96,13 @@ def ground_truth(
     )
     big = (count >= MIN_PIXELS) & (jnp.arange(slots + 1) < slots)
     to_middle = middle[owner] - jnp.stack([rows, columns], -1)
-    valid = (depth > NEAREST) & (depth < FARTHEST)
+    valid = (depth > MIN_DEPTH) & (depth < MAX_DEPTH)
     small = count < _OPTIONS.small_object
     narrow = _bumps(middle, big & small, h, w, SIGMA_SMALL)
     heavier = jnp.clip(
         _OPTIONS.reference_side / jnp.sqrt(jnp.maximum(count[owner], 1.0)), _OPTIONS.min_weight, _OPTIONS.max_weight
     )
-    canonical = jnp.clip(depth, NEAREST, FARTHEST) * CANONICAL_FOCAL / focal
+    canonical = jnp.clip(depth, MIN_DEPTH, MAX_DEPTH) * CANONICAL_FOCAL / focal
     return GroundTruth(
         classes=kind,
         leaf=leaf,

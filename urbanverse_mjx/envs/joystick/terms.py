@@ -12,15 +12,15 @@ from ml_collections import ConfigDict
 #: N, contact force below which a foot is in the air.
 CONTACT_FORCE = 1.0
 #: m/s and rad/s; smaller commands mean to stand.
-STANDING = 0.1
+STANDING_COMMAND = 0.1
 #: s; shorter steps than the first are penalised, longer ones than the second have no additional reward.
-SHORT_STEP, LONG_STEP = 0.2, 0.5
+MIN_STEP_TIME, MAX_STEP_TIME = 0.2, 0.5
 #: Weights of a leg's deviations from the standing pose (Playground: 1, 1, 0.1; the thigh's is lower here, for kerbs).
 POSE_WEIGHTS = (1.0, 0.2, 0.1)
 #: Share of a joint's range without a penalty.
-SOFT_LIMIT = 0.95
+SOFT_RANGE_SHARE = 0.95
 #: Share of a motor's speed limit without a penalty.
-SOFT_SPEED = 0.9
+SOFT_SPEED_SHARE = 0.9
 
 
 class Motion(NamedTuple):
@@ -68,7 +68,7 @@ class Motion(NamedTuple):
 
 def is_moving(command: Float[Array, "3"]) -> Float[Array, ""]:
     """() f32, 1 if a command (3,) is to move, 0 if it is to stand."""
-    return (jnp.linalg.norm(command) > STANDING).astype(jnp.float32)
+    return (jnp.linalg.norm(command) > STANDING_COMMAND).astype(jnp.float32)
 
 
 def terms(
@@ -79,12 +79,12 @@ def terms(
     deviation = m.joints - stand
     weights = jnp.tile(jnp.array(POSE_WEIGHTS), len(stand) // len(POSE_WEIGHTS))
     middle, half = limits.mean(1), 0.5 * (limits[:, 1] - limits[:, 0])
-    beyond = jnp.maximum(jnp.abs(m.joints - middle) - SOFT_LIMIT * half, 0.0)
+    beyond = jnp.maximum(jnp.abs(m.joints - middle) - SOFT_RANGE_SHARE * half, 0.0)
     fastest = jnp.tile(jnp.array(config.motor_speed), len(stand) // len(config.motor_speed))
-    too_fast = jnp.maximum(jnp.abs(m.joint_speed) - SOFT_SPEED * fastest, 0.0)
+    too_fast = jnp.maximum(jnp.abs(m.joint_speed) - SOFT_SPEED_SHARE * fastest, 0.0)
     error = m.command[:2] - m.linear[:2]
     low = jnp.maximum(config.foot_clearance - m.foot_height, 0.0)
-    step = jnp.minimum(m.air_time, LONG_STEP) - SHORT_STEP
+    step = jnp.minimum(m.air_time, MAX_STEP_TIME) - MIN_STEP_TIME
     contact = m.contact.astype(jnp.float32)
     return {
         "track_linear": jnp.exp(-jnp.sum(error**2) / config.tracking_width),

@@ -23,17 +23,17 @@ from ...geometry.raster import Shape, nearest, outline, to_outline
 #: m, side of a cell, the same as in a compiled scene's map.
 CELL = 0.05
 #: m, largest stored distance.
-FAR = 1.0
+MAX_DISTANCE = 1.0
 #: m; hulls that rise less above the ground, such as manhole covers, are no obstacles.
-LOW = 0.005
+MIN_OBSTACLE_HEIGHT = 0.005
 #: m, least step between cells of `free_space.CELL` that counts as an edge: less than the lowest kerb (4 cm), more than
 #: a ramp of 1:3.
-STEP = 0.035
+MIN_EDGE_STEP = 0.035
 
 
 @dataclasses.dataclass(frozen=True)
 class ClearanceMaps:
-    """Distances (m) at the centres of cells of `CELL`, at most `FAR`.
+    """Distances (m) at the centres of cells of `CELL`, at most `MAX_DISTANCE`.
 
     Attributes:
       origin: (Z, 2) m, lower corner of each scene's cells.
@@ -59,7 +59,7 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
     for scene in scenes:
         ground = _finer(free_space.ground_height(bank, scene), round(free_space.CELL / CELL), shape)
         grid = Grid(origin[scene], CELL, shape)
-        to_hull[scene] = nearest(grid, _outlines(bank, scene, grid, ground, height), FAR)
+        to_hull[scene] = nearest(grid, _outlines(bank, scene, grid, ground, height), MAX_DISTANCE)
         to_edge[scene] = _to_edge(np.kron(bank.map_kind[scene], np.ones((cells, cells), np.uint8)), ground)
     return ClearanceMaps(origin, to_hull, to_edge)
 
@@ -75,7 +75,7 @@ def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, heigh
     """The outlines of the hulls that a robot of that height cannot pass under or over."""
     for corners in bank.standing_hulls(scene):
         floor = ground[tuple(grid.cell(corners[:, :2].mean(0)))]
-        if corners[:, 2].min() - floor > height or corners[:, 2].max() - floor < LOW:
+        if corners[:, 2].min() - floor > height or corners[:, 2].max() - floor < MIN_OBSTACLE_HEIGHT:
             continue
         flat = corners[:, :2]
         yield flat.min(0), flat.max(0), functools.partial(to_outline, outline(flat))
@@ -84,7 +84,7 @@ def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, heigh
 def _to_edge(kind: np.ndarray, ground: np.ndarray) -> np.ndarray:
     walkable = traversable(kind)
     for axis in (0, 1):
-        step = np.abs(np.diff(ground, axis=axis)) > STEP
+        step = np.abs(np.diff(ground, axis=axis)) > MIN_EDGE_STEP
         step &= np.take(walkable, range(1, walkable.shape[axis]), axis) & np.take(
             walkable, range(walkable.shape[axis] - 1), axis
         )
@@ -92,4 +92,4 @@ def _to_edge(kind: np.ndarray, ground: np.ndarray) -> np.ndarray:
     padded = np.pad(walkable, 1)
     inside = ndimage.distance_transform_edt(padded)[1:-1, 1:-1] * CELL - CELL / 2
     outside = ndimage.distance_transform_edt(~padded)[1:-1, 1:-1] * CELL - CELL / 2
-    return np.clip(np.where(walkable, inside, -outside), -FAR, FAR)
+    return np.clip(np.where(walkable, inside, -outside), -MAX_DISTANCE, MAX_DISTANCE)

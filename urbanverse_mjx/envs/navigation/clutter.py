@@ -19,17 +19,17 @@ from . import terms
 from .surroundings import Surroundings
 
 #: m, least distance between the robot's outline on the route and an object.
-MARGIN = 0.25
+ROUTE_MARGIN = 0.25
 #: m, largest distance from the strip along the route; robots rarely meet objects farther away.
-SPREAD = 2.5
+MAX_ROUTE_DISTANCE = 2.5
 #: m, additional free radius around start and goal.
-FREE_ENDS = 1.5
+END_CLEARANCE = 1.5
 #: m, least distance between an object and hulls, the walkable edge and other clutter.
-GAP = 0.05
+MIN_GAP = 0.05
 #: m; objects are taken from positions at least this far from the route.
-TAKEN_FROM = 6.0
+MIN_SOURCE_DISTANCE = 6.0
 #: m, largest difference of the ground's height under an object.
-FLAT = 0.03
+MAX_HEIGHT_DIFFERENCE = 0.03
 #: m, side of the cells of the ground heights; finer ones take seconds per scene and gigabytes.
 GROUND_CELL = 0.2
 #: Directions in which the ground half a cell outside the object is compared with that at its centre; a kerb that cuts
@@ -74,7 +74,7 @@ class Clutter:
         self._movable = jnp.asarray(row >= 0)
         self._radius = jnp.asarray(footprint_radii(bank, row))
         self._home = jnp.asarray(bank.slot_position, jnp.float32)
-        self._width = float(robot.planner_radius) + MARGIN
+        self._width = float(robot.planner_radius) + ROUTE_MARGIN
 
     def choose(
         self, key: Key[Array, ""], scene: Int[Array, ""], start: Float[Array, "3"], waypoints: Float[Array, "W 3"]
@@ -82,7 +82,7 @@ class Clutter:
         """(M,) i32, objects of the scene, drawn from those away from the route; -1 if there are fewer. The key is typed
         and can be reused."""
         corners = jnp.concatenate([start[None, :2], waypoints[:, :2]])
-        free = self._movable[scene] & (terms.distance_to_route(self._home[scene, :, :2], corners) > TAKEN_FROM)
+        free = self._movable[scene] & (terms.distance_to_route(self._home[scene, :, :2], corners) > MIN_SOURCE_DISTANCE)
         luck = jax.random.uniform(jax.random.fold_in(key, _CHOOSE), free.shape)
         value, chosen = jax.lax.top_k(jnp.where(free, luck, -1.0), min(self._number, len(luck)))
         chosen = jnp.where(value >= 0.0, chosen, -1).astype(jnp.int32)
@@ -109,7 +109,7 @@ class Clutter:
             points = self._candidates(key, corners, r)
             good = self._free(scene, points, r, corners, ends) & known
             apart = jnp.linalg.norm(points[:, None] - placed, axis=-1) - radius - r
-            good &= (apart >= GAP).all(-1)
+            good &= (apart >= MIN_GAP).all(-1)
             point = jnp.where(good.any(), points[jnp.argmax(good)], jnp.inf)
             return placed.at[number].set(point), (point, good.any())
 
@@ -132,7 +132,7 @@ class Clutter:
         whole = jnp.linalg.norm(jnp.diff(corners, axis=0), axis=-1).sum()
         along = jax.random.uniform(key_along, (TRIES,)) * whole
         side = jnp.where(jax.random.bernoulli(key_side, shape=(TRIES,)), 1.0, -1.0)
-        across = side * (self._width + radius + SPREAD * jax.random.uniform(key_across, (TRIES,)))
+        across = side * (self._width + radius + MAX_ROUTE_DISTANCE * jax.random.uniform(key_across, (TRIES,)))
         return terms.beside_route(corners, along, across)[0]
 
     def _free(
@@ -145,10 +145,10 @@ class Clutter:
         step = jnp.abs(self._ground(scene, points[:, None] + rim) - self._ground(scene, points)[:, None]).max(-1)
         return (
             (terms.distance_to_route(points, corners) >= self._width + radius - 1e-4)
-            & (away >= self._width + radius + FREE_ENDS)
-            & (found[:, 0] >= radius + GAP)
-            & (found[:, 1] >= radius + GAP)
-            & (step <= FLAT)
+            & (away >= self._width + radius + END_CLEARANCE)
+            & (found[:, 0] >= radius + MIN_GAP)
+            & (found[:, 1] >= radius + MIN_GAP)
+            & (step <= MAX_HEIGHT_DIFFERENCE)
         )
 
     def nearer(

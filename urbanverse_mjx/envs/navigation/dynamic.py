@@ -32,16 +32,16 @@ _CROWD_DT = 0.1
 #: m/s, upper limit of the speed of agents; an agent that moves farther in a control step was placed elsewhere.
 _MAX_AGENT_SPEED = 12.0
 #: m between bodies, intimate and personal distance (Hall, The Hidden Dimension, 1966).
-INTIMATE, PERSONAL = 0.45, 1.2
+INTIMATE_DISTANCE, PERSONAL_DISTANCE = 0.45, 1.2
 #: m, upper limit of reported distances to people.
-FAR = 30.0
+MAX_PEOPLE_DISTANCE = 30.0
 #: Numbers folded into a key, so that these draws do not change any others.
 _BEGIN, _STEP = 201, 1000
 
 
 #: Metrics of a control step: whether the episode ended by touching an agent; m from the disc around the robot to the
-#: nearest person (all agents but cars), at most `FAR` and 0 on overlap; whether that is within intimate or personal
-#: distance; the robot's speed (m/s) if within personal distance.
+#: nearest person (all agents but cars), at most `MAX_PEOPLE_DISTANCE` and 0 on overlap; whether that is within intimate
+#: or personal distance; the robot's speed (m/s) if within personal distance.
 PEOPLE_METRICS = (
     "hit_agent",
     "people_distance",
@@ -203,9 +203,9 @@ class DynamicStreet:
     ) -> dict[str, Float[Array, ""]]:
         """`PEOPLE_METRICS` of a robot at (2,) m with velocity (2,) m/s; result: () i32."""
         gap = jnp.min(jnp.where(self._people, self.gaps(crowd, p_xy), jnp.inf)) - self._robot_radius
-        gap = jnp.clip(gap, 0.0, FAR)
-        near = gap < PERSONAL
-        values = (result == Result.HIT_AGENT, gap, gap < INTIMATE, near, near * jnp.linalg.norm(velocity))
+        gap = jnp.clip(gap, 0.0, MAX_PEOPLE_DISTANCE)
+        near = gap < PERSONAL_DISTANCE
+        values = (result == Result.HIT_AGENT, gap, gap < INTIMATE_DISTANCE, near, near * jnp.linalg.norm(velocity))
         return {name: jnp.asarray(x, jnp.float32) for name, x in zip(PEOPLE_METRICS, values, strict=True)}
 
 

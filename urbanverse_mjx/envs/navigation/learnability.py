@@ -17,9 +17,9 @@ from ...datatypes import SceneBank
 from ..types import Result
 
 #: Weight of a new result in the moving average, which covers about the last five results.
-NEW = 0.2
+NEW_RESULT_WEIGHT = 0.2
 #: Least weight of an episode, so that those which never or always succeeded are drawn again.
-LEAST = 0.01
+MIN_WEIGHT = 0.01
 
 
 class Learnability:
@@ -56,11 +56,11 @@ class Learnability:
         zero = jnp.zeros_like(success)
         count = zero.at[scene, row].add(over)
         mean = zero.at[scene, row].add(reached) / jnp.maximum(count, 1.0)
-        return jnp.where(count > 0.0, success + NEW * (mean - success), success)
+        return jnp.where(count > 0.0, success + NEW_RESULT_WEIGHT * (mean - success), success)
 
     def bounds(self, success: Float[Array, "Z E"]) -> Float[Array, " ZE"]:
         """Cumulative weights of all episodes, ordered by scene."""
-        weights = jnp.where(self._exists, success * (1.0 - success) + LEAST, 0.0)
+        weights = jnp.where(self._exists, success * (1.0 - success) + MIN_WEIGHT, 0.0)
         return jnp.cumsum(weights.reshape(-1))
 
 

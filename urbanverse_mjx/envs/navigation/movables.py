@@ -15,7 +15,7 @@ from ...datatypes import SceneBank, SimState, ValidationError
 from . import terms
 
 #: Largest number of objects of `config.randomization.clutter`; each costs time in every control step.
-MOST_CLUTTER = 32
+MAX_CLUTTER = 32
 #: Whether the episode ended by touching a movable object; such a hit also counts as one of an object.
 MOVABLE_METRICS = ("hit_movable",)
 
@@ -30,9 +30,9 @@ def body_sizes(config: ConfigDict) -> dict[str, int] | None:
     """
     sizes, dynamic = config.get("movable", None), config.get("scenario", "static") == "dynamic"
     clutter = config.get("randomization", {}).get("clutter", 0)
-    if not 0 <= clutter <= MOST_CLUTTER or (clutter and dynamic):
+    if not 0 <= clutter <= MAX_CLUTTER or (clutter and dynamic):
         raise ValidationError(
-            f"config.randomization.clutter: found {clutter}, needed 0 (off) to {MOST_CLUTTER} objects, and 0 in the "
+            f"config.randomization.clutter: found {clutter}, needed 0 (off) to {MAX_CLUTTER} objects, and 0 in the "
             "scenario 'dynamic', which has its own."
         )
     if not dynamic:

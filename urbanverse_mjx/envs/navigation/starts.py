@@ -18,7 +18,7 @@ from . import terms
 from .surroundings import CELL, Surroundings
 
 #: m, least remaining length of the route, and largest distance from the route.
-LEFT, ASIDE = 8.0, 2.0
+MIN_REMAINING_LENGTH, MAX_ROUTE_DISTANCE = 8.0, 2.0
 #: m, additional clearance around the robot, as at the starts of the tables.
 END_MARGIN = 0.15
 #: Number of starts drawn for an episode (the table's start is kept if none is free), and of points checked on the line
@@ -54,8 +54,8 @@ class RandomStarts:
         keys = jax.random.split(jax.random.fold_in(key, _START), 4)
         corners = jnp.concatenate([start[None, :3], waypoints])
         length = terms.route_length(start[:3], waypoints)
-        along = jax.random.uniform(keys[0], (TRIES,)) * jnp.maximum(length - LEFT, 0.0)
-        aside = jax.random.uniform(keys[1], (TRIES,), minval=-ASIDE, maxval=ASIDE)
+        along = jax.random.uniform(keys[0], (TRIES,)) * jnp.maximum(length - MIN_REMAINING_LENGTH, 0.0)
+        aside = jax.random.uniform(keys[1], (TRIES,), minval=-MAX_ROUTE_DISTANCE, maxval=MAX_ROUTE_DISTANCE)
         points, piece = terms.beside_route(corners, along, aside)
         free = self._free(scene, points[:, :2], waypoints[piece, :2])
         chosen = jnp.argmax(free)

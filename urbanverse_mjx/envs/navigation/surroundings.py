@@ -21,9 +21,9 @@ from ...geometry.raster import Shape, nearest
 #: m, side of a cell; the error of a look-up is half of it, a tenth of COCO's length.
 CELL = 0.2
 #: Number of hulls from which the fields of a bank, which take seconds, are cached.
-KEEP_FROM = 20_000
+MIN_CACHED_HULLS = 20_000
 #: m, largest stored distance: the maximum of an unsigned byte in centimetres.
-FAR = 2.55
+MAX_DISTANCE = 2.55
 
 
 def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
@@ -36,9 +36,9 @@ def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
 
 
 def _boxes(bank: SceneBank, scene: int, height: float) -> Iterator[Shape]:
-    """The boxes of the hulls that extend between `LOW` and `height` m above ground."""
+    """The boxes of the hulls that extend between `MIN_OBSTACLE_HEIGHT` and `height` m above ground."""
     ground = _ground_height(bank, scene)
-    bottom, top = ground + LOW, ground + height
+    bottom, top = ground + MIN_OBSTACLE_HEIGHT, ground + height
     for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
         rotation, position = bank.inst_rotation[scene, q], bank.inst_position[scene, q]
         box = bank.hull_box[bank.inst_hull[scene, q]]
@@ -72,25 +72,25 @@ def _ground_height(bank: SceneBank, scene: int) -> float:
 
 
 #: m; hulls below this height above the pavement are ignored, because wheels pass over them.
-LOW = 0.05
+MIN_OBSTACLE_HEIGHT = 0.05
 
 
 def build_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
-    """(Z, X, Y, 2) u8 cm, distances to the nearest hull between `LOW` and `height` m above ground, and to the walkable
-    edge."""
+    """(Z, X, Y, 2) u8 cm, distances to the nearest hull between `MIN_OBSTACLE_HEIGHT` and `height` m above ground, and
+    to the walkable edge."""
     size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
     x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
     fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
     for scene in range(bank.num_scenes):
-        hulls = nearest(Grid(bank.map_origin[scene], CELL, (x, y)), _boxes(bank, scene, height), FAR)
+        hulls = nearest(Grid(bank.map_origin[scene], CELL, (x, y)), _boxes(bank, scene, height), MAX_DISTANCE)
         metres = np.stack([hulls, _to_edge(bank, scene, (x, y))], -1)
-        fields[scene] = np.rint(np.minimum(metres, FAR) * 100.0)
+        fields[scene] = np.rint(np.minimum(metres, MAX_DISTANCE) * 100.0)
     return fields
 
 
 def path_of(bank: SceneBank, height: float) -> pathlib.Path:
     """The file in the cache of a bank's fields for a robot of some height (m)."""
-    parts = (versions.of("surroundings"), CELL, FAR, LOW, height, float(bank.map_resolution))
+    parts = (versions.of("surroundings"), CELL, MAX_DISTANCE, MIN_OBSTACLE_HEIGHT, height, float(bank.map_resolution))
     digest = hashlib.sha256(repr(parts).encode())
     for name in ("inst_hull", "inst_position", "inst_rotation", "hull_box", "map_kind", "map_origin", "episode_start"):
         array = np.ascontiguousarray(getattr(bank, name))
@@ -101,7 +101,7 @@ def path_of(bank: SceneBank, height: float) -> pathlib.Path:
 
 def kept_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
     """`build_fields` with a cache for large banks."""
-    if int((bank.inst_hull >= 0).sum()) < KEEP_FROM:
+    if int((bank.inst_hull >= 0).sum()) < MIN_CACHED_HULLS:
         return build_fields(bank, height)
     path = path_of(bank, height)
     found = array_file.load_cached(path, "distance fields", ("fields",))
@@ -129,7 +129,7 @@ class Surroundings:
         return np.asarray(self._fields)
 
     def distances(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
-        """(..., 2) m to the nearest hull and to the edge of the walkable ground, at most `FAR`.
+        """(..., 2) m to the nearest hull and to the edge of the walkable ground, at most `MAX_DISTANCE`.
 
         Args:
           scene: () i32.

@@ -9,7 +9,7 @@ from ...datatypes import validation as v
 from .run_folder import Clock
 
 #: m from start to goal if the ground is too small for the task's 10 to 30 m.
-NEAR = (4.0, 30.0)
+SHORT_ROUTES = (4.0, 30.0)
 LAYOUT, ASSETS, SCENE, USD, CHECK = "layout.json", "assets.json", "scene", "usd", "check.json"
 
 
@@ -47,7 +47,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
         compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     except NoRoomError:
         # The ground of a short clip may be too small for 256 paths of the task's length.
-        rules = EpisodeRules(distance=NEAR)
+        rules = EpisodeRules(distance=SHORT_ROUTES)
         compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))
     if with_usd:

@@ -10,9 +10,9 @@ from ...datatypes import Recording, SceneGraph
 from ...viz.graphs import GROUND_COLOURS
 
 #: m, cell of the image from above; stride in pixels, and largest number of frames, with which the recording is read.
-CELL, PIXEL_STRIDE, MOST_FRAMES = 0.1, 3, 60
+CELL, PIXEL_STRIDE, MAX_FRAMES = 0.1, 3, 60
 #: m; points farther from the camera are too coarse for cells of 10 cm, and points higher above it hide the street.
-FAR, HIGH = 25.0, 1.0
+MAX_DISTANCE, MAX_HEIGHT_OVER_CAMERA = 25.0, 1.0
 _MARGIN = 2.0  # m around the ground
 
 
@@ -30,7 +30,7 @@ def seen_from_above(recording: Recording, area: Sequence[float]) -> np.ndarray:
     columns, rows = math.ceil((x1 - x0) / CELL), math.ceil((y1 - y0) / CELL)
     colour, count = np.zeros((rows * columns, 3)), np.zeros(rows * columns)
     rays = recording.camera.rays()[::PIXEL_STRIDE, ::PIXEL_STRIDE]
-    chosen = recording.registered[:: max(1, len(recording.registered) // MOST_FRAMES)]
+    chosen = recording.registered[:: max(1, len(recording.registered) // MAX_FRAMES)]
     for number in chosen.tolist():
         depth, pose = recording.depth(number), recording.frames[number].pose
         if depth is None or pose is None:
@@ -39,7 +39,7 @@ def seen_from_above(recording: Recording, area: Sequence[float]) -> np.ndarray:
         points = (rays * near[..., None]) @ pose[:3, :3].T + pose[:3, 3]
         column = np.floor((points[..., 0] - x0) / CELL).astype(int)
         row = np.floor((y1 - points[..., 1]) / CELL).astype(int)
-        keep = (near > 0) & (near < FAR) & (points[..., 2] < pose[2, 3] + HIGH)
+        keep = (near > 0) & (near < MAX_DISTANCE) & (points[..., 2] < pose[2, 3] + MAX_HEIGHT_OVER_CAMERA)
         keep &= (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
         cell = row[keep] * columns + column[keep]
         pixels = recording.rgb(number)[::PIXEL_STRIDE, ::PIXEL_STRIDE][keep]

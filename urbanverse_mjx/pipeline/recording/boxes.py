@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 #: Labels of the renderer: objects from 0 on, agents from -3 downwards.
 _AGENT = -3
 #: Objects in a caption, the nearest ones.
-_NAMED = 5
+_MAX_NAMED = 5
 #: Degrees to either side that are straight ahead.
-_AHEAD = 5.0
+_AHEAD_DEGREES = 5.0
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -117,12 +117,12 @@ class Boxes:
         for item in seen:
             offset = np.array(item.position_world[:2]) - position[:2]
             bearing = np.degrees((np.arctan2(offset[1], offset[0]) - yaw + np.pi) % (2 * np.pi) - np.pi)
-            side = "ahead" if abs(bearing) <= _AHEAD else f"{abs(bearing):.0f}° to the {_side(bearing)}"
+            side = "ahead" if abs(bearing) <= _AHEAD_DEGREES else f"{abs(bearing):.0f}° to the {_side(bearing)}"
             parts.append(
                 (float(np.linalg.norm(offset)), f"{spoken(item.category)} {np.linalg.norm(offset):.1f} m {side}")
             )
-        named = [text for _, text in sorted(parts)[:_NAMED]]
-        more = f", and {len(parts) - _NAMED} more" if len(parts) > _NAMED else ""
+        named = [text for _, text in sorted(parts)[:_MAX_NAMED]]
+        more = f", and {len(parts) - _MAX_NAMED} more" if len(parts) > _MAX_NAMED else ""
         view = f"In view: {', '.join(named)}{more}." if named else "No object is in view."
         ground = self._ground(driven.scene, position)
         return f"The robot is on the {ground}. {view}" if ground else view

@@ -19,11 +19,11 @@ from ...geometry import rotations
 from .body_table import BodyTable, body_table
 
 #: m/s and rad/s below which a body does not move.
-SLOW, SLOW_SPIN = 0.02, 0.1
+REST_SPEED, REST_SPIN = 0.02, 0.1
 #: Ground prisms and static hulls looked at around a body that is awake.
 PRISMS, HULLS = 6, 4
 #: m/s, assumed largest speed of a body in the search for objects near it; COCO pushes at 2 m/s.
-FAST = 2.0
+MAX_BODY_SPEED = 2.0
 #: m between bounding spheres within which a moving body wakes another one.
 _WAKE_DISTANCE = 0.1
 
@@ -143,8 +143,8 @@ def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: fl
     radius = table.radius[table.shape[jnp.maximum(row, 0)]]
     place = centres(table, row, bodies.position, bodies.quaternion)
     far = jnp.linalg.norm(place - robot, axis=-1) - radius
-    moving = jnp.linalg.norm(bodies.velocity, axis=-1) > SLOW
-    moving = there & (moving | (jnp.linalg.norm(bodies.spin, axis=-1) > SLOW_SPIN))
+    moving = jnp.linalg.norm(bodies.velocity, axis=-1) > REST_SPEED
+    moving = there & (moving | (jnp.linalg.norm(bodies.spin, axis=-1) > REST_SPIN))
     gap = jnp.linalg.norm(place[:, None] - place, axis=-1) - radius[:, None] - radius
     beside = jnp.any((gap < _WAKE_DISTANCE) & moving, axis=1)
     wanted = there & (moving | beside | (far < reach))
@@ -162,7 +162,7 @@ def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: fl
 
 def reach(table: BodyConstants, awake: Awake, control_dt: float) -> Any:
     """(W,) m around the bodies' centres of mass within which they may touch something in a control step."""
-    return table.radius[table.shape[jnp.maximum(awake.row, 0)]] + FAST * control_dt
+    return table.radius[table.shape[jnp.maximum(awake.row, 0)]] + MAX_BODY_SPEED * control_dt
 
 
 def put_back(table: BodyConstants, bodies: Bodies, slot: Any, awake: Awake) -> Bodies:
@@ -174,8 +174,8 @@ def put_back(table: BodyConstants, bodies: Bodies, slot: Any, awake: Awake) -> B
     position = awake.place - jnp.einsum("nij,nj->ni", rotations.matrix(awake.quaternion), local)
     new = (position, awake.quaternion, awake.velocity, awake.spin, awake.warm)
     # A moving body without a slot keeps its velocity and continues later.
-    moving = jnp.linalg.norm(bodies.velocity, axis=-1) > SLOW
-    moving |= jnp.linalg.norm(bodies.spin, axis=-1) > SLOW_SPIN
+    moving = jnp.linalg.norm(bodies.velocity, axis=-1) > REST_SPEED
+    moving |= jnp.linalg.norm(bodies.spin, axis=-1) > REST_SPIN
     old = [*bodies[1:3], *(jnp.where(moving[:, None], x, 0.0) for x in bodies[3:])]
     done = [o.at[slot].set(jnp.where(kept[:, None], n, o[slot])) for o, n in zip(old, new, strict=True)]
     return Bodies(bodies.object_index, *done)

@@ -24,7 +24,7 @@ _FULL_STEP = 1e-3
 #: added and removed forever.
 _NO_STEP = 1e-6
 #: The line search ends when the slope is below this share of that at its start.
-_FLAT = 1e-4
+_SLOPE_TOLERANCE = 1e-4
 
 
 class Rows(NamedTuple):
@@ -279,7 +279,7 @@ def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: A
         pull = jnp.where(left < 0, stiffness, 0.0) * change
         return slope + alpha * curvature + jnp.sum(pull * left), curvature + jnp.sum(pull * change)
 
-    limit = _FLAT * jnp.abs(at(jnp.zeros(()))[0])
+    limit = _SLOPE_TOLERANCE * jnp.abs(at(jnp.zeros(()))[0])
 
     def narrow(bracket: _Bracket) -> _Bracket:
         alpha, low, high, _, count = bracket

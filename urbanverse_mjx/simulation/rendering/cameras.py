@@ -14,7 +14,7 @@ from ...geometry import rotations
 FOLLOWING_FOV = 1.05
 #: Of a robot 1 m high; one half as high is seen from three quarters of that.
 _BACK, _UP = 3.2, 1.9  # m
-_SMOOTH = 1.8  # s
+_SMOOTHING_TIME = 1.8  # s
 _BATCH = 16
 
 
@@ -44,7 +44,7 @@ def following_cameras(
       height: m, of the robot.
     """
     heading = rotations.matrix(xquat[:, 1])[:, :2, 0]
-    window = min(round(_SMOOTH * frames_per_second) // 2 * 2 + 1, len(heading))
+    window = min(round(_SMOOTHING_TIME * frames_per_second) // 2 * 2 + 1, len(heading))
     smooth = np.stack(
         [np.convolve(np.pad(h, window // 2, "edge"), np.ones(window) / window, "valid")[: len(h)] for h in heading.T],
         -1,

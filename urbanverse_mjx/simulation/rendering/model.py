@@ -23,8 +23,8 @@ from .shapes import primitive_mesh
 #: MJCF geom group of a robot's visual geoms (its collision spheres are in group 3, as in MuJoCo Menagerie).
 VISUAL_GROUP = 2
 #: m; beyond it the sky is drawn. The longest designed street has 200 m, its skyline twice that.
-FAR = 1000.0
-NEAR = 0.01
+FAR_PLANE = 1000.0
+NEAR_PLANE = 0.01
 SLOT_GROUP = 0
 #: MuJoCo's default colour: a geom of this colour shows its material's colour instead.
 _INHERIT = (0.5, 0.5, 0.5, 1.0)
@@ -343,7 +343,7 @@ def build_render_model(
     spec = mujoco.MjSpec()
     spec.stat.extent = 1.0
     # `visual.map` holds the far and near planes, in extents of the model (here 1 m).
-    spec.visual.map.znear, spec.visual.map.zfar = NEAR, FAR
+    spec.visual.map.znear, spec.visual.map.zfar = NEAR_PLANE, FAR_PLANE
     spec.visual.headlight.active = 0
     if whole:
         _add_bank(spec, bank)

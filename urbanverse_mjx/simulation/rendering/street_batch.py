@@ -14,7 +14,7 @@ from ...geometry import rotations
 from . import street_draw
 from .light_bake import Baker, light_tables
 from .meshes import RenderMeshes
-from .model import FAR, RenderModel, images
+from .model import FAR_PLANE, RenderModel, images
 from .pbr_private import build_dfg_lut, effective_geom_rgba, resolve_geom_materials
 from .scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from .settings import NOWHERE, Settings
@@ -127,7 +127,7 @@ class Streets:
         self.num_shades = 0
         if settings.light == "baked" and "rgb" in settings.outputs:
             self._add_baked_light(bank, model)
-        self.draw = street_draw.build_draw_kernel(settings, FAR, bank.sky_radiance.shape[2])
+        self.draw = street_draw.build_draw_kernel(settings, FAR_PLANE, bank.sky_radiance.shape[2])
         self.ready = False
 
     def _keep(self, rows: np.ndarray) -> int:

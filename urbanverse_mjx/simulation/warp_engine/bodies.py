@@ -19,7 +19,7 @@ from .kernels import Masses, Tables, find_nearest
 from .mujoco_warp_private import vec5
 
 _PRISMS, _HULLS = wp.constant(body_slots.PRISMS), wp.constant(body_slots.HULLS)
-_FAST = wp.constant(body_slots.FAST)
+_FAST = wp.constant(body_slots.MAX_BODY_SPEED)
 _GROUND_CONTACTS = wp.constant(body_contact.GROUND_CONTACTS)
 _OTHER_CONTACTS = wp.constant(body_contact.OTHER_CONTACTS)
 _LIFT, _FIRST_DIRECTION = wp.constant(body_contact.LIFT), wp.constant(body_contact.FIRST_DIRECTION)

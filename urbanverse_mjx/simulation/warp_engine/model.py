@@ -23,7 +23,7 @@ from . import body_types, contact, kernels
 from .mujoco_warp_private import vec5  # pyright: ignore[reportAttributeAccessIssue] (its package is untyped)
 
 #: Largest number of velocities of MuJoCo Warp's dense solver; up to 32 it factorises in one block, which is faster.
-MOST_VELOCITIES = 60
+MAX_VELOCITIES = 60
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,9 +95,9 @@ def build_robot_model(
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     spec.option.iterations, spec.option.ls_iterations = iterations, line_steps
     model = spec.compile()
-    if model.nv > MOST_VELOCITIES:
+    if model.nv > MAX_VELOCITIES:
         found = f"{model.nv} velocities of the robot and {awake} bodies"
-        raise v.fail("engine.movable.awake", found, f"at most {MOST_VELOCITIES}", "let fewer be awake at once")
+        raise v.fail("engine.movable.awake", found, f"at most {MAX_VELOCITIES}", "let fewer be awake at once")
     for name, what in (
         ("na", "activations"),
         ("neq", "equalities"),

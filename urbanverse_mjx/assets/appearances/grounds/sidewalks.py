@@ -5,7 +5,7 @@ from . import bases
 from . import pavements as p
 from .variants import Variant, block, brick, cast, in_basket, in_courses, in_herringbone, sett, slab, stone
 
-_FINE = (0.36, 0.36, 0.37)
+_FINE_JOINT_COLOUR = (0.36, 0.36, 0.37)
 
 _CONCRETE: tuple[Variant, ...] = (
     cast("concrete_pale", "pale grey", "pale broomed concrete in squares of a metre and a half",

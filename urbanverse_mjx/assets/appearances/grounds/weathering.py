@@ -10,8 +10,8 @@ from .bases import Colour
 from .board import Board
 from .surface import Surface
 
-_AUTUMN: tuple[Colour, ...] = ((0.62, 0.42, 0.14), (0.50, 0.30, 0.13), (0.66, 0.55, 0.20), (0.42, 0.29, 0.17))
-_LATE: tuple[Colour, ...] = ((0.40, 0.28, 0.17), (0.34, 0.24, 0.16), (0.48, 0.35, 0.20))
+_AUTUMN_COLOURS: tuple[Colour, ...] = ((0.62, 0.42, 0.14), (0.50, 0.30, 0.13), (0.66, 0.55, 0.20), (0.42, 0.29, 0.17))
+_LATE_AUTUMN_COLOURS: tuple[Colour, ...] = ((0.40, 0.28, 0.17), (0.34, 0.24, 0.16), (0.48, 0.35, 0.20))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,12 +33,12 @@ class Condition:
 
 # Rubber on wet pavement keeps some 0.7 of its dry friction at walking speed (textbooks on skidding: 0.7-0.8 dry,
 # 0.45-0.6 wet); water standing takes a little more.
-_WET, _STANDING = 0.72, 0.65
+_WET_FRICTION, _STANDING_WATER_FRICTION = 0.72, 0.65
 _WET_REASON = "0.72 of dry: wet pavement has 0.5 where dry has 0.7 (judged)"
 
 
 def _snow(share: float) -> Callable[[float], float]:
-    return lambda dry: share * material("snow").friction + (1 - share) * _WET * dry
+    return lambda dry: share * material("snow").friction + (1 - share) * _WET_FRICTION * dry
 
 
 def _painted(paint: Colour, wear: float = 0.12, wet: bool = False) -> Callable[[Surface, Board, str], Surface]:
@@ -64,11 +64,11 @@ def _cracked(surface: Surface, board: Board, family: str) -> Surface:
 
 
 def _leaves(surface: Surface, board: Board, family: str) -> Surface:
-    return c.leaf_strewn(surface, board, 24.0, _AUTUMN, 0.085)
+    return c.leaf_strewn(surface, board, 24.0, _AUTUMN_COLOURS, 0.085)
 
 
 def _wet_leaves(surface: Surface, board: Board, family: str) -> Surface:
-    return c.wet(c.leaf_strewn(surface, board, 45.0, _LATE, 0.075), board, 0.7)
+    return c.wet(c.leaf_strewn(surface, board, 45.0, _LATE_AUTUMN_COLOURS, 0.075), board, 0.7)
 
 
 def _muddy(surface: Surface, board: Board, family: str) -> Surface:
@@ -91,8 +91,10 @@ CONDITIONS: dict[str, Condition] = {
                          "0.95 of dry: polished wheel paths (judged)"),
     "mossy": Condition("overgrown", "with moss and weeds in the gaps", lambda s, b, f: c.mossy(s, b, 0.75),
                        lambda dry: 0.85 * dry, "0.85 of dry: moss is slippery (judged)"),
-    "wet": Condition("wet", "wet after rain", lambda s, b, f: c.wet(s, b), lambda dry: _WET * dry, _WET_REASON),
-    "puddled": Condition("wet", "wet with puddles", lambda s, b, f: c.puddled(s, b), lambda dry: _STANDING * dry,
+    "wet": Condition("wet", "wet after rain", lambda s, b, f: c.wet(s, b), lambda dry: _WET_FRICTION * dry,
+                     _WET_REASON),
+    "puddled": Condition("wet", "wet with puddles", lambda s, b, f: c.puddled(s, b),
+                         lambda dry: _STANDING_WATER_FRICTION * dry,
                          "0.65 of dry: as wet, and water stands in part of it (judged)"),
     "muddy": Condition("wet", "muddy with puddles", _muddy, lambda dry: material("mud").friction,
                        "mud of assets_index/materials.csv"),
@@ -106,7 +108,8 @@ CONDITIONS: dict[str, Condition] = {
     "snow_tracks": Condition("snowy", "snowed over with dark wheel tracks",
                              lambda s, b, f: c.snowy(s, b, 0.66, 0.35, True), _snow(0.66), "66 % snow, the rest wet"),
     "icy": Condition("icy", "with frozen patches", lambda s, b, f: c.icy(s, b, 0.45),
-                     lambda dry: 0.45 * material("ice").friction + 0.55 * _WET * dry, "45 % ice, the rest wet"),
+                     lambda dry: 0.45 * material("ice").friction + 0.55 * _WET_FRICTION * dry,
+                     "45 % ice, the rest wet"),
     "leaves": Condition("leaf-strewn", "strewn with autumn leaves", _leaves, lambda dry: 0.85 * dry,
                         "0.85 of dry: leaves slide on the ground (judged)"),
     "wet_leaves": Condition("leaf-strewn", "wet and littered with brown leaves", _wet_leaves,
@@ -116,7 +119,7 @@ CONDITIONS: dict[str, Condition] = {
     "painted_green": Condition("painted", "hardly worn", _painted((0.23, 0.47, 0.33)), lambda dry: 0.9 * dry,
                                "0.9 of dry: paint closes the pores (judged)"),
     "painted_green_wet": Condition("painted", "wet after rain", _painted((0.23, 0.47, 0.33), 0.2, True),
-                                   lambda dry: 0.9 * _WET * dry,
+                                   lambda dry: 0.9 * _WET_FRICTION * dry,
                                    "0.9 of dry for the paint, 0.72 for the water (judged)"),
     "painted_red": Condition("painted", "hardly worn", _painted((0.60, 0.27, 0.23)), lambda dry: 0.9 * dry,
                              "0.9 of dry: paint closes the pores (judged)"),

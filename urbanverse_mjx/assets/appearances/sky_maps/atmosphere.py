@@ -32,7 +32,7 @@ SUN_LUX = 133_100.0
 GROUND_ALBEDO = 0.2
 
 _HEIGHTS, _COSINES = 24, 192
-_LOWEST = -0.30  # cosine of the lowest sun in the tables
+_MIN_SUN_COSINE = -0.30  # cosine of the lowest sun in the tables
 #: Optical depth of pure air at 550 nm; turbidity is what air with haze has more of (Linke's idea).
 _AIR_DEPTH = 13.558e-6 * RAYLEIGH_HEIGHT
 
@@ -106,12 +106,12 @@ def _height_of(index: np.ndarray) -> np.ndarray:
 
 
 def _cosine_of(index: np.ndarray) -> np.ndarray:
-    return _LOWEST + (1.0 - _LOWEST) * (index / (_COSINES - 1)) ** 1.5
+    return _MIN_SUN_COSINE + (1.0 - _MIN_SUN_COSINE) * (index / (_COSINES - 1)) ** 1.5
 
 
 def _look_up(table: np.ndarray, height: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     row = np.sqrt(np.clip(height / TOP, 0.0, 1.0)) * (_HEIGHTS - 1)
-    column = np.clip((cosine - _LOWEST) / (1.0 - _LOWEST), 0.0, 1.0) ** (1 / 1.5) * (_COSINES - 1)
+    column = np.clip((cosine - _MIN_SUN_COSINE) / (1.0 - _MIN_SUN_COSINE), 0.0, 1.0) ** (1 / 1.5) * (_COSINES - 1)
     return np.stack(
         [ndimage.map_coordinates(table[..., k], (row, column), order=1, mode="nearest") for k in range(3)], -1
     )

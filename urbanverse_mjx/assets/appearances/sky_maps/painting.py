@@ -16,7 +16,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec. 709
 HEIGHT = 256
 #: Elevation (degrees) below which rows are supersampled, because a row spans kilometres there, and the supersampling
 #: factor.
-_LOW, _FINER = 10.0, 3
+_HORIZON_ELEVATION, _HORIZON_SUPERSAMPLING = 10.0, 3
 #: Half the angle of the sun's and the moon's disc, rad.
 DISC = np.radians(0.2666)
 #: Full moon against the sun in lux: 0.25 over 133,000; and the sky glow over a city, cd/m2 against a clear day's
@@ -52,7 +52,7 @@ def _rows(height: int) -> tuple[np.ndarray, np.ndarray]:
     edges = 90.0 - np.arange(half + 1) * 90.0 / half
     elevations, counts = [], []
     for top, bottom in itertools.pairwise(edges):
-        count = _FINER if top <= _LOW else 1
+        count = _HORIZON_SUPERSAMPLING if top <= _HORIZON_ELEVATION else 1
         elevations += [top + (bottom - top) * (i + 0.5) / count for i in range(count)]
         counts.append(count)
     return np.radians(elevations), np.array(counts)
