@@ -98,6 +98,30 @@ def test_a_failure_reaches_the_block_and_ends_the_writing(where: str) -> None:
         assert written == [0, 1, 2]
 
 
+def test_waiting_ends_when_all_is_written() -> None:
+    written: list[int] = []
+
+    def write(episode: Filmed) -> None:
+        time.sleep(0.02)
+        if episode.driven.row == 7:
+            raise OSError("full")
+        written.append(episode.driven.row)
+
+    def add() -> None:
+        with EpisodeWriting(filmed, write, 2) as writing:
+            for k in range(5):
+                writing.add(driven(k), DRAWN)
+            writing.wait()
+            assert written == list(range(5))
+            writing.add(driven(7), DRAWN)
+            writing.wait()
+            written.append(-1)
+
+    with pytest.raises(OSError, match="full"):
+        add()
+    assert written == list(range(5))
+
+
 def test_after_an_interrupt_what_was_added_is_written() -> None:
     written: list[int] = []
 

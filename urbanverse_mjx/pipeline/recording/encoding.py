@@ -138,6 +138,13 @@ class EpisodeWriting:
             self._queue.append((size, self._pool.submit(self._encode, driven, dict(drawn))))
             self._changed.notify_all()
 
+    def wait(self) -> None:
+        """Waits until everything that was added is written."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._error or not self._queue)
+            if self._error is not None:
+                raise self._error
+
     def _run(self) -> None:
         while True:
             with self._changed:

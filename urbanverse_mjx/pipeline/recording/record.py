@@ -145,6 +145,9 @@ def record(
                 kept = [e for e in group if e.result == "goal" or not options.only_successes]
                 for episode, drawn in camera.draw(kept) if kept else ():
                     writing.add(episode, drawn)
+                if options.teleop:
+                    # Nothing that a person drove is at risk while the next episode is driven.
+                    writing.wait()
                 report(ended)
     seconds = time.perf_counter() - began
     if not writer.num_episodes and options.teleop:
