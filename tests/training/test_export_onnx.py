@@ -2,22 +2,25 @@
 
 import csv
 import dataclasses
+import json
 import pathlib
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.datatypes.policy_file import PolicyRecord
+from urbanverse_mjx.datatypes.policy_file import PolicyRecord, RobotRecord
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.evaluation.frozen import freeze
 from urbanverse_mjx.evaluation.onnx_policy import load_onnx
 from urbanverse_mjx.pipeline import BenchmarkOptions, benchmark
+from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.training import export_onnx
 from urbanverse_mjx.training.config import default_ppo_config
 from urbanverse_mjx.training.dagger import default_dagger_config, make_student
@@ -128,6 +131,12 @@ def test_the_metadata_say_how_the_file_is_driven(files) -> None:
     assert by_name["pixels/front"].normalisation == "none: the network scales it"
     assert record.rate_hz == 5.0
     assert record.env_config["observations"]["proprio"] is True
+    coco = make_coco()
+    fovy = mujoco.MjModel.from_xml_string(coco.mjcf).camera(coco.camera).fovy[0]
+    expected = RobotRecord(coco.name, coco.max_speed, coco.max_yaw_rate, round(float(np.radians(fovy)), 6))
+    assert record.robot == expected
+    before = {k: x for k, x in json.loads(record.to_json()).items() if k != "robot"} | {"schema": "urbanverse.onnx/1"}
+    assert PolicyRecord.from_json(json.dumps(before), "old") == dataclasses.replace(record, robot=None)
     assert 0.0 < record.largest_difference <= 1e-5
     assert record.observations == 1000
     assert [t.name for t in load_onnx(files["ppo"]).record.inputs] == ["pixels/front", "goal"]  # type: ignore[union-attr]

@@ -7,7 +7,9 @@ from typing import Any
 
 from . import validation as v
 
-SCHEMA = "urbanverse.onnx/1"
+SCHEMA = "urbanverse.onnx/2"
+#: Older files, which do not describe the robot.
+_OLD_SCHEMA = "urbanverse.onnx/1"
 #: Key of the record among an ONNX file's metadata.
 METADATA_KEY = "urbanverse"
 #: Prefix of an input's name for the output that is fed back to it at the next step.
@@ -43,6 +45,29 @@ class TensorRecord:
 
 
 @dataclasses.dataclass(frozen=True)
+class RobotRecord:
+    """The robot of a policy: what turns its actions into velocities, and its camera.
+
+    Attributes:
+      name: e.g. "coco".
+      max_speed: m/s, max_yaw_rate: rad/s: a waypoint 1 m ahead means `max_speed`.
+      camera_fovy: rad, vertical field of view of the front camera; 0 for a policy without images.
+    """
+
+    name: str
+    max_speed: float
+    max_yaw_rate: float
+    camera_fovy: float
+
+    @staticmethod
+    def from_json(value: Any, where: str) -> "RobotRecord":
+        m = v.mapping(value, where, [f.name for f in dataclasses.fields(RobotRecord)])
+        speeds = {k: v.number(m[k], f"{where}.{k}", above=0.0) for k in ("max_speed", "max_yaw_rate")}
+        fovy = v.number(m["camera_fovy"], f"{where}.camera_fovy", minimum=0.0, maximum=3.1)
+        return RobotRecord(v.text(m["name"], f"{where}.name"), camera_fovy=fovy, **speeds)
+
+
+@dataclasses.dataclass(frozen=True)
 class PolicyRecord:
     """Interface of a policy file.
 
@@ -55,6 +80,7 @@ class PolicyRecord:
       versions: of the packages that trained it.
       largest_difference: of its outputs from JAX's at export.
       observations: over how many.
+      robot: that it was trained with; None in files of before.
     """
 
     inputs: tuple[TensorRecord, ...]
@@ -66,6 +92,7 @@ class PolicyRecord:
     versions: Mapping[str, str]
     largest_difference: float = 0.0
     observations: int = 0
+    robot: RobotRecord | None = None
 
     def to_json(self) -> str:
         return json.dumps({"schema": SCHEMA, **dataclasses.asdict(self)}, ensure_ascii=False)
@@ -83,8 +110,11 @@ class PolicyRecord:
             raise v.fail(
                 where, f"metadata that is no JSON ({error})", "what `urbanverse export-onnx` writes"
             ) from error
-        m = dict(v.mapping(body, where, ["schema", *(f.name for f in dataclasses.fields(PolicyRecord))]))
-        v.choice(m.pop("schema"), f"{where}: schema", (SCHEMA,))
+        fields = [f.name for f in dataclasses.fields(PolicyRecord) if f.name != "robot"]
+        m = dict(v.mapping(body, where, ["schema", *fields], ["robot"]))
+        v.choice(m.pop("schema"), f"{where}: schema", (SCHEMA, _OLD_SCHEMA))
+        robot = m.pop("robot", None)
+        m["robot"] = None if robot is None else RobotRecord.from_json(robot, f"{where}: robot")
         for side in ("inputs", "outputs"):
             m[side] = tuple(TensorRecord.from_json(t, f"{where}: {side}") for t in v.items(m[side], f"{where}: {side}"))
         return PolicyRecord(**m)

@@ -17,7 +17,7 @@ from ml_collections import ConfigDict
 
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
-from ..datatypes.policy_file import BATCH, METADATA_KEY, NEXT, PolicyRecord, TensorRecord
+from ..datatypes.policy_file import BATCH, METADATA_KEY, NEXT, PolicyRecord, RobotRecord, TensorRecord
 from .networks import PIXELS
 from .policy import PolicySpec, latest_policy, load_params, network_factory
 
@@ -200,13 +200,17 @@ def largest_difference(model: bytes, step: _Step, count: int = OBSERVATIONS, see
 
 def _record(spec: PolicySpec, step: _Step, difference: float) -> PolicyRecord:
     config = spec.env_config
+    robot = _robot_of(config, PIXELS in step.inputs)
 
     def tensor(name: str, shape: tuple[int, ...], dtype: Any, texts: tuple[str, str, str]) -> TensorRecord:
         return TensorRecord(name, (BATCH, *shape), np.dtype(dtype).name, *texts)
 
+    def about(name: str) -> tuple[str, str, str]:
+        return _about(name, config, 0.0 if robot is None else robot.camera_fovy)
+
     return PolicyRecord(
-        inputs=tuple(tensor(n, shape, dtype, _about(n, config)) for n, (shape, dtype) in step.inputs.items()),
-        outputs=tuple(tensor(n, shape, np.float32, _about(n, config)) for n, shape in step.outputs.items()),
+        inputs=tuple(tensor(n, shape, dtype, about(n)) for n, (shape, dtype) in step.inputs.items()),
+        outputs=tuple(tensor(n, shape, np.float32, about(n)) for n, shape in step.outputs.items()),
         rate_hz=round(1.0 / config["ctrl_dt"], 6),
         environment=spec.environment,
         env_config=config,
@@ -214,6 +218,7 @@ def _record(spec: PolicySpec, step: _Step, difference: float) -> PolicyRecord:
         versions=spec.versions,
         largest_difference=difference,
         observations=OBSERVATIONS,
+        robot=robot,
     )
 
 
@@ -224,7 +229,7 @@ _ACTIONS = {
 }
 
 
-def _about(name: str, config: dict[str, Any]) -> tuple[str, str, str]:
+def _about(name: str, config: dict[str, Any], fovy: float) -> tuple[str, str, str]:
     """Unit, meaning and normalisation of an input or output."""
     if name == "action":
         unit, meaning = _ACTIONS.get(config.get("action_mode", "joint"), _ACTIONS["joint"])
@@ -234,8 +239,9 @@ def _about(name: str, config: dict[str, Any]) -> tuple[str, str, str]:
         meaning = "final goal" if config.get("goal_mode", "final") == "final" else "next waypoint of the route"
         meaning += " (ahead, left) in the robot's heading frame"
         return "m", meaning, f"shortened to at most {limit:g} m" if limit > 0 else "none: the network scales it"
+    camera = f"front camera with a vertical field of view of {fovy:.3f} rad"
     known = {
-        PIXELS: ("sRGB, 0 to 255", f"front camera{_view(config)}, first row at the top", "none: the network scales it"),
+        PIXELS: ("sRGB, 0 to 255", f"{camera}, first row at the top", "none: the network scales it"),
         "proprio": ("m/s, m/s, rad/s, 1, 1", "speed ahead, speed to the left, yaw rate, last action", "none"),
         MEMORY: ("1", f"zeros when an episode begins, then {NEXT}{MEMORY} of the step before", "none"),
         NEXT + MEMORY: ("1", f"{MEMORY} of the next step", "none"),
@@ -243,15 +249,17 @@ def _about(name: str, config: dict[str, Any]) -> tuple[str, str, str]:
     return known.get(name, ("see the environment", f"observation {name!r} of the environment", "none"))
 
 
-def _view(config: dict[str, Any]) -> str:
-    """Field of view of the camera of the config's robot."""
+def _robot_of(config: dict[str, Any], sees: bool) -> RobotRecord | None:
+    """The robot of a navigation task; None for other tasks, which have no body velocity."""
     import mujoco
 
     from ..envs.robot import make_robot
 
+    if "action_mode" not in config:
+        return None
     robot = make_robot(ConfigDict(config))
-    degrees = float(mujoco.MjModel.from_xml_string(robot.mjcf).camera(robot.camera).fovy[0])
-    return f" with a vertical field of view of {np.radians(degrees):.3f} rad"
+    fovy = np.radians(float(mujoco.MjModel.from_xml_string(robot.mjcf).camera(robot.camera).fovy[0])) if sees else 0.0
+    return RobotRecord(robot.name, robot.max_speed, robot.max_yaw_rate, round(float(fovy), 6))
 
 
 def _note(model: Any, record: PolicyRecord) -> None:
