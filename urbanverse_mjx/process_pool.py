@@ -17,11 +17,12 @@ from typing import Any
 _INTERVAL = 0.5
 
 
-def end_with_parent(parent: int | None = None) -> None:
+def end_with_parent(parent: int | None = None, delay: float = 0.0) -> None:
     """Exits this process with status 1 as soon as its parent has exited for any reason.
 
     Args:
       parent: id of the process that started this one; None in a process that `multiprocessing` started.
+      delay: s to wait after that.
     """
     started_by = multiprocessing.parent_process()
     if parent is None and started_by is None:
@@ -33,6 +34,7 @@ def end_with_parent(parent: int | None = None) -> None:
         else:
             while os.getppid() == parent:
                 time.sleep(_INTERVAL)
+        time.sleep(delay)
         os._exit(1)
 
     threading.Thread(target=watch, name="end_with_parent", daemon=True).start()

@@ -24,7 +24,7 @@ def test_help_lists_every_command_with_a_line() -> None:
     done = run("--help")
     assert done.returncode == 0
     for name, (_, line) in cli.COMMANDS.items():
-        assert f"  {name:<13} {line}" in done.stdout
+        assert f"  {name:<14} {line}" in done.stdout
 
 
 def test_no_command_prints_the_usage_and_fails() -> None:

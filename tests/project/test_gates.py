@@ -44,6 +44,8 @@ FAULTS = [
     ("the runtime never imports what makes scenes", "capture", "urbanverse_mjx.assets"),
     ("the runtime needs no library that makes scenes", "evaluation", "shapely"),
     ("what makes scenes needs no JAX", "assets", "jax"),
+    (LAYERS, "policies", "urbanverse_mjx.robots"),
+    ("what runs on a robot is light", "deployment", "mujoco"),
     ("Brax stays in training", "envs", "brax"),
     ("Warp stays in simulation", "training", "warp"),
 ]

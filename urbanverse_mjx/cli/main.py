@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from .. import __version__, settings
 from ..pipeline.errors import refusal
 from .compilation_cache import replace_damaged_entries
-from .packages import MAKERS, missing
+from .packages import MAKERS, ON_A_ROBOT, missing
 
 #: Command -> (module below `urbanverse_mjx.cli`, one line for --help).
 COMMANDS = {
@@ -29,23 +29,25 @@ COMMANDS = {
     "dataset": ("dataset", "say what a recorded dataset holds, and whether it is sound"),
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "export-onnx": ("export_onnx", "write a trained policy as an ONNX file, with how it is driven in its metadata"),
+    "deploy": ("deploy", "drive a robot with a policy's ONNX file, over ROS 2 or ZeroMQ; replay its log"),
+    "simulate-robot": ("simulate_robot", "play an environment as the robot of `deploy`"),
     "export-gait": ("export_gait", "write a trained gait as one small file"),
     "gen": ("gen", "digital cousins of a video: scene graph, assets, compiled scenes, report"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
     "capture": ("capture", "film a street into a recording with its ground truth, and as a video"),
     "assets": ("assets", "show, search, match, import and export assets"),
     "robot": ("robot", "read a robot's description; how well spheres fit its collision shapes"),
-    "schema": ("schema", "print the JSON Schema of scene graphs or layouts"),
+    "schema": ("schema", "print the JSON Schema of scene graphs, layouts or messages to a robot"),
     "list-envs": ("list_envs", "list the registered environments and their presets"),
     "doctor": ("doctor", "say what this machine has and how to fix what is missing"),
 }
 #: Commands that need only a bank, not the libraries that make one.
-ON_A_BANK = frozenset({"train", "evaluate", "benchmark", "export-policy", "export-gait", "list-envs"})
+ON_A_BANK = frozenset({"train", "evaluate", "benchmark", "export-policy", "export-gait", "list-envs", "simulate-robot"})
 
 
 def usage() -> str:
     """The text of --help."""
-    lines = [f"  {name:<13} {line}" for name, (_, line) in COMMANDS.items()]
+    lines = [f"  {name:<14} {line}" for name, (_, line) in COMMANDS.items()]
     return "\n".join(
         [
             "usage: urbanverse [--version] [--help] <command> ...",
@@ -96,7 +98,7 @@ def _choose(argv: list[str], cache: pathlib.Path | None) -> int:
 
 
 def _run(name: str, argv: list[str], cache: pathlib.Path | None) -> int:
-    absent = [] if name == "doctor" else [p for p in missing() if not (name in ON_A_BANK and p in MAKERS)]
+    absent = [] if name == "doctor" else [p for p in missing() if _needs(name, p)]
     if absent:
         needed = "them; run `make setup`, or `urbanverse doctor` for the command of each"
         return _refuse(f"found no package {', '.join(absent)}, needed {needed}.")
@@ -113,6 +115,11 @@ def _run(name: str, argv: list[str], cache: pathlib.Path | None) -> int:
         if sentence is None:
             raise
         return _refuse(sentence)
+
+
+def _needs(name: str, package: str) -> bool:
+    """Whether a command needs a package of the default installation."""
+    return package in ON_A_ROBOT if name == "deploy" else not (name in ON_A_BANK and package in MAKERS)
 
 
 def _refuse(sentence: str) -> int:

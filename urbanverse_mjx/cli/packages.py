@@ -10,6 +10,8 @@ import tomllib
 _MODULES = {"opencv-python-headless": "cv2"}
 #: Packages that are only needed to make or show scenes and videos, not to train and evaluate with a bank.
 MAKERS = frozenset({"coacd", "imageio-ffmpeg", "pycolmap", "usd-core", "viser", "websockets"})
+#: Packages that `urbanverse deploy` needs.
+ON_A_ROBOT = frozenset({"numpy", "onnxruntime", "pillow", "pyzmq", "tyro"})
 
 
 def declared() -> list[str]:

@@ -8,18 +8,21 @@ from typing import Annotated, Literal
 import tyro
 
 from ..datatypes.json_schema import SCHEMAS
+from ..deployment.messages import SCHEMAS as MESSAGES
 
 
 @dataclasses.dataclass(frozen=True)
 class SchemaArgs:
-    """Print the JSON Schema (draft 2020-12) of a scene graph or a layout, for editors and validators."""
+    """Print the JSON Schema (draft 2020-12) of a scene graph, a layout or a message, for editors and validators."""
 
-    format: Annotated[Literal["graph", "layout"], tyro.conf.Positional]
-    """graph: graph.json; layout: layout.json."""
+    format: Annotated[Literal["graph", "layout", "odometry", "image", "command"], tyro.conf.Positional]
+    """graph: graph.json; layout: layout.json; odometry, image, command: headers of messages between `deploy` and a
+    robot."""
 
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse schema`."""
     args = tyro.cli(SchemaArgs, args=list(argv), prog="urbanverse schema")
-    print(json.dumps(SCHEMAS[args.format](), indent=1, ensure_ascii=False))
+    schema = MESSAGES[args.format] if args.format in MESSAGES else SCHEMAS[args.format]()
+    print(json.dumps(schema, indent=1, ensure_ascii=False))
     return 0

@@ -14,11 +14,10 @@ import numpy as np
 
 from ..datatypes import ValidationError
 from ..datatypes.policy_file import PolicyRecord
+from ..policies.onnx_agent import IMAGE, OBSERVATIONS, PRIVILEGED
 from .agents import BatchAgent, Beginning
 
-IMAGE, PROPRIO, PRIVILEGED = "pixels/front", "proprio", "privileged"
-#: Observations that a policy may request, and the defaults, which the robot's sensors provide.
-OBSERVATIONS = (IMAGE, "goal", PROPRIO, PRIVILEGED)
+#: Observations of a callable that names none: those of the robot's sensors.
 SENSED = (IMAGE, "goal")
 
 

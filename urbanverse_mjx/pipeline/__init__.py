@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         shipped_scenes,
     )
     from .benchmarking import BenchmarkOptions, BenchmarkRun, benchmark
+    from .deploying import DeployOptions, deploy, replay
     from .evaluation import evaluate_policy
     from .filming import CaptureOptions, capture
     from .gallery import Gallery, draw_gallery
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from .playing import PlayOptions, play
     from .recording.datasets import check_dataset, dataset_page, summarise_dataset
     from .recording.record import RecordOptions, record
+    from .robot_simulation import SimulationOptions, simulate_robot
     from .routes import plan_routes
     from .scenes import compile_graph, compile_layout, make_controller
     from .training_run import TrainOptions, train
@@ -44,12 +46,14 @@ _HOMES = {
     "BenchmarkOptions": "benchmarking",
     "BenchmarkRun": "benchmarking",
     "CaptureOptions": "filming",
+    "DeployOptions": "deploying",
     "Gallery": "gallery",
     "GenerationOptions": "generation.stages",
     "LibraryBuild": "library.sets",
     "LibraryOptions": "library.sets",
     "PlayOptions": "playing",
     "RecordOptions": "recording.record",
+    "SimulationOptions": "robot_simulation",
     "VideoOptions": "generation.video_options",
     "ViewOptions": "viewing",
     "TrainOptions": "training_run",
@@ -63,6 +67,7 @@ _HOMES = {
     "dataset_page": "recording.datasets",
     "compile_graph": "scenes",
     "compile_layout": "scenes",
+    "deploy": "deploying",
     "draw_gallery": "gallery",
     "ensure_default_bank": "banks",
     "ensure_terrain_bank": "banks",
@@ -75,8 +80,10 @@ _HOMES = {
     "plan_routes": "routes",
     "play": "playing",
     "record": "recording.record",
+    "replay": "deploying",
     "run_batch": "generation.batch",
     "shipped_scenes": "banks",
+    "simulate_robot": "robot_simulation",
     "summarise_dataset": "recording.datasets",
     "train": "training_run",
     "view": "viewing",
@@ -86,12 +93,14 @@ __all__ = [
     "BenchmarkOptions",
     "BenchmarkRun",
     "CaptureOptions",
+    "DeployOptions",
     "Gallery",
     "GenerationOptions",
     "LibraryBuild",
     "LibraryOptions",
     "PlayOptions",
     "RecordOptions",
+    "SimulationOptions",
     "TrainOptions",
     "VideoOptions",
     "ViewOptions",
@@ -105,6 +114,7 @@ __all__ = [
     "compile_graph",
     "compile_layout",
     "dataset_page",
+    "deploy",
     "draw_gallery",
     "ensure_default_bank",
     "ensure_terrain_bank",
@@ -117,8 +127,10 @@ __all__ = [
     "plan_routes",
     "play",
     "record",
+    "replay",
     "run_batch",
     "shipped_scenes",
+    "simulate_robot",
     "summarise_dataset",
     "train",
     "view",

@@ -192,8 +192,9 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
 def _prepare_external(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
     """`_prepare` for an ONNX file or a Python callable."""
     from ..envs import registry
-    from ..evaluation.external import PROPRIO, load_callable
+    from ..evaluation.external import load_callable
     from ..evaluation.onnx_policy import load_onnx
+    from ..policies.onnx_agent import PROPRIO
 
     name, path = options.policy, pathlib.Path(options.policy)
     policy = load_onnx(path) if name.endswith(".onnx") else load_callable(name)

@@ -71,8 +71,8 @@ def _onnx_machine(
     overrides: Mapping[str, Any],
 ) -> "Machine":
     from ..envs import registry
-    from ..evaluation.external import PROPRIO
     from ..evaluation.onnx_policy import load_onnx
+    from ..policies.onnx_agent import PROPRIO
     from ..viewer.session import Driver, Machine
 
     policy = load_onnx(path)
