@@ -138,11 +138,11 @@ def _counts(bags: Sequence[Sequence[str]]) -> np.ndarray:
 
 def measure(families: Mapping[str, Sequence[pathlib.Path]]) -> dict[str, Any]:
     """Returns all data of the figure, by family."""
-    told = {}
+    measured = {}
     for name, folders in families.items():
         scenes = [measures(read_json(f / "metadata.json", "scene's metadata")) for f in folders]
         layouts = [SceneLayout.load(f / "layout.json") for f in folders]
-        told[name] = {
+        measured[name] = {
             "scenes": len(folders),
             "layouts": len({x.graph_id for x in layouts}),
             "values": {key: [round(s[key], 4) for s in scenes] for key in MEASURES},
@@ -150,7 +150,7 @@ def measure(families: Mapping[str, Sequence[pathlib.Path]]) -> dict[str, Any]:
             "diversity": diversity(layouts),
         }
     published = {key: [dataclasses.asdict(p) for p in rows] for key, rows in PUBLISHED.items()}
-    return {"families": told, "published": published, "no_page_gave": [k for k in MEASURES if k not in PUBLISHED]}
+    return {"families": measured, "published": published, "no_page_gave": [k for k in MEASURES if k not in PUBLISHED]}
 
 
 def families_of(texts: Sequence[str]) -> dict[str, list[pathlib.Path]]:
@@ -176,13 +176,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=pathlib.Path, required=True, help="image to write, .json beside it")
     args = parser.parse_args(argv)
     try:
-        told = measure(families_of(args.families))
+        measured = measure(families_of(args.families))
     except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    write_json(args.out.with_suffix(".json"), told)
-    figure.draw(told, MEASURES, args.out)
-    print(json.dumps({"figure": str(args.out), **{name: f["median"] for name, f in told["families"].items()}}))
+    write_json(args.out.with_suffix(".json"), measured)
+    figure.draw(measured, MEASURES, args.out)
+    print(json.dumps({"figure": str(args.out), **{name: f["median"] for name, f in measured["families"].items()}}))
     return 0
 
 

@@ -32,8 +32,8 @@ def programs_folder() -> pathlib.Path:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Adds `--shuffle SEED`."""
-    told = "run the modules, and the tests of each, in an order drawn from a seed"
-    parser.addoption("--shuffle", type=int, metavar="SEED", help=told)
+    description = "run the modules, and the tests of each, in an order drawn from a seed"
+    parser.addoption("--shuffle", type=int, metavar="SEED", help=description)
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -77,9 +77,9 @@ class Judge:
         steps, jobs = round(seconds / self.gait.control_dt), []
         for rows in np.array_split(np.arange(len(qpos)), -(-len(qpos) // CHUNK)):
             kicks = {round(kick[0] / self.gait.control_dt): kick[1][rows]} if kick else None
-            ground, told = np.zeros(len(rows), int), commands.of(rows)
-            walked = (self.robot, self.gait, qpos[rows], told, steps, self.speed_limit, kicks)
-            jobs.append(([model], ground, *walked, told.finished))
+            ground, requested = np.zeros(len(rows), int), commands.of(rows)
+            walked = (self.robot, self.gait, qpos[rows], requested, steps, self.speed_limit, kicks)
+            jobs.append(([model], ground, *walked, requested.finished))
         apply = map if self.pool is None else self.pool.map
         parts = list(apply(walk, *zip(*jobs, strict=True)))
         names = [f.name for f in dataclasses.fields(Walk)]
@@ -208,8 +208,8 @@ def judge_straight(judge: Judge, episodes: int, seed: int) -> dict[str, Any]:
     """A command of full speed ahead from rest: the mean forward speed in steady state."""
     model, speed, seconds = judge.model(flat()), float(RANGE[0]), HOLD
     yaws = np.random.default_rng([seed, 3]).uniform(-np.pi, np.pi, episodes)
-    told = Wandering(np.tile([speed, 0.0, 0.0], (episodes, 1, 1)))
-    found = judge.run(model, judge.start(model, np.zeros((episodes, 3)), yaws), told, seconds)
+    requested = Wandering(np.tile([speed, 0.0, 0.0], (episodes, 1, 1)))
+    found = judge.run(model, judge.start(model, np.zeros((episodes, 3)), yaws), requested, seconds)
     settled = found.velocity[:, round(RISE_TIME / judge.gait.control_dt) :, 0]
     return {"episodes": episodes, "told_m_s": speed, "speed_m_s": _mean(settled)}
 
@@ -234,10 +234,10 @@ def _crossing(
     places = np.stack([np.full(episodes, -RUN_UP), np.zeros(episodes), np.full(episodes, height)], 1)
     # Twice the time for the distance at the commanded speed.
     late = 2.0 * (RUN_UP + length + PASSED) / np.cos(ANGLE) / speed
-    told = Straight(speed, heading, length + PASSED, late)
-    found = judge.run(model, judge.start(model, places, heading), told, float(late.max()))
+    requested = Straight(speed, heading, length + PASSED, late)
+    found = judge.run(model, judge.start(model, places, heading), requested, float(late.max()))
     x = np.where(np.isfinite(found.position[..., 0]), found.position[..., 0], -np.inf)
-    return (x > told.goal).any(1)
+    return (x > requested.goal).any(1)
 
 
 def judge_kerbs(judge: Judge, episodes: int, seed: int, heights: Sequence[float] = KERBS) -> Iterator[dict[str, Any]]:

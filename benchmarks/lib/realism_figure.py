@@ -22,19 +22,19 @@ _DIVERSITY = {
 _ROWS = 4  # ticks of an axis
 
 
-def draw(told: Mapping[str, Any], names: Mapping[str, str], path: pathlib.Path) -> None:
+def draw(measured: Mapping[str, Any], names: Mapping[str, str], path: pathlib.Path) -> None:
     """Writes the figure of the results of `realism.measure`; `names`: measure -> its panel's title."""
     panels = len(names) + 2
     rows = -(-panels // COLUMNS)
     size = COLUMNS * PANEL[0] + 2 * MARGIN, rows * PANEL[1] + 2 * MARGIN
     image = Image.new("RGB", size, "white")
     pen = ImageDraw.Draw(image)
-    families = told["families"]
+    families = measured["families"]
     for k, (key, title) in enumerate(names.items()):
         values = [families[f]["values"][key] for f in families]
-        _scatter(pen, _corner(k), title, values, told["published"].get(key, []))
+        _scatter(pen, _corner(k), title, values, measured["published"].get(key, []))
     _bars(pen, _corner(len(names)), families)
-    _legend(pen, _corner(len(names) + 1), told)
+    _legend(pen, _corner(len(names) + 1), measured)
     write_atomically(path, lambda temporary: image.save(temporary, "PNG", optimize=True))
 
 
@@ -111,14 +111,14 @@ def _bars(pen: ImageDraw.ImageDraw, corner: tuple[int, int], families: Mapping[s
     _text(pen, (box[0], box[3] + 28), "what: counts of categories; which: counts of assets", 13, (91, 97, 106))
 
 
-def _legend(pen: ImageDraw.ImageDraw, corner: tuple[int, int], told: Mapping[str, Any]) -> None:
+def _legend(pen: ImageDraw.ImageDraw, corner: tuple[int, int], measured: Mapping[str, Any]) -> None:
     x, y = corner
     _text(pen, (x + 20, y + 12), "families (scenes of layouts)", 15)
-    for k, (name, family) in enumerate(told["families"].items()):
+    for k, (name, family) in enumerate(measured["families"].items()):
         level = y + 44 + 24 * k
         pen.ellipse((x + 22, level, x + 34, level + 12), fill=_COLOURS[k % len(_COLOURS)])
         _text(pen, (x + 44, level - 3), f"{name}: {family['scenes']} of {family['layouts']}", 15)
-    level = y + 56 + 24 * len(told["families"])
+    level = y + 56 + 24 * len(measured["families"])
     for line in ("a dot is a scene, sorted; the line is the median", "bands: published for real streets (or kerbs)"):
         _text(pen, (x + 20, level), line, 13, (91, 97, 106))
         level += 20

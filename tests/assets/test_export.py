@@ -165,18 +165,22 @@ def test_inertia_of_a_box_by_hand() -> None:
 def test_every_format_carries_the_annotation(form: str, tmp_path) -> None:
     record = RECORDS[0]
     path = export_asset(record, tmp_path, form)
-    told = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    assert (told["category"], told["mass"], told["length"]) == ("traffic cone", record.mass, record.length)
-    assert told["license_info"]["license"] == "Apache-2.0"
+    annotation = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    assert (annotation["category"], annotation["mass"], annotation["length"]) == (
+        "traffic cone",
+        record.mass,
+        record.length,
+    )
+    assert annotation["license_info"]["license"] == "Apache-2.0"
     assert not [p for p in path.parent.iterdir() if p.name.startswith(".")]
 
 
 def test_a_glb_says_what_it_is(tmp_path) -> None:
     record, mesh = RECORDS[1], build_mesh(RECORDS[1])
     body = export_asset(record, tmp_path, "glb").read_bytes()
-    told = json.loads(body[20 : 20 + int.from_bytes(body[12:16], "little")])["asset"]
-    assert told["copyright"] == record.licence
-    assert (told["extras"]["mass"], told["extras"]["category"]) == (record.mass, "bench")
+    annotation = json.loads(body[20 : 20 + int.from_bytes(body[12:16], "little")])["asset"]
+    assert annotation["copyright"] == record.licence
+    assert (annotation["extras"]["mass"], annotation["extras"]["category"]) == (record.mass, "bench")
     again = trimesh.load_mesh(tmp_path / f"{record.uid.replace('/', '--')}.glb", process=False)
     volume = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).volume
     assert again.volume == pytest.approx(volume, rel=1e-5)

@@ -118,10 +118,10 @@ def test_hostile_files_hurt_nothing(street) -> None:
 
 def test_the_report_says_it_all(street) -> None:
     _, cache, good, bad, entries = street
-    told = json.loads((cache / "assets" / "imported" / "report.json").read_text(encoding="utf-8"))
-    assert (told["files"], told["imported"], told["rejected"]) == (len(entries), len(good), len(bad))
-    assert sum(told["rejected_for"].values()) == len(bad)
-    assert {row["file"]: row["reason"] for row in told["refusals"]} == bad
+    report = json.loads((cache / "assets" / "imported" / "report.json").read_text(encoding="utf-8"))
+    assert (report["files"], report["imported"], report["rejected"]) == (len(entries), len(good), len(bad))
+    assert sum(report["rejected_for"].values()) == len(bad)
+    assert {row["file"]: row["reason"] for row in report["refusals"]} == bad
 
 
 def test_a_second_import_reads_the_journal(street, monkeypatch: pytest.MonkeyPatch) -> None:

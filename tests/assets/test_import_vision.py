@@ -130,9 +130,9 @@ def test_an_annotated_file_is_not_shown_to_anyone(model: Model, folder: pathlib.
     record = imported_index().get(entry.uid)
     assert (record.leaf, record.mass, record.description) == ("bench", 41.5, "a bench of brown planks")
     (annotation,) = (folder.parent / "cache").rglob("annotation.json")
-    told = json.loads(annotation.read_text(encoding="utf-8"))
-    assert told["near_synsets"] == {"bench.n.01": 0.9}, "fields that nobody reads are kept"
-    assert told["license_info"]["license"] == mesh_files.LICENCE
+    stored = json.loads(annotation.read_text(encoding="utf-8"))
+    assert stored["near_synsets"] == {"bench.n.01": 0.9}, "fields that nobody reads are kept"
+    assert stored["license_info"]["license"] == mesh_files.LICENCE
 
 
 def test_units_of_the_official_fields() -> None:

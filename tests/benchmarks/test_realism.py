@@ -55,12 +55,12 @@ def test_figure_and_numbers(tmp_path: pathlib.Path, capsys) -> None:
     out = tmp_path / "figure.png"
     families = [f"{n}={tmp_path / n}" for n in ("real", "plain")]
     assert realism.main([*families, "--out", str(out)]) == 0
-    told = json.loads((tmp_path / "figure.json").read_text())
-    assert told["families"]["real"]["median"]["objects"] == pytest.approx(22.0)  # 11 on 50 m
-    assert told["families"]["real"]["median"]["trees"] == pytest.approx(12.0)
-    assert (told["families"]["real"]["scenes"], told["families"]["real"]["layouts"]) == (3, 1)
-    assert "objects" in told["no_page_gave"]
-    assert all(p["address"].startswith("https://") for rows in told["published"].values() for p in rows)
+    figure = json.loads((tmp_path / "figure.json").read_text())
+    assert figure["families"]["real"]["median"]["objects"] == pytest.approx(22.0)  # 11 on 50 m
+    assert figure["families"]["real"]["median"]["trees"] == pytest.approx(12.0)
+    assert (figure["families"]["real"]["scenes"], figure["families"]["real"]["layouts"]) == (3, 1)
+    assert "objects" in figure["no_page_gave"]
+    assert all(p["address"].startswith("https://") for rows in figure["published"].values() for p in rows)
     image = np.asarray(Image.open(out))
     assert image.shape[1] > 1500
     for colour in ((40, 96, 190), (214, 66, 40)):

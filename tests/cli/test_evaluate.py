@@ -73,21 +73,11 @@ class MovableEngine(UnicycleEngine):
 
 
 class BodyImage(GoalImage):
-    """A renderer that takes the poses of movable objects."""
+    """A renderer that needs the poses of movable objects."""
 
-    def __call__(
-        self,
-        scene: Any,
-        xpos: Any,
-        xquat: Any,
-        appearance_seed: Any = 0,
-        agents: Any = None,
-        bodies: Bodies | None = None,
-        mount: Any = None,
-    ) -> dict[str, Any]:
+    def check(self, bodies: Bodies | None) -> None:
         assert bodies is not None
         assert bodies.position.shape[-1] == 3
-        return super().__call__(scene, xpos, xquat, appearance_seed, agents, bodies, mount)
 
 
 def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:

@@ -118,5 +118,7 @@ def test_slopes_are_those_of_finite_differences() -> None:
     misfit, slope, bend = problem._linear(objects, correction)
     step, move = 1e-5 * rng.normal(size=objects.shape), 1e-5 * rng.normal(size=correction.shape)
     after = problem._linear(objects + step, correction + move)[0]
-    told = np.einsum("nri,ni->nr", slope, step[problem.which]) + np.einsum("nri,ni->nr", bend, problem.blend @ move)
-    np.testing.assert_allclose(after - misfit, told, atol=1e-6)
+    predicted = np.einsum("nri,ni->nr", slope, step[problem.which]) + np.einsum(
+        "nri,ni->nr", bend, problem.blend @ move
+    )
+    np.testing.assert_allclose(after - misfit, predicted, atol=1e-6)

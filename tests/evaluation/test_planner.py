@@ -46,16 +46,18 @@ def test_the_model_of_coco_stays_beside_c_mujoco(drive: str, command: tuple[floa
 
 def test_the_model_of_the_go2_stays_beside_c_mujoco() -> None:
     """Two seconds after a start from rest within 0.1 m and 9°; at commands too small to walk, both stand still."""
-    told = np.array([(1.0, 0.0), (0.5, 0.6), (1.0, 1.0), (0.4, 0.0), (0.0, 1.0), (0.2, 0.25), (0.2, 0.0), (0.0, 0.25)])
+    requested = np.array(
+        [(1.0, 0.0), (0.5, 0.6), (1.0, 1.0), (0.4, 0.0), (0.0, 1.0), (0.2, 0.25), (0.2, 0.0), (0.0, 0.25)]
+    )
     stand = 5
     judge, seconds, dt = Judge(make_go2(), load_gait()), 2.0, 0.02
     model = judge.model(flat())
-    start = judge.start(model, np.zeros((len(told), 3)), np.zeros(len(told)))
-    commands = np.stack([told[:, 0], 0.0 * told[:, 0], told[:, 1]], 1)[:, None]
+    start = judge.start(model, np.zeros((len(requested), 3)), np.zeros(len(requested)))
+    commands = np.stack([requested[:, 0], 0.0 * requested[:, 0], requested[:, 1]], 1)[:, None]
     walked = judge.run(model, start, Wandering(commands), seconds)
-    motion, (x, y, yaw, v, w) = MOTIONS["go2"], np.zeros((5, len(told)))
-    goal_v, goal_w = (np.asarray(part) for part in motion.obeyed(told[:, 0], told[:, 1]))
-    np.testing.assert_array_equal(goal_v[:stand], told[:stand, 0])
+    motion, (x, y, yaw, v, w) = MOTIONS["go2"], np.zeros((5, len(requested)))
+    goal_v, goal_w = (np.asarray(part) for part in motion.obeyed(requested[:, 0], requested[:, 1]))
+    np.testing.assert_array_equal(goal_v[:stand], requested[:stand, 0])
     np.testing.assert_array_equal(np.stack([goal_v, goal_w])[:, stand:], 0.0)
     for _ in range(round(seconds / dt)):
         v += (goal_v - v) * (1.0 - np.exp(-dt / motion.speed_lag))

@@ -159,8 +159,8 @@ def test_outputs_are_arrays_of_the_library_asked_for(name: str) -> None:
     obs["goal"][:] = 0.0
     assert numpy.step(AHEAD)[1].dtype == np.float32
     jax_.reset(seed=1)
-    *told, info = jax_.step(jnp.asarray(AHEAD))
-    assert all(isinstance(x, jax.Array) for x in jax.tree.leaves([told, info["final_obs"], info["final_info"]]))
+    *outputs, info = jax_.step(jnp.asarray(AHEAD))
+    assert all(isinstance(x, jax.Array) for x in jax.tree.leaves([outputs, info["final_obs"], info["final_info"]]))
     assert not info["_final_obs"].any()
     assert "final_obs" not in vector(name, output="jax", autoreset_mode="SameStep", final_obs=False).reset()[1]
 

@@ -63,11 +63,11 @@ def annotations_of(recorded: dict[str, pathlib.Path]) -> list[dict[str, Any]]:
 def test_coco_is_read_by_pycocotools(recorded: dict[str, pathlib.Path]) -> None:
     api = pytest.importorskip("pycocotools.coco")
     mask_of = pytest.importorskip("pycocotools.mask")
-    told = annotations_of(recorded)
+    per_frame = annotations_of(recorded)
     data, captions = (api.COCO(str(recorded["coco"] / name)) for name in (coco.INSTANCES, coco.CAPTIONS))
     numbers = sorted(data.getImgIds())
     assert len(numbers) == FRAMES == len(list((recorded["coco"] / "images").iterdir()))
-    for number, frame in zip(numbers, told, strict=True):
+    for number, frame in zip(numbers, per_frame, strict=True):
         image = data.loadImgs([number])[0]
         pixels = cv2.imread(str(recorded["coco"] / "images" / image["file_name"]))
         assert pixels is not None
@@ -81,7 +81,7 @@ def test_coco_is_read_by_pycocotools(recorded: dict[str, pathlib.Path]) -> None:
             np.testing.assert_array_equal(mask_of.toBbox(data.annToRLE(a)), a["bbox"])
             assert data.loadCats([a["category_id"]])[0]["name"] == item["category"]
         assert captions.loadAnns(captions.getAnnIds(imgIds=[number]))[0]["caption"] == frame["caption"]
-    assert sum(len(frame["objects"]) for frame in told) > 20
+    assert sum(len(frame["objects"]) for frame in per_frame) > 20
 
 
 def calibration_of(path: pathlib.Path) -> dict[str, np.ndarray]:
@@ -184,7 +184,7 @@ def test_mcap_is_read_by_its_readers(recorded: dict[str, pathlib.Path], env: Nav
     decoder = pytest.importorskip("mcap_protobuf.decoder")
     paths = sorted(recorded["mcap"].glob("*.mcap"))
     assert [p.name for p in paths] == [f"episode_{k:06d}.mcap" for k in range(EPISODES)]
-    told = annotations_of(recorded)
+    per_frame = annotations_of(recorded)
     for k, path in enumerate(paths):
         source = reader.make_reader(io.BytesIO(path.read_bytes()), decoder_factories=[decoder.DecoderFactory()])
         summary = source.get_summary()
@@ -195,10 +195,10 @@ def test_mcap_is_read_by_its_readers(recorded: dict[str, pathlib.Path], env: Nav
         assert set(counts) == wanted | {"/caption", "/imu", "/action", "/odometry", "/contact_force"}
         (metadata,) = source.iter_metadata()
         assert metadata.metadata["result"] == "timeout"
-        _check_messages(source, told[k * STEPS : (k + 1) * STEPS])
+        _check_messages(source, per_frame[k * STEPS : (k + 1) * STEPS])
 
 
-def _check_messages(source: Any, told: list[dict[str, Any]]) -> None:
+def _check_messages(source: Any, per_frame: list[dict[str, Any]]) -> None:
     protobuf = ["/camera/image", "/objects", "/lidar", "/tf"]
     steps = dict.fromkeys(protobuf, 0)
     for _, channel, message, decoded in source.iter_decoded_messages(topics=protobuf):
@@ -210,7 +210,7 @@ def _check_messages(source: Any, told: list[dict[str, Any]]) -> None:
             assert image is not None
             assert image.shape == (*SIZE, 3)
         elif channel.topic == "/objects":
-            assert [e.id for e in decoded.entities] == [item["name"] for item in told[k]["objects"]]
+            assert [e.id for e in decoded.entities] == [item["name"] for item in per_frame[k]["objects"]]
         elif channel.topic == "/lidar":
             points = np.frombuffer(decoded.data, "<f4").reshape(-1, 3)
             assert len(points) > 100
@@ -222,7 +222,7 @@ def _check_messages(source: Any, told: list[dict[str, Any]]) -> None:
         if channel.topic == "/imu":
             assert np.isfinite([*body["angular_velocity"].values(), *body["linear_acceleration"].values()]).all()
         else:
-            assert body["text"] in {item["caption"] for item in told}
+            assert body["text"] in {item["caption"] for item in per_frame}
 
 
 def test_missing_packages_and_sensors_are_one_sentence(

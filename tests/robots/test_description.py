@@ -62,8 +62,8 @@ def test_what_is_not_said_is_worked_out(folder: pathlib.Path) -> None:
     # 0.5 rad/s with a track of 0.4 m: 0.1 m/s more and less; faster commands are clipped to its limits.
     np.testing.assert_allclose(robot.command(np.array([0.6, 0.5])), np.array([0.5, 0.7]) / 0.12, rtol=1e-6)
     np.testing.assert_allclose(robot.command(np.array([9.0, 0.0])), [10.0, 10.0], rtol=1e-6)
-    told = change(folder, spawn_height=0.2, circumradius=0.9)
-    assert (load(told).spawn_height, load(told).circumradius) == (0.2, 0.9)
+    described = change(folder, spawn_height=0.2, circumradius=0.9)
+    assert (load(described).spawn_height, load(described).circumradius) == (0.2, 0.9)
 
 
 def test_a_bound_on_the_reach_holds_for_every_robot() -> None:

@@ -156,18 +156,18 @@ def test_routes_are_in_the_exchange_format(compiled: CompiledScene) -> None:
 
 def test_metadata_tells_what_the_scene_is_like(compiled: CompiledScene) -> None:
     """The toy street: two pavements of 60 m by 4 m, a road of 60 m by 8 m with a 4 m crosswalk; kerbs but at ramps."""
-    told = compiled.metadata
-    assert (told["city"], told["country"]) == ("none", "none")
-    told = told["statistics"]
-    assert told["categories"] == {"bollard": told["objects"]}
-    assert told["houses"] == 0
-    assert told["ground_area_m2"]["sidewalk"] == pytest.approx(2 * 60 * 4, rel=0.01)
-    assert told["ground_area_m2"]["road"] + told["ground_area_m2"]["crosswalk"] == pytest.approx(60 * 8, rel=0.01)
-    assert told["kerbs"]["length_m"] == pytest.approx(2 * 56, abs=3)
-    assert told["kerbs"]["height_m"] == pytest.approx(0.15, abs=0.01)
-    assert told["pavement"]["width_m"]["p50"] == pytest.approx(4.0, abs=0.15)
-    assert told["pavement"]["clear_width_m"]["p10"] < 3.95
-    assert 90 <= told["pavement"]["length_m"] <= 125
+    facts = compiled.metadata
+    assert (facts["city"], facts["country"]) == ("none", "none")
+    facts = facts["statistics"]
+    assert facts["categories"] == {"bollard": facts["objects"]}
+    assert facts["houses"] == 0
+    assert facts["ground_area_m2"]["sidewalk"] == pytest.approx(2 * 60 * 4, rel=0.01)
+    assert facts["ground_area_m2"]["road"] + facts["ground_area_m2"]["crosswalk"] == pytest.approx(60 * 8, rel=0.01)
+    assert facts["kerbs"]["length_m"] == pytest.approx(2 * 56, abs=3)
+    assert facts["kerbs"]["height_m"] == pytest.approx(0.15, abs=0.01)
+    assert facts["pavement"]["width_m"]["p50"] == pytest.approx(4.0, abs=0.15)
+    assert facts["pavement"]["clear_width_m"]["p10"] < 3.95
+    assert 90 <= facts["pavement"]["length_m"] <= 125
 
 
 def test_bank_of_the_folder_has_the_scene(compiled: CompiledScene) -> None:

@@ -52,12 +52,12 @@ def test_a_house_is_the_pavements_rim() -> None:
 
 def test_blockage_is_the_share_of_the_way() -> None:
     """6 m of 120 m of pavement with 0.5 m left on one side and 0 m on the other."""
-    told = scene_statistics(_street((40.0, 6.3, (6.0, 3.4, 1.5))))["pavement"]
-    assert told["narrower_than"]["robot"] == pytest.approx(6 / told["length_m"], abs=0.02)
-    assert told["narrower_than"]["robot"] <= told["narrower_than"]["ada"] <= told["narrower_than"]["prowag"]
+    pavement = scene_statistics(_street((40.0, 6.3, (6.0, 3.4, 1.5))))["pavement"]
+    assert pavement["narrower_than"]["robot"] == pytest.approx(6 / pavement["length_m"], abs=0.02)
+    assert pavement["narrower_than"]["robot"] <= pavement["narrower_than"]["ada"] <= pavement["narrower_than"]["prowag"]
 
 
 def test_spacing_is_to_the_nearest_other_object() -> None:
-    told = scene_statistics(_street(*((x, 6.0, (0.2, 0.2, 1.0)) for x in (40.0, 42.0, 44.0, 50.0))))
-    assert told["spacing_m"] == {"p10": 2.0, "p50": 2.0, "p90": pytest.approx(4.8)}
+    pavement = scene_statistics(_street(*((x, 6.0, (0.2, 0.2, 1.0)) for x in (40.0, 42.0, 44.0, 50.0))))
+    assert pavement["spacing_m"] == {"p10": 2.0, "p50": 2.0, "p90": pytest.approx(4.8)}
     assert scene_statistics(_street())["spacing_m"] == {}

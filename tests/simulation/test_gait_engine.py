@@ -28,10 +28,10 @@ def test_it_moves_as_in_c_mujoco() -> None:
     qpos[0, 2], qpos[0, 7:] = robot.spawn_height + 0.01, gait.stand
     commands = np.array([[0.5, 0.0, 0.3], [0.2, -0.1, 0.0]])
 
-    def told(places: np.ndarray, yaws: np.ndarray, time: float) -> np.ndarray:
+    def constant(places: np.ndarray, yaws: np.ndarray, time: float) -> np.ndarray:
         return commands[[0 if time < 0.2 - 1e-9 else 1]]
 
-    expected = walk([model], np.zeros(1, int), robot, gait, qpos, told, 20, np.full(12, 30.0))
+    expected = walk([model], np.zeros(1, int), robot, gait, qpos, constant, 20, np.full(12, 30.0))
     bank = pack_regions([scene])
     engine = GaitEngine(make_engine(bank, robot, "warp", gait.control_dt, num_slots=0), robot, gait, 0.2)
     sim = jax.jit(engine.init)(jnp.int32(0), qpos[0], jnp.zeros(18))

@@ -49,8 +49,8 @@ def episode(number: int, length: int = 4, task: str = "go") -> Episode:
         "next.done": np.arange(length) == length - 1,
     }
     stats = {FRONT: colours.stats(255.0), DEPTH: distances.stats(1.0)}
-    told = {"scene": f"street_{number % 2}", "result": "goal" if number % 3 else "hit", "seed": number}
-    return Episode(task, columns, {DEPTH: files}, {FRONT: encode(images, HEIGHT, WIDTH, RATE)}, stats, told)
+    metadata = {"scene": f"street_{number % 2}", "result": "goal" if number % 3 else "hit", "seed": number}
+    return Episode(task, columns, {DEPTH: files}, {FRONT: encode(images, HEIGHT, WIDTH, RATE)}, stats, metadata)
 
 
 def write_dataset(folder: pathlib.Path, count: int = 3) -> pathlib.Path:

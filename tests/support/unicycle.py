@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from urbanverse_mjx.datatypes import AgentMotion, Contacts, RobotSpec, SceneBank, SimState
+from urbanverse_mjx.datatypes import AgentMotion, Bodies, Contacts, RobotSpec, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, default_config
 from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.geometry import rotations
@@ -81,13 +81,17 @@ class GoalImage:
         xquat: Any,
         appearance_seed: Any = 0,
         agents: Any = None,
-        bodies: Any = None,
+        bodies: Bodies | None = None,
         mount: Any = None,
     ) -> dict[str, Any]:
-        del appearance_seed, agents, bodies, mount
+        del appearance_seed, agents, mount
+        self.check(bodies)
         rows = jnp.arange(12)[:, None, None] + scene * 7 + xpos[1, 0] * 10.0
         frame = (rows + jnp.arange(16)[None, :, None] * 3 + xquat[1, 3] * 50.0 + jnp.zeros((12, 16, 3))) % 256
         return {"rgb": frame.astype(jnp.uint8)}
+
+    def check(self, bodies: Bodies | None) -> None:
+        """Called with the poses of movable objects of every image."""
 
 
 def unicycle_env(

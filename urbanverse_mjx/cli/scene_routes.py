@@ -44,7 +44,7 @@ def main(args: RoutesArgs) -> int:
         for route in refused:
             sys.stderr.write(f"{planned.scene} {route.id}: {route.error}\n")
         lengths = [r.facts["length_m"] for r in planned.planned]
-        told = {"scene": planned.scene, "robot": args.robot, "routes": len(lengths), "failed": len(refused)}
-        print(json.dumps({**told, "longest_m": max(lengths, default=0.0)}))
+        summary = {"scene": planned.scene, "robot": args.robot, "routes": len(lengths), "failed": len(refused)}
+        print(json.dumps({**summary, "longest_m": max(lengths, default=0.0)}))
         failed += len(refused)
     return int(failed > 0)

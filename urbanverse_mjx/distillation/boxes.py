@@ -195,9 +195,9 @@ def fit(
     quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
     sides = yaw + np.arange(quarter, quarter + 4) * np.pi / 2
     outlined = silhouettes.face(seen, prior) if blurred and seen is not None else None
-    told = _facing(points, sides, prior, blur) if outlined is None else _outlined(outlined, sides, axis)
-    if told is not None:
-        yaw, quarter = told, 0
+    oriented = _facing(points, sides, prior, blur) if outlined is None else _outlined(outlined, sides, axis)
+    if oriented is not None:
+        yaw, quarter = oriented, 0
         low, high, seen_from = _seen_along(yaw, points, viewpoints, noise, top)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
     low, high = _bounded(low, high, prior)

@@ -61,11 +61,11 @@ class Motion:
         moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
         return moves * v, moves * omega
 
-    def drive(self, pose: Any, v: Any, w: Any, told: tuple[Any, Any], dt: Any) -> tuple[Any, Any, Any]:
-        """Pose (3,) x, y, yaw and speeds (v, w) after `dt` s; told: result of `obeyed` for the command."""
-        new_v = told[0] + (v - told[0]) * jnp.exp(-dt / self.speed_lag)
+    def drive(self, pose: Any, v: Any, w: Any, targets: tuple[Any, Any], dt: Any) -> tuple[Any, Any, Any]:
+        """Pose (3,) x, y, yaw and speeds (v, w) after `dt` s; targets: result of `obeyed` for the command."""
+        new_v = targets[0] + (v - targets[0]) * jnp.exp(-dt / self.speed_lag)
         turn_lag = self.turn_lag / (1.0 + 0.5 * jnp.abs(new_v + v) / self.eases)
-        new_w = told[1] + (w - told[1]) * jnp.exp(-dt / turn_lag)
+        new_w = targets[1] + (w - targets[1]) * jnp.exp(-dt / turn_lag)
         mean_v, mean_w = 0.5 * (new_v + v), 0.5 * (new_w + w)
         heading, side = pose[2] + 0.5 * mean_w * dt, self.pivot * mean_w
         c, s = jnp.cos(heading), jnp.sin(heading)
@@ -213,8 +213,8 @@ class Planner:
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
             def lookahead_step(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
-                told = self._downhill(route, ahead.pose, command) if follow else command
-                return self._lookahead_step(scene, route, agents, ahead, told, *now), None
+                followed = self._downhill(route, ahead.pose, command) if follow else command
+                return self._lookahead_step(scene, route, agents, ahead, followed, *now), None
 
             # A loop compiles in a tenth of the time of unrolled steps.
             return jax.lax.scan(lookahead_step, ahead, (numbers[part], dts[part], ends[part]))[0]

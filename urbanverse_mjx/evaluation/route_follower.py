@@ -112,10 +112,10 @@ class RouteFollower:
     def _cost(self, nav: NavState, start: Any, speed: Any, turn: Any, to_go: Any, command: Any) -> Any:
         """Cost of a drive: remaining metres after and during it, and nearness to objects."""
         motion = self._motion
-        told = motion.obeyed(command[0], command[1])
+        targets = motion.obeyed(command[0], command[1])
         pose, v, w, poses = start, speed, turn, []
         for dt in np.diff(TIMES, prepend=0.0).tolist():
-            pose, v, w = motion.drive(pose, v, w, told, dt)
+            pose, v, w = motion.drive(pose, v, w, targets, dt)
             poses.append(pose)
         drive = jnp.stack(poses)
         gaps, times = self._gaps(nav, drive), np.array(TIMES)

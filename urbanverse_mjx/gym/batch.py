@@ -82,10 +82,10 @@ class Batch[C]:
         return jax.vmap(one)(carried)
 
     def _info(self, carried: C, metrics: dict[str, jax.Array]) -> dict[str, jax.Array]:
-        told = jax.vmap(self.env.info_of)(carried)
+        values = jax.vmap(self.env.info_of)(carried)
         # Gymnasium's wrappers reserve the key "episode".
-        told["row"] = told["episode"]
-        return {name: told[name] for name in ("scene", "row", "result", "steps")} | metrics
+        values["row"] = values["episode"]
+        return {name: values[name] for name in ("scene", "row", "result", "steps")} | metrics
 
     def _fresh_info(self, carried: C, number: int) -> dict[str, jax.Array]:
         zeros = {name: jnp.zeros(number, x.dtype) for name, x in self.env.zero_metrics().items()}

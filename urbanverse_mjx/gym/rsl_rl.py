@@ -70,8 +70,8 @@ class RslRlVecEnv(VecEnv):
         extras: dict[str, Any] = {"time_outs": truncated}
         if bool(ended.any()):
             final = info["final_info"]
-            told = (name for name in ("success", "route_completion") if name in final)
-            extras["log"] = {f"/{name}": final[name][ended].mean() for name in told}
+            logged = (name for name in ("success", "route_completion") if name in final)
+            extras["log"] = {f"/{name}": final[name][ended].mean() for name in logged}
         return self._obs, reward, ended, extras
 
     def _grouped(self, obs: dict[str, torch.Tensor]) -> TensorDict:

@@ -131,8 +131,8 @@ class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
             after = self._batch.step(self._carried, action)
         self._carried, self._obs = after.carried, after.obs
         self._over = after.terminated | after.truncated
-        told = after.obs, after.reward, after.terminated, after.truncated
-        obs, reward, terminated, truncated = self._export(told)
+        outputs = after.obs, after.reward, after.terminated, after.truncated
+        obs, reward, terminated, truncated = self._export(outputs)
         return obs, reward, terminated, truncated, self._info_of(after)
 
     def render(self) -> tuple[np.ndarray, ...] | None:

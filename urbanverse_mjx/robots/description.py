@@ -217,14 +217,14 @@ def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: st
         )
         for side in ("left", "right")
     }
-    told = [*sides["left"], *sides["right"]]
+    named = [*sides["left"], *sides["right"]]
     steering: dict[str, Any] = {}
     if kind == "ackermann":
         steer = _named(model, mujoco.mjtObj.mjOBJ_ACTUATOR, m["steer"], f"{where}.steer")
         end = float(model.actuator_ctrlrange[steer, 1])
         v.number(end, f"{where}.steer: upper end of the ctrlrange of {m['steer']!r}", above=0.0, maximum=1.5)
         steering = {"steer": steer, "max_steer": end}
-        told.append(steer)
-    if sorted(told) != list(range(model.nu)):
-        raise v.fail(where, f"{len(set(told))} actuators named", f"each of the {model.nu} of the MJCF once")
+        named.append(steer)
+    if sorted(named) != list(range(model.nu)):
+        raise v.fail(where, f"{len(set(named))} actuators named", f"each of the {model.nu} of the MJCF once")
     return WheelDrive(**sides, size=model.nu, **sizes, **limits, **steering)

@@ -43,12 +43,12 @@ class WheelDrive:
     def __call__(self, velocity: Any) -> Any:
         """(size,) commands for (2,) m/s, rad/s."""
         speed, yaw_rate = clip_velocity(velocity, self.max_speed, self.max_yaw_rate)
-        told = jnp.zeros(self.size)
+        commands = jnp.zeros(self.size)
         if self.steer is not None:
             # At rest the wheels do not turn, and only the sign of the angle is kept.
             angle = jnp.arctan2(self.wheelbase * yaw_rate, jnp.maximum(speed, STANDSTILL))
             angle = jnp.clip(angle, -self.max_steer, self.max_steer)
-            told, yaw_rate = told.at[self.steer].set(angle), speed * jnp.tan(angle) / self.wheelbase
+            commands, yaw_rate = commands.at[self.steer].set(angle), speed * jnp.tan(angle) / self.wheelbase
         half = 0.5 * self.track * yaw_rate
-        told = told.at[np.array(self.left)].set((speed - half) / self.wheel_radius)
-        return told.at[np.array(self.right)].set((speed + half) / self.wheel_radius)
+        commands = commands.at[np.array(self.left)].set((speed - half) / self.wheel_radius)
+        return commands.at[np.array(self.right)].set((speed + half) / self.wheel_radius)

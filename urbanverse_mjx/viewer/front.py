@@ -183,13 +183,13 @@ class Front:
             self._teleop.leave(number)
 
     async def _send_state(self, browser: ServerConnection) -> None:
-        told = None
+        sent = None
         with contextlib.suppress(ConnectionClosed):
             while True:
                 state = json.dumps(self.state())
-                if state != told:
+                if state != sent:
                     await browser.send(state)
-                    told = state
+                    sent = state
                 await asyncio.sleep(_TELL_EVERY)
 
     async def _relay(self, browser: ServerConnection) -> None:

@@ -273,7 +273,7 @@ def _import_file(
     notes: list[str] = []
     try:
         if options.endpoint and not path.with_suffix(".json").is_file():
-            task, outcome = _ask(task, options, notes)
+            task, outcome = _with_annotation(task, options, notes)
             if outcome.reason:
                 return Entry(name, key, None, outcome.reason, outcome.sentence, notes=tuple(notes))
         outcome = contained(make_asset, task, bounds=options.bounds)
@@ -298,7 +298,7 @@ def _import_file(
         shutil.rmtree(staging, ignore_errors=True)
 
 
-def _ask(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]:
+def _with_annotation(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]:
     """The task with the vision endpoint's annotation; unchanged without a usable answer, so that the priors apply."""
     assert options.endpoint is not None
     outcome = contained(write_preview, task, bounds=options.bounds)

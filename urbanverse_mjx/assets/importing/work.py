@@ -103,11 +103,13 @@ def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | 
         return task.leaf, []
     names = [task.path.stem, *source.names, *reversed(pathlib.PurePosixPath(task.name).parts[:-1])]
     named = leaf_in(names)
-    told = leaf_in([str(fields["category"])]) if "category" in fields else None
-    if told:
+    named_leaf = leaf_in([str(fields["category"])]) if "category" in fields else None
+    if named_leaf:
         if named:
-            return told, []
-        return told, [Finding(NAMES, f"{task.path.name!r} names no leaf; its annotation gives {told!r}", fixed=True)]
+            return named_leaf, []
+        return named_leaf, [
+            Finding(NAMES, f"{task.path.name!r} names no leaf; its annotation gives {named_leaf!r}", fixed=True)
+        ]
     if named:
         return named, []
     inner = ", ".join(repr(n[:40]) for n in source.names[:3])

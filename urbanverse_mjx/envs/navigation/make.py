@@ -56,8 +56,8 @@ def wheeled_engine(
     from ...simulation.collision_slots.body_slots import Sizes
     from ...simulation.engines import make_engine
 
-    told, motors = robot.command(jnp.zeros(2)).shape[0], mujoco.MjModel.from_xml_string(robot.mjcf).nu
-    if told != motors:
+    commands, motors = robot.command(jnp.zeros(2)).shape[0], mujoco.MjModel.from_xml_string(robot.mjcf).nu
+    if commands != motors:
         raise ValidationError(
             f"config.robot: found {robot.name!r}, which walks by a gait, needed a robot on wheels; take Go2Nav with "
             "robot and gait overridden."

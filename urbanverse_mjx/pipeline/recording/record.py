@@ -124,11 +124,11 @@ def record(
         readings = _readings(env, sensors)
 
         def write(filmed: "Filmed") -> None:
-            columns, told = _columns(env, readings, filmed.driven)
+            columns, metadata = _columns(env, readings, filmed.driven)
             if isinstance(writer, DatasetWriter):
-                writer.add(_episode(filmed, columns, told))
+                writer.add(_episode(filmed, columns, metadata))
             else:
-                writer.add(frame_episode(filmed, columns, told))
+                writer.add(frame_episode(filmed, columns, metadata))
             report(ended, note=f"{writer.num_frames:,} frames")
 
         if options.teleop:
@@ -286,17 +286,17 @@ def _features(env: "NavEnv", options: RecordOptions, sensors: tuple[str, ...]) -
     }
 
 
-def _episode(filmed: "Filmed", columns: dict[str, np.ndarray], told: dict[str, Any]) -> "Episode":
+def _episode(filmed: "Filmed", columns: dict[str, np.ndarray], metadata: dict[str, Any]) -> "Episode":
     """A driven and filmed episode as a LeRobotDataset takes it."""
     from ...datasets import Episode
     from .cameras import FRONT
 
     videos = {FRONT: filmed.video}
-    return Episode(TASK, columns, filmed.images, videos, filmed.stats, told, filmed.annotations)
+    return Episode(TASK, columns, filmed.images, videos, filmed.stats, metadata, filmed.annotations)
 
 
 def _columns(env: "NavEnv", readings: "Readings", driven: "Driven") -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """The numbers (T, ...) of a driven episode, and what is told of it as a whole."""
+    """The numbers (T, ...) of a driven episode, and the metadata of it as a whole."""
     steps, length = driven.steps, len(driven.steps.running)
     last = np.arange(length) == length - 1
     root = env.mj_model.body(env.robot.root_body).id
@@ -313,7 +313,7 @@ def _columns(env: "NavEnv", readings: "Readings", driven: "Driven") -> tuple[dic
         "scene_index": np.full(length, driven.scene),
         "episode_row": np.full(length, driven.row),
     }
-    told: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "scene": env.bank.scene_ids[driven.scene],
         "scene_index": driven.scene,
         "episode_row": driven.row,
@@ -325,8 +325,8 @@ def _columns(env: "NavEnv", readings: "Readings", driven: "Driven") -> tuple[dic
         from ...viewer.teleop import interventions
 
         columns["intervention"] = driven.by_hand
-        told["interventions"] = interventions(driven.by_hand)
-    return columns, told
+        metadata["interventions"] = interventions(driven.by_hand)
+    return columns, metadata
 
 
 def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: tuple[str, ...]) -> dict[str, Any]:

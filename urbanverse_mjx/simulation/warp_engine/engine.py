@@ -228,7 +228,7 @@ def _batch_function(function: Any, number: int, sizes: tuple[int, int, int, int]
     Args:
       function: of `_call_into_warp`.
       sizes: nq, nv, nbody and feet.
-      recorded: physics steps that are told of.
+      recorded: number of physics steps whose states are returned.
       awake: bodies that may move; 0 = there are none.
     """
     nq, nv, nbody, feet = sizes

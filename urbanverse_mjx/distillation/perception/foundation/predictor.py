@@ -62,7 +62,7 @@ class FoundationPredictor:
         parts = []
         for start in starts:
             texts = [[f"a photo of a {label}" for label in self.labels[start : start + QUERIES]]]
-            answer = _ask(self.detector, text=texts, images=image)
+            answer = _run_model(self.detector, text=texts, images=image)
             logits, where = (x[0].float().cpu().numpy() for x in (answer.logits, answer.pred_boxes))
             parts.append(boxes.decode_owl(logits, where, image.height, image.width, LEAST_SCORE))
         return boxes.joined(parts, list(starts))
@@ -78,18 +78,18 @@ class FoundationPredictor:
 
     def _classes(self, image: Image.Image) -> np.ndarray:
         """(H, W) numbers of classes."""
-        answer = _ask(self.ground, images=image)
+        answer = _run_model(self.ground, images=image)
         sizes = [(image.height, image.width)]
         return np.asarray(self.ground.processor.post_process_semantic_segmentation(answer, target_sizes=sizes)[0].cpu())
 
     def _depth(self, image: Image.Image) -> np.ndarray:
         """(H, W) f32 m."""
-        depth = _ask(self.depth, images=image).predicted_depth[0].float().cpu().numpy()
+        depth = _run_model(self.depth, images=image).predicted_depth[0].float().cpu().numpy()
         scaled = Image.fromarray(depth, "F").resize(image.size, Image.Resampling.BILINEAR)
         return np.maximum(np.asarray(scaled, np.float32), 0.0)
 
 
-def _ask(part: Loaded, **given: Any) -> Any:
+def _run_model(part: Loaded, **given: Any) -> Any:
     return _answer(part, part.processor(**given, return_tensors="pt"))
 
 
