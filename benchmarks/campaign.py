@@ -1,0 +1,333 @@
+"""Builds the scenes, then trains and scores the rows of docs/results.md, on all GPUs of one machine.
+
+    python -m benchmarks.campaign --out runs/campaign --gpus 2                        # hours on two GPUs
+    python -m benchmarks.campaign --out runs/campaign --gpus 2 --rows "paper-*" --seeds 0 1 2 --paper-steps 2097152
+    python -m benchmarks.campaign --out runs/campaign --rows "teacher-*" "student-*" --list
+    python -m benchmarks.campaign --out runs/campaign --add
+
+The first commands run jobs, several on a GPU as its memory allows; a job begins when the files that it needs are there,
+and one whose result is there is not run again, so a campaign continues where it was interrupted. `--list` prints the
+commands in place of running them. `--add` writes the rows of all results into benchmarks/scores, for `make results`.
+Rows, of which `--rows` names patterns:
+
+    teacher-SEED            privileged teacher on procedural and places
+    student-SEED            its student, and PPO from there: the rows `student` and `best`
+    go2                     COCO's student of `--ship` imitates the same teacher on the Go2
+    go2-teacher             a teacher on the Go2
+    paper-SET-SEED          preset `paper` on procedural or urbanverse160, equal steps
+    one-street              preset `paper` on a single street
+    streets-SET-SEED        teachers that differ in their training streets alone: procedural, urbanverse160, both
+    goes-on-BENCHMARK-POLICY  contact does not end an episode
+
+OUT gets a folder and a log for each job, and campaign.log.
+"""
+
+import argparse
+import dataclasses
+import fnmatch
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Iterator, Sequence
+
+from benchmarks import results
+from urbanverse_mjx import settings
+from urbanverse_mjx.assets.records.store import store_path
+
+#: Scenes held out of each training set to choose checkpoints on: the last ones.
+HELD_OUT = {"procedural": 8, "places": 9}
+#: The same for the comparison of training streets: 16 procedural streets, four layouts of five cousins.
+STREETS = {
+    "procedural": {"procedural": 16},
+    "urbanverse160": {"urbanverse160": 20},
+    "both": {"urbanverse160": 20, "procedural": 16},
+}
+PAPER_ROWS = {"procedural": "paper, procedural-160", "urbanverse160": "paper, UrbanVerse-160"}
+#: Training streets -> their name in the table.
+STREET_NAMES = {"procedural": "144 procedural", "urbanverse160": "140 of UrbanVerse-160", "both": "both"}
+BENCHMARKS = ("craftbench", "autobench")
+GOES_ON = ("go_to_goal", "planner", "benchmarks/policies/coco_best", "benchmarks/policies/go2_best")
+#: s; trainings end by their steps.
+ENDLESS = 86_400
+#: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240), a benchmark.
+TEACHER, STUDENT, PAPER, DRIVE = 10, 34, 28, 14
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """Arguments of `benchmarks.results --add`: agent in result.json, and the place of its rows."""
+
+    agent: str
+    policy: str = ""
+    robot: str = "COCO"
+    seed: int = 0
+    streets: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Job:
+    """A command of this interpreter.
+
+    Attributes:
+      needs: files that must be there before it begins.
+      gives: a file that is there once it is done.
+      memory: GiB of GPU memory; 0 for a job on the processor alone.
+      rows: of its result.json.
+    """
+
+    name: str
+    command: tuple[str, ...]
+    needs: tuple[pathlib.Path, ...]
+    gives: pathlib.Path
+    memory: int = 0
+    rows: tuple[Row, ...] = ()
+
+
+def bank(name: str) -> pathlib.Path:
+    """The bank of a set of the scene library."""
+    return settings.cache_dir("library", name, "bank.npz")
+
+
+def _banks(names: Iterable[str]) -> list[str]:
+    return [str(bank(name)) for name in names]
+
+
+def _job(
+    args: argparse.Namespace, name: str, command: Sequence[object], sets: Sequence[str], memory: int,
+    rows: Sequence[Row], *needs: pathlib.Path,
+) -> Job:  # fmt: skip
+    words = ("-m", *(str(word) for word in command), "--out", str(args.out / name))
+    files = (*(bank(x) for x in dict.fromkeys(sets)), *needs)
+    return Job(name, words, files, args.out / name / "result.json", memory, tuple(rows))
+
+
+def _generalise(
+    args: argparse.Namespace, name: str, role: str, held: dict[str, int], seed: int, own: dict[str, object],
+    rows: Sequence[Row], *needs: pathlib.Path,
+) -> Job:  # fmt: skip
+    """A job of `benchmarks.generalise` on the sets `held`, without their last scenes, with options of its `own`."""
+    tests = ("validation", *BENCHMARKS)
+    words: list[object] = ["benchmarks.generalise", role, "--no-map", "--train", *_banks(held)]
+    words += ["--holdout", *held.values(), "--test", *_banks(tests), "--seed", seed]
+    for key, value in own.items():
+        words += [f"--{key.replace('_', '-')}", *(value if isinstance(value, tuple) else (value,))]
+    return _job(args, name, words, (*held, *tests), TEACHER if role == "teacher" else STUDENT, rows, *needs)
+
+
+def _teacher(
+    args: argparse.Namespace, name: str, held: dict[str, int], seed: int, steps: int, row: Row, robot: str = "CocoNav"
+) -> Job:
+    own = {"steps": steps, "seconds": ENDLESS, "checkpoints": max(8, steps // 300_000), "environment": robot}
+    return _generalise(args, name, "teacher", held, seed, own, [row])
+
+
+def _student(
+    args: argparse.Namespace, name: str, seed: int, own: dict[str, object], rows: Sequence[Row], *needs: pathlib.Path
+) -> Job:
+    teacher = args.out / f"teacher-{seed}"
+    own = {"memory": 256, "covered": (), "teacher": teacher, **own}
+    return _generalise(args, name, "student", HELD_OUT, seed, own, rows, teacher / "result.json", *needs)
+
+
+def _paper(args: argparse.Namespace, name: str, streets: str, seed: int, policy: str, *scenes: str) -> Job:
+    words: list[object] = ["benchmarks.comparison", "--train", *_banks([streets]), "--test", *_banks(BENCHMARKS)]
+    words += ["--scenes", *scenes] if scenes else []
+    words += ["--steps", args.paper_steps, "--seed", seed, "--num-envs", 1024]
+    return _job(args, name, words, (streets, *BENCHMARKS), PAPER, [Row("paper", policy, seed=seed)])
+
+
+def _goes_on(args: argparse.Namespace, name: str, policy: str) -> Job:
+    called = f"goes-on-{name}-{pathlib.Path(policy).name}"
+    robot = "Go2Nav" if "go2_" in policy else "CocoNav"
+    options = {"policy": policy, "protocol": "full", "contact": "goes_on", "at_once": 768, "env_name": robot}
+    options["pictures"] = False
+    code = "from urbanverse_mjx import pipeline; pipeline.benchmark({!r}, {!r}, pipeline.BenchmarkOptions(**{!r}))"
+    words = ("-c", code.format(name, str(args.out / called), options))
+    return Job(called, words, (bank(name),), args.out / called / "timing.json", DRIVE)
+
+
+def _best(args: argparse.Namespace) -> Iterator[Job]:
+    """The students after their teachers, and the Go2 after the student that it starts from."""
+    for seed in args.seeds:
+        rows = [Row("student", "student", seed=seed), Row("finetuned", "best", seed=seed)]
+        rows.append(Row("covered", "best, camera covered", seed=seed))
+        own = {"steps": args.imitation, "seconds": ENDLESS, "validate_every": 80}
+        own |= {"finetune_steps": args.ppo, "finetune_seconds": ENDLESS}
+        own |= {"set_finetune": ("imitation=0.0", "final_imitation=0.0")}
+        yield _student(args, f"student-{seed}", seed, own, rows)
+    start = args.out / f"student-{args.ship}"
+    own = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20}
+    own |= {"environment": "Go2Nav", "start": start / "finetuned"}
+    yield _student(args, "go2", args.ship, own, [Row("student", "go2_best", "Go2", args.ship)], start / "result.json")
+    row = Row("teacher", "teacher", "Go2", args.ship)
+    yield _teacher(args, "go2-teacher", HELD_OUT, args.ship, args.teacher_steps, row, "Go2Nav")
+
+
+def trainings(args: argparse.Namespace) -> Iterator[Job]:
+    """All jobs that train or score, whatever `--rows` says, in the order in which they should begin."""
+    for seed in args.seeds:
+        row = Row("teacher", "teacher", seed=seed)
+        yield _teacher(args, f"teacher-{seed}", HELD_OUT, seed, args.teacher_steps, row)
+    for seed in args.seeds:
+        for streets, policy in PAPER_ROWS.items():
+            yield _paper(args, f"paper-{streets}-{seed}", streets, seed, policy)
+    for seed in args.seeds:
+        for name, held in STREETS.items():
+            row = Row("teacher", seed=seed, streets=STREET_NAMES[name])
+            yield _teacher(args, f"streets-{name}-{seed}", held, seed, args.street_steps, row)
+    yield from _best(args)
+    yield _paper(args, "one-street", "procedural", args.ship, "one street", "procedural_000")
+    for name in BENCHMARKS:
+        for policy in GOES_ON:
+            yield _goes_on(args, name, policy)
+
+
+def chosen(args: argparse.Namespace) -> list[Job]:
+    """The jobs that `--rows` names, after those that build the scenes which they need.
+
+    Raises:
+      SystemExit: a pattern names no row.
+    """
+    known = list(trainings(args))
+    for pattern in args.rows:
+        if not fnmatch.filter([job.name for job in known], pattern):
+            names = ", ".join(job.name for job in known)
+            raise SystemExit(f"error: --rows: found {pattern!r}, which names no row, needed a pattern of {names}.")
+    wanted = [job for job in known if any(fnmatch.fnmatch(job.name, pattern) for pattern in args.rows)]
+    files = {path for job in wanted for path in job.needs}
+    # UrbanVerse-160 first: packing its bank takes minutes of one process, beside which the others are built.
+    sets = ("urbanverse160", "craftbench", "autobench", "validation", "procedural", "places")
+    store = store_path()
+    code = "import sys; from urbanverse_mjx import pipeline; sys.exit(not pipeline.build_library({!r}, quiet=False).ok)"
+    builds = [Job(f"scenes-{x}", ("-c", code.format(x)), (store,), bank(x)) for x in sets if bank(x) in files]
+    if builds:
+        make = "from urbanverse_mjx.assets.records.store import ensure_store; ensure_store()"
+        builds.insert(0, Job("catalogue", ("-c", make), (), store))
+    return builds + wanted
+
+
+class Campaign:
+    """Runs jobs; a GPU takes as many as its memory holds, the first that can begin before the others."""
+
+    def __init__(self, args: argparse.Namespace, jobs: Sequence[Job]) -> None:
+        self.args, self.begin = args, time.monotonic()
+        self.waiting = [job for job in jobs if not job.gives.exists()]
+        self.running: dict[Job, tuple[subprocess.Popen[bytes], int]] = {}
+        self.failed: list[Job] = []
+
+    def say(self, text: str) -> None:
+        line = f"{time.monotonic() - self.begin:7.0f} s  {text}"
+        with (self.args.out / "campaign.log").open("a", encoding="utf-8") as file:
+            file.write(line + "\n")
+        print(line, file=sys.stderr, flush=True)
+
+    def free_gpu(self, memory: int) -> int | None:
+        """The GPU with the most free memory, if that is enough."""
+        used = [sum(job.memory for job, (_, at) in self.running.items() if at == g) for g in range(self.args.gpus)]
+        gpu = used.index(min(used))
+        return gpu if used[gpu] + memory <= self.args.gpu_memory else None
+
+    def start(self, job: Job) -> bool:
+        """Starts a job if its files are there and a GPU has room."""
+        if not all(path.exists() for path in job.needs):
+            return False
+        gpu = self.free_gpu(job.memory) if job.memory else -1
+        if gpu is None:
+            return False
+        # Building scenes needs no GPU, and a context of CUDA in every worker costs half a GiB there.
+        device = (
+            {"CUDA_VISIBLE_DEVICES": str(gpu)} if job.memory else {"CUDA_VISIBLE_DEVICES": "", "JAX_PLATFORMS": "cpu"}
+        )
+        env = {**os.environ, "XLA_PYTHON_CLIENT_PREALLOCATE": "false", "OPENBLAS_NUM_THREADS": "1", **device}
+        # Sets of scenes are built at the same time, those of the first jobs before the others.
+        nice = ["nice", "-n", str(sum(not other.memory for other in self.running))]
+        with (self.args.out / f"{job.name}.log").open("wb") as log:
+            command = [*nice, sys.executable, *job.command]
+            process = subprocess.Popen(command, env=env, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        self.running[job] = process, gpu
+        self.say(f"begin {job.name}" + (f" on GPU {gpu}" if job.memory else ""))
+        return True
+
+    def look(self) -> None:
+        """Takes note of jobs that ended, and starts others."""
+        for job, (process, _) in list(self.running.items()):
+            if process.poll() is None:
+                continue
+            del self.running[job]
+            if process.returncode or not job.gives.exists():
+                self.failed.append(job)
+                self.say(f"FAILED {job.name} with status {process.returncode}; see {self.args.out / job.name}.log")
+            else:
+                self.say(f"done {job.name}")
+        late = self.args.until is not None and time.monotonic() - self.begin > self.args.until
+        if not late:
+            self.waiting = [job for job in self.waiting if not self.start(job)]
+
+    def run(self) -> int:
+        """Runs until no job can begin any more; returns the exit status."""
+        try:
+            while True:
+                self.look()
+                if not self.running:
+                    break
+                time.sleep(1.0)
+        finally:
+            for process, _ in self.running.values():
+                process.send_signal(signal.SIGTERM)
+        for job in self.waiting:
+            missing = [str(path) for path in job.needs if not path.exists()]
+            self.say(f"not begun: {job.name}" + (f", for want of {missing[0]}" if missing else ""))
+        return 1 if self.failed or self.waiting else 0
+
+
+def add_rows(args: argparse.Namespace) -> int:
+    """Writes the rows of all results that are there into benchmarks/scores."""
+    for job in trainings(args):
+        for row in job.rows if job.gives.is_file() else ():
+            if row.streets:
+                results.add_streets(results.SCORES, job.gives, row.agent, row.streets, row.seed)
+            else:
+                results.add(results.SCORES, job.gives, row.agent, row.policy, row.robot, row.seed)
+            print(f"{job.name}: {row.streets or row.policy}")
+    return 0
+
+
+def arguments() -> argparse.Namespace:
+    cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    cli.add_argument("--out", type=pathlib.Path, required=True)
+    cli.add_argument("--rows", nargs="+", default=["*"], help="patterns of rows; default: all")
+    cli.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
+    cli.add_argument("--ship", type=int, default=1, help="seed of the Go2's rows and of one street")
+    cli.add_argument("--gpus", type=int, default=1)
+    cli.add_argument("--gpu-memory", type=int, default=80, help="GiB of each GPU")
+    cli.add_argument("--until", type=float, help="s from now after which no job begins")
+    cli.add_argument("--teacher-steps", type=int, default=12_000_000, help="env-steps")
+    cli.add_argument("--street-steps", type=int, default=6_000_000, help="env-steps of the teachers of streets-*")
+    cli.add_argument("--paper-steps", type=int, default=4_587_520, help="env-steps; a multiple of 131,072")
+    cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")
+    cli.add_argument("--ppo", type=int, default=200, help="iterations of PPO after it")
+    cli.add_argument("--go2", type=int, default=100, help="iterations of the Go2's student")
+    cli.add_argument("--list", action="store_true", help="print the commands, run nothing")
+    cli.add_argument("--add", action="store_true", help="add the rows of all results to benchmarks/scores")
+    return cli.parse_args()
+
+
+def main() -> int:
+    args = arguments()
+    args.out = args.out.absolute()
+    if args.add:
+        return add_rows(args)
+    jobs = chosen(args)
+    if args.list:
+        for job in jobs:
+            print(" ".join(("python", *job.command)))
+        return 0
+    args.out.mkdir(parents=True, exist_ok=True)
+    return Campaign(args, jobs).run()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

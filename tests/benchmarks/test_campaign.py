@@ -1,0 +1,160 @@
+"""A campaign runs jobs in the order of their files, as many on a GPU as its memory holds, and continues."""
+
+import argparse
+import json
+import pathlib
+import sys
+import time
+
+import pytest
+
+from benchmarks import campaign, generalise
+from benchmarks.campaign import Campaign, Job
+
+
+def _args(tmp_path: pathlib.Path, *more: str) -> argparse.Namespace:
+    argv, sys.argv = sys.argv, ["campaign", "--out", str(tmp_path / "out"), *more]
+    try:
+        args = campaign.arguments()
+    finally:
+        sys.argv = argv
+    args.out.mkdir(exist_ok=True)
+    return args
+
+
+#: Notes its begin and end in a log, and writes its result.
+CODE = """
+import pathlib, sys, time
+name, log, result, seconds = sys.argv[1:]
+with open(log, "a") as f: f.write(f"begin {name}\\n")
+time.sleep(float(seconds))
+with open(log, "a") as f: f.write(f"end {name}\\n")
+pathlib.Path(result).touch()
+"""
+
+
+def _job(tmp_path: pathlib.Path, name: str, memory: int, *needs: str, seconds: float = 0.1, code: str = CODE) -> Job:
+    result = tmp_path / name
+    words = ("-c", code, name, str(tmp_path / "log"), str(result), str(seconds))
+    return Job(name, words, tuple(tmp_path / need for need in needs), result, memory)
+
+
+def _events(tmp_path: pathlib.Path) -> list[str]:
+    return (tmp_path / "log").read_text().splitlines()
+
+
+def test_a_job_waits_for_its_files_and_for_memory(tmp_path: pathlib.Path) -> None:
+    jobs = [
+        _job(tmp_path, "student", 30, "teacher"),
+        _job(tmp_path, "teacher", 50, "bank", seconds=1.5),
+        _job(tmp_path, "other", 40, "bank"),
+        _job(tmp_path, "bank", 0),
+    ]
+    assert Campaign(_args(tmp_path, "--gpu-memory", "80"), jobs).run() == 0
+    events = _events(tmp_path)
+    assert events.index("end bank") < events.index("begin teacher")
+    assert events.index("end teacher") < events.index("begin other")  # 50 + 40 GiB do not fit
+    assert events.index("end teacher") < events.index("begin student")
+
+
+def test_two_gpus_take_jobs_at_the_same_time(tmp_path: pathlib.Path) -> None:
+    jobs = [_job(tmp_path, name, 50, seconds=2.5) for name in ("a", "b")]
+    assert Campaign(_args(tmp_path, "--gpus", "2"), jobs).run() == 0
+    assert {event.split()[0] for event in _events(tmp_path)[:2]} == {"begin"}
+
+
+def test_a_campaign_continues_and_names_what_failed(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    jobs = [_job(tmp_path, "a", 0), _job(tmp_path, "b", 0, code="raise SystemExit(3)"), _job(tmp_path, "c", 0, "b")]
+    args = _args(tmp_path)
+    assert Campaign(args, jobs).run() == 1
+    said = capsys.readouterr().err
+    assert "FAILED b with status 3" in said
+    assert f"not begun: c, for want of {tmp_path / 'b'}" in said
+    assert Campaign(args, [*jobs[:1], _job(tmp_path, "b", 0), jobs[2]]).run() == 0
+    assert _events(tmp_path).count("begin a") == 1
+
+
+def test_no_job_begins_after_the_time(tmp_path: pathlib.Path) -> None:
+    args = _args(tmp_path, "--until", "0")
+    time.sleep(0.01)
+    assert Campaign(args, [_job(tmp_path, "a", 0)]).run() == 1
+    assert not (tmp_path / "a").exists()
+
+
+def test_an_interrupted_campaign_ends_its_jobs(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = Campaign(_args(tmp_path), [_job(tmp_path, "a", 0, seconds=60.0)])
+    looks = 0
+
+    def interrupted(self: Campaign) -> None:
+        nonlocal looks
+        looks += 1
+        if looks > 1:
+            raise KeyboardInterrupt
+        self.waiting = [job for job in self.waiting if not self.start(job)]
+
+    monkeypatch.setattr(Campaign, "look", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run.run()
+    (process, _), *_ = run.running.values()
+    assert process.wait(10) != 0
+
+
+def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
+    jobs = campaign.chosen(_args(tmp_path, "--rows", "paper-urbanverse160-*", "--seeds", "4"))
+    names = ["catalogue", "scenes-urbanverse160", "scenes-craftbench", "scenes-autobench", "paper-urbanverse160-4"]
+    assert [job.name for job in jobs] == names
+    given = {path for job in jobs for path in [job.gives]}
+    assert all(set(job.needs) <= given for job in jobs), "a job needs what no job gives"
+    with pytest.raises(SystemExit, match="'papers-x', which names no row, needed a pattern of teacher-0"):
+        campaign.chosen(_args(tmp_path, "--rows", "papers-x"))
+
+
+def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
+    jobs = campaign.chosen(_args(tmp_path))
+    given = {job.gives for job in jobs}
+    assert all(set(job.needs) <= given for job in jobs)
+    assert len({job.name for job in jobs}) == len(jobs)
+
+
+def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from benchmarks import comparison
+
+    scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
+    parsed = []
+    for job in campaign.trainings(_args(tmp_path)):
+        if job.command[0] == "-m":
+            monkeypatch.setattr(sys, "argv", [job.name, *job.command[2:]])
+            parsed.append(scripts[job.command[1]]())
+            assert parsed[-1].out == tmp_path / "out" / job.name
+    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3
+    go2 = next(args for args in parsed if args.out.name == "go2")
+    assert go2.environment == "Go2Nav"
+    assert go2.start.name == "finetuned"
+    assert go2.holdout == [8, 9]
+    assert go2.covered
+
+
+def test_results_become_rows_of_scores(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(campaign.results, "SCORES", tmp_path)
+    (tmp_path / "by_scene.csv").write_text("policy,robot,seed,env_steps,benchmark,scene,SR,RC,hit_episodes\n")
+    (tmp_path / "training_streets.csv").write_text("streets,seed,set,scene,SR\n")
+    score = {"summary": {}, "by_scene": {"s": {"SR": 50.0, "RC": 60.0, "hit_episodes": 10.0}}}
+    sets = dict.fromkeys(("craftbench", "autobench", "validation_composed"), score)
+    args = _args(tmp_path)
+    for job, agent in (("paper-urbanverse160-2", "paper"), ("streets-both-1", "teacher")):
+        (args.out / job).mkdir()
+        (args.out / job / "result.json").write_text(json.dumps({"steps": 9, agent: sets}))
+    assert campaign.add_rows(args) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "paper-urbanverse160-2: paper, UrbanVerse-160",
+        "streets-both-1: both",
+    ]
+    rows = (tmp_path / "by_scene.csv").read_text().splitlines()
+    assert rows[1:] == [
+        f'"paper, UrbanVerse-160",COCO,2,9,{name},s,50.0,60.0,10.0' for name in ("craftbench", "autobench")
+    ]
+    assert "both,1,validation_composed,s,50.0" in (tmp_path / "training_streets.csv").read_text()
