@@ -79,7 +79,8 @@ def shelf() -> Shelf:
 
 
 @pytest.fixture(scope="module")
-def tab(shelf: Shelf) -> Iterator[Any]:
+def served(shelf: Shelf) -> Iterator[tuple[Any, str]]:
+    """A browser's tab and the page's address."""
     front = Front("127.0.0.1", 0, 1, Teleop())
     front.library = shelf.answer
     try:
@@ -88,11 +89,18 @@ def tab(shelf: Shelf) -> Iterator[Any]:
             tab.set_default_timeout(60_000)
             errors: list[str] = []
             tab.on("pageerror", lambda error: errors.append(str(error)))
-            tab.goto(f"{front.address}/library")
-            yield tab
+            yield tab, f"{front.address}/library"
             assert errors == []
     finally:
         front.stop()
+
+
+@pytest.fixture
+def tab(served: tuple[Any, str]) -> Any:
+    """The tab with the page opened anew, whatever another test did in it."""
+    tab, address = served
+    tab.goto(address)
+    return tab
 
 
 def loaded(tab: Any, count: int) -> None:
@@ -145,6 +153,8 @@ def test_assets_turn_and_are_turned_by_hand(tab: Any) -> None:
 
 
 def test_the_search_asks_for_what_is_chosen(tab: Any, shelf: Shelf) -> None:
+    tab.click("nav >> text=Assets")
+    loaded(tab, 24)
     tab.fill("#query", "a crate")
     tab.select_option("#colour", "blue")
     tab.fill("#low", "0.5")
@@ -179,7 +189,6 @@ def test_skies_and_grounds_are_images(tab: Any, shelf: Shelf) -> None:
 
 
 def test_a_scene_opens_in_the_viewer(tab: Any, shelf: Shelf) -> None:
-    """Last: the browser goes to the street's page."""
     tab.click("nav >> text=Scenes")
     tab.locator("article", has_text="park").get_by_role("button", name="Open").click()
     tab.wait_for_function("location.pathname === '/'")
