@@ -5,6 +5,7 @@ their parent is killed (SIGKILL). Every pool and process that this package start
 """
 
 import concurrent.futures
+import concurrent.futures.process
 import multiprocessing
 import multiprocessing.connection
 import os
@@ -75,7 +76,10 @@ def results_as_completed(
 
     Raises:
       Exception: a task failed; tasks that have not begun are dropped.
+      ValidationError: a worker process ended by itself, for want of memory or because it ran the calling script again.
     """
+    from .datatypes import ValidationError
+
     workers = min(workers, len(tasks))
     if workers <= 1:
         for number, task in enumerate(tasks):
@@ -86,5 +90,11 @@ def results_as_completed(
         try:
             for job in concurrent.futures.as_completed(jobs):
                 yield jobs[job], job.result()
+        except concurrent.futures.process.BrokenProcessPool as error:
+            raise ValidationError(
+                f"worker processes: found that one of {workers} ended by itself, needed all of them. In a script of yours, "
+                'put the calls below `if __name__ == "__main__":`, because workers import the script; if memory is short, '
+                "take fewer processes (URBANVERSE_THREADS=1 starts none)."
+            ) from error
         finally:
             pool.shutdown(wait=False, cancel_futures=True)

@@ -32,6 +32,12 @@ if __name__ == "__main__":
     for _ in results_as_completed(sleep, [(sys.argv[1], k) for k in range(2)], 2):
         pass
 """
+#: The same without the guard that a script with workers needs.
+UNGUARDED = """
+from urbanverse_mjx.process_pool import results_as_completed
+from tests.support.pool_tasks import square
+list(results_as_completed(square, [(1,), (2,)], 2))
+"""
 #: The same in the process in which an asset is imported.
 CONTAINED = """
 import sys
@@ -98,6 +104,16 @@ def test_every_result_comes_once_with_its_number(workers: int) -> None:
 def test_an_error_in_a_worker_is_raised_here(workers: int) -> None:
     with pytest.raises(ValueError, match="found -1"):
         list(results_as_completed(square, [(1,), (-1,), (2,)], workers))
+
+
+def test_a_script_without_a_guard_is_told_of_it(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    command = [sys.executable, str(tmp_path / "script.py")]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    assert "ValidationError: worker processes: found that one of 2 ended by itself" in ended.stderr.splitlines()[-1]
+    assert 'put the calls below `if __name__ == "__main__":`' in ended.stderr.splitlines()[-1]
 
 
 def test_the_next_run_removes_the_folder_of_a_killed_one_and_nothing_else(tmp_path: pathlib.Path) -> None:
