@@ -92,9 +92,9 @@ def results_as_completed(
                 yield jobs[job], job.result()
         except concurrent.futures.process.BrokenProcessPool as error:
             raise ValidationError(
-                f"worker processes: found that one of {workers} ended by itself, needed all of them. In a script of yours, "
-                'put the calls below `if __name__ == "__main__":`, because workers import the script; if memory is short, '
-                "take fewer processes (URBANVERSE_THREADS=1 starts none)."
+                f"worker processes: found that one of {workers} ended by itself, needed all of them. In a script of "
+                'yours, put the calls below `if __name__ == "__main__":`, because workers import the script; if memory '
+                "is short, take fewer processes (URBANVERSE_THREADS=1 starts none)."
             ) from error
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
