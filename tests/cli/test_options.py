@@ -1,16 +1,26 @@
 """Options that several commands read alike."""
 
 import pathlib
+from typing import Any
 
 import pytest
+import tyro
 
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import capture, list_envs, play
 from urbanverse_mjx.cli._options import image_size
+from urbanverse_mjx.cli.benchmark import BenchmarkArgs
+from urbanverse_mjx.cli.evaluate import EvaluateArgs
+from urbanverse_mjx.cli.play import PlayArgs
+from urbanverse_mjx.cli.record import RecordArgs
+from urbanverse_mjx.cli.train import TrainArgs
+from urbanverse_mjx.cli.view import ViewArgs
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.training.config import default_ppo_config
 
+OVERRIDES = {"robot": "/robots/tug", "sim_dt": 0.005}
+WORDS = ["--bank", "a/bank.npz", "--playground-config-overrides", '{"robot": "/robots/tug", "sim_dt": 0.005}']
 PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu")
 
 
@@ -81,3 +91,33 @@ def test_the_presets_that_are_listed_are_those_that_train_takes(name: str, capsy
             continue
         with pytest.raises(ValidationError, match="preset: found"):
             default_ppo_config(preset, name)
+
+
+@pytest.mark.parametrize(
+    ("kind", "first"),
+    [
+        (TrainArgs, []),
+        (EvaluateArgs, ["zero"]),
+        (PlayArgs, []),
+        (BenchmarkArgs, ["shipped"]),
+        (RecordArgs, ["--out", "x"]),
+    ],
+)
+def test_every_command_reads_them(kind: Any, first: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    args = tyro.cli(kind, args=[*first, *WORDS])
+    assert args.bank == pathlib.Path("a/bank.npz")
+    assert args.env_overrides == OVERRIDES
+    assert tyro.cli(kind, args=first).env_overrides == {}
+    with pytest.raises(SystemExit):
+        tyro.cli(kind, args=[*first, "--playground-config-overrides", "{"])
+    assert "which is not JSON" in capsys.readouterr().err
+
+
+def test_people_and_a_robot_of_ones_own_in_a_page_and_a_dataset() -> None:
+    """`view` has no --bank: its scene may be one; what evaluate calls --dynamic is there, too."""
+    for kind, first in ((ViewArgs, []), (RecordArgs, ["--out", "x"])):
+        args = tyro.cli(kind, args=[*first, *WORDS[2:], "--dynamic"])
+        assert (args.env_overrides, args.people) == (OVERRIDES, True)
+        assert tyro.cli(kind, args=[*first, "--people"]).people
+        assert not tyro.cli(kind, args=[*first, "--no-people"]).people
+    assert tyro.cli(PlayArgs, args=["--dynamic"]).dynamic

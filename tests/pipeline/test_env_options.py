@@ -8,17 +8,10 @@ import types
 from typing import Any
 
 import pytest
-import tyro
 
 from tests.support.heard_progress import noted
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx import progress
-from urbanverse_mjx.cli.benchmark import BenchmarkArgs
-from urbanverse_mjx.cli.evaluate import EvaluateArgs
-from urbanverse_mjx.cli.play import PlayArgs
-from urbanverse_mjx.cli.record import RecordArgs
-from urbanverse_mjx.cli.train import TrainArgs
-from urbanverse_mjx.cli.view import ViewArgs
 from urbanverse_mjx.datatypes import BenchmarkReport, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.evaluation import BASELINES
@@ -27,7 +20,6 @@ from urbanverse_mjx.pipeline import BenchmarkOptions, PlayOptions, benchmark, ev
 from urbanverse_mjx.pipeline.drivers import load_machine
 
 OVERRIDES = {"robot": "/robots/tug", "sim_dt": 0.005}
-WORDS = ["--bank", "a/bank.npz", "--playground-config-overrides", '{"robot": "/robots/tug", "sim_dt": 0.005}']
 
 
 @pytest.fixture
@@ -48,36 +40,6 @@ def bank(small_bank: SceneBank, tmp_path: pathlib.Path) -> pathlib.Path:
     hashes = {name: f"{i}" * 64 for i, name in enumerate(small_bank.scene_ids)}
     dataclasses.replace(small_bank, meta={**small_bank.meta, "hashes": hashes}).save(tmp_path / "bank.npz")
     return tmp_path / "bank.npz"
-
-
-@pytest.mark.parametrize(
-    ("kind", "first"),
-    [
-        (TrainArgs, []),
-        (EvaluateArgs, ["zero"]),
-        (PlayArgs, []),
-        (BenchmarkArgs, ["shipped"]),
-        (RecordArgs, ["--out", "x"]),
-    ],
-)
-def test_every_command_reads_them(kind: Any, first: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    args = tyro.cli(kind, args=[*first, *WORDS])
-    assert args.bank == pathlib.Path("a/bank.npz")
-    assert args.env_overrides == OVERRIDES
-    assert tyro.cli(kind, args=first).env_overrides == {}
-    with pytest.raises(SystemExit):
-        tyro.cli(kind, args=[*first, "--playground-config-overrides", "{"])
-    assert "which is not JSON" in capsys.readouterr().err
-
-
-def test_people_and_a_robot_of_ones_own_in_a_page_and_a_dataset() -> None:
-    """`view` has no --bank: its scene may be one; what evaluate calls --dynamic is there, too."""
-    for kind, first in ((ViewArgs, []), (RecordArgs, ["--out", "x"])):
-        args = tyro.cli(kind, args=[*first, *WORDS[2:], "--dynamic"])
-        assert (args.env_overrides, args.people) == (OVERRIDES, True)
-        assert tyro.cli(kind, args=[*first, "--people"]).people
-        assert not tyro.cli(kind, args=[*first, "--no-people"]).people
-    assert tyro.cli(PlayArgs, args=["--dynamic"]).dynamic
 
 
 @pytest.mark.parametrize("policy", ["planner", "folder", "file.onnx"])

@@ -84,3 +84,29 @@ def test_settings_alone_reads_the_environment() -> None:
 def test_the_scan_sees_every_spelling() -> None:
     code = "import os\nfrom os import environ\nos.environ['A']\nos.getenv('A')\nx = os\nx.environ\n"
     assert sorted(reads_environment(code)) == [2, 3, 4, 6]
+
+
+def command_internals(code: str) -> list[str]:
+    """What code takes from `urbanverse_mjx.cli` besides the command itself and its names."""
+    found = []
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith("urbanverse_mjx.cli."):
+            found += [f"{node.module}.{name.name}" for name in node.names]
+        elif isinstance(node, ast.Import):
+            found += [name.name for name in node.names if name.name.startswith("urbanverse_mjx.cli")]
+    command = {f"urbanverse_mjx.cli.{name}" for name in ("main", "main.main", "main.COMMANDS")}
+    return [name for name in found if name not in command]
+
+
+def test_only_the_commands_own_tests_know_how_it_is_made() -> None:
+    """Benchmarks and all other tests call `pipeline`, or run the command with words as a user does."""
+    found = {}
+    for folder in ("tests", "benchmarks"):
+        for path in (ROOT / folder).rglob("*.py"):
+            text = path.read_text(encoding="utf-8")
+            own = path.is_relative_to(ROOT / "tests" / "cli")
+            if not own and "cli" in text and (names := command_internals(text)):
+                found[path.relative_to(ROOT).as_posix()] = names
+    assert found == {}
+    code = "from urbanverse_mjx.cli import main, train\nimport urbanverse_mjx.cli.scene\n"
+    assert command_internals(code) == ["urbanverse_mjx.cli.train", "urbanverse_mjx.cli.scene"]
