@@ -16,7 +16,7 @@ PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 # What `make train` trains: CocoNav, Go2Nav, Go2Joystick
 ENV ?= CocoNav
 
-.PHONY: help setup setup-dev train test test-slow test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs setup-docs lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -97,6 +97,9 @@ doctor: setup ## say what this machine has and how to fix what is missing
 
 docs: setup-docs ## build the documentation site into build/docs, without network; a dead link or a page left out fails
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --clean $(ARGS) # --quiet would drop the warnings that --strict counts
+
+docs-media: setup ## film every shipped policy and every scene of CraftBench into build/media (ARGS="--only coco_best")
+	@$(BIN)/python -m benchmarks.films $(ARGS)
 
 lock: ## resolve the locks anew, keeping versions that still fit (needs uv; ARGS=--upgrade takes the newest)
 	@.ci/lock $(ARGS)

@@ -1,0 +1,78 @@
+"""Films: one of every shipped policy and of every scene of the benchmark, each made once."""
+
+import json
+import pathlib
+
+import pytest
+
+from benchmarks import films
+from urbanverse_mjx import pipeline
+from urbanverse_mjx.pipeline.playing import PlayOptions
+from urbanverse_mjx.training.policy import PolicySpec, latest_policy
+
+ROOT = pathlib.Path(__file__).parents[2]
+
+
+@pytest.fixture
+def played(monkeypatch: pytest.MonkeyPatch) -> list[PlayOptions]:
+    """The options of what is played; the films are a few bytes."""
+    found: list[PlayOptions] = []
+
+    def play(out: pathlib.Path, options: PlayOptions) -> None:
+        found.append(options)
+        out.write_bytes(b"film" * len(found))
+
+    monkeypatch.setattr(pipeline, "play", play)
+    return found
+
+
+def test_there_is_a_film_of_every_policy_and_scene() -> None:
+    names = [film.name for film in films.films()]
+    policies = sorted(path.name for path in (ROOT / "benchmarks/policies").iterdir() if path.is_dir())
+    body = json.loads((ROOT / "benchmarks/protocols/craftbench.json").read_text())
+    assert names == [*policies, *(f"craftbench-{scene['id']}" for scene in body["scenes"])]
+    assert len(set(names)) == len(names)
+    for film in films.films():
+        assert film.options.policy is not None
+        PolicySpec.load(latest_policy(pathlib.Path(film.options.policy)))
+
+
+def test_a_film_that_exists_is_kept_and_an_interrupted_one_made_again(
+    played: list[PlayOptions], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = films.films()[:3]
+    first = films.make(chosen[:1], tmp_path)
+    assert first == {chosen[0].name: 4}
+
+    def interrupted(out: pathlib.Path, _: PlayOptions) -> None:
+        out.write_bytes(b"half")
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(pipeline, "play", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            films.make(chosen, tmp_path)
+    assert not (tmp_path / f"{chosen[1].name}.mp4").exists()
+    sizes = films.make(chosen, tmp_path)
+    assert sizes == {chosen[0].name: 4, chosen[1].name: 8, chosen[2].name: 12}
+    assert [options.policy for options in played] == [film.options.policy for film in chosen]
+    page = (tmp_path / "index.html").read_text()
+    assert all(f'src="{film.name}.mp4"' in page for film in chosen)
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".html", ".mp4", ".mp4", ".mp4"]
+
+
+def test_missing_scenes_of_the_benchmark_are_one_sentence(
+    played: list[PlayOptions],
+    tmp_path: pathlib.Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
+    scene = films.films()[-1].name
+    assert films.main(["--out", str(tmp_path / "media"), "--only", "coco_best", scene]) == 2
+    said = capsys.readouterr()
+    assert "urbanverse scene library craftbench" in said.err.splitlines()[-1]
+    assert (tmp_path / "media/coco_best.mp4").is_file()
+    assert len(played) == 1
+    assert films.main(["--out", str(tmp_path / "media"), "--only", "coco_best"]) == 0
+    assert json.loads(capsys.readouterr().out.splitlines()[-1]) == {"coco_best": 4}
