@@ -106,8 +106,8 @@ def test_a_list_is_the_same_every_time_and_comes_back_from_its_file(hashed: Scen
     assert protocol.content_hash() != freeze("boxes", hashed, 8, seed=1).content_hash()
     protocol.save(tmp_path / "boxes.json")
     assert Protocol.load(tmp_path / "boxes.json") == protocol
-    assert protocol.conditions == {"vision_config.light": "baked"}
-    before = dataclasses.replace(protocol, conditions={"vision_config.light": "direct"})
+    assert protocol.conditions == {"vision_config.light": "baked", "friction": "materials"}
+    before = dataclasses.replace(protocol, conditions={"vision_config.light": "direct", "friction": "uniform"})
     before.save(tmp_path / "before.json")
     assert "conditions" not in json.loads((tmp_path / "before.json").read_text())
     assert Protocol.load(tmp_path / "before.json") == before
@@ -168,7 +168,7 @@ def test_frozen_lists_name_the_scenes_as_committed(name: str, scenes: int, episo
     """A scene that was frozen anew without its list, or the other way round, would refuse every run."""
     protocol = Protocol.load(settings.protocol_root() / f"{name}.json")
     assert len(protocol.scenes) == scenes
-    assert protocol.conditions == {"vision_config.light": "direct"}
+    assert protocol.conditions == {"vision_config.light": "direct", "friction": "uniform"}
     assert {len(scene.episodes) for scene in protocol.scenes} == {episodes}
     hashes = library.shipped_hashes(name)
     assert {scene.id: scene.hash for scene in protocol.scenes} == {k: row["scene"] for k, row in hashes.items()}

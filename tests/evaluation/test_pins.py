@@ -35,6 +35,7 @@ def changed(bank: SceneBank, name: str, amount: float, scene: int = 1) -> SceneB
         "inst_rotation": (scene, 0, 0, 0),
         "inst_friction": (scene, 0),
         "prism_friction": (scene, 0),
+        "prism_material_friction": (scene, 0),
         "map_kind": (scene, *np.argwhere(bank.map_kind[scene])[50]),
         "map_origin": (scene, 0),
         "sky_radiance": (bank.scene_sky[scene],),
@@ -54,6 +55,7 @@ def changed(bank: SceneBank, name: str, amount: float, scene: int = 1) -> SceneB
         ("inst_rotation", -0.05, "physics"),
         ("inst_friction", 0.1, "physics"),
         ("prism_friction", -0.1, "physics"),
+        ("prism_material_friction", -0.1, "physics"),
         ("map_kind", 1, "map"),
         ("map_origin", 0.05, "map"),
         ("sky_radiance", 0.05, "light"),
@@ -69,6 +71,17 @@ def test_a_changed_scene_is_refused_by_its_part(
     protocol.on(bank)
     with pytest.raises(ValidationError, match=f"found other {part} than version 1 of benchmark 'boxes'"):
         protocol.on(changed(bank, name, amount))
+
+
+def test_lists_of_uniform_ground_do_not_pin_its_materials(pinned: tuple[SceneBank, Protocol]) -> None:
+    """As those of version 1, whose scenes are compiled with the materials' friction beside the ground's."""
+    bank, protocol = pinned
+    other = changed(bank, "prism_material_friction", -0.1)
+    uniform = dataclasses.replace(protocol, conditions={**protocol.conditions, "friction": "uniform"})
+    before = dataclasses.replace(
+        uniform, scenes=tuple(dataclasses.replace(s, pins=scene_pins(bank, i)) for i, s in enumerate(uniform.scenes))
+    )
+    assert len(before.on(other).scenes) == bank.num_scenes
 
 
 def test_last_digits_make_no_difference(pinned: tuple[SceneBank, Protocol]) -> None:

@@ -181,16 +181,16 @@ def test_a_benchmark_names_overrides_and_keeps_what_it_fixes(
 
 
 @pytest.mark.parametrize("frozen", [None, "direct"])
-def test_a_benchmark_is_driven_in_the_light_of_its_list(
+def test_a_benchmark_is_driven_under_the_conditions_of_its_list(
     frozen: str | None, bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Lists from before there was baked light name no conditions; a trained policy keeps the light of its training."""
+    """Old lists name no conditions; a trained policy keeps the light of its training, but not the friction."""
     protocol = freeze("boxes", SceneBank.load(bank), 5, seed=0)
     if frozen:
-        protocol = dataclasses.replace(protocol, conditions={"vision_config.light": frozen})
+        protocol = dataclasses.replace(protocol, conditions={"vision_config.light": frozen, "friction": "uniform"})
     protocol.save(tmp_path / "boxes.json")
     old = registry.get_default_config("CocoNav", "cpu").to_dict()
-    del old["vision_config"]["light"]
+    del old["vision_config"]["light"], old["friction"]
     spec = types.SimpleNamespace(
         environment="CocoNav", env_config=old, observations={"pixels/front": [27, 48, 3]}, steps=0, versions={}
     )
@@ -202,3 +202,4 @@ def test_a_benchmark_is_driven_in_the_light_of_its_list(
     (scripted, _), (trained, _) = loads
     assert scripted.vision_config.light == (frozen or "baked")
     assert "light" not in trained.vision_config
+    assert {scripted.friction, trained.friction} == {"uniform" if frozen else "materials"}

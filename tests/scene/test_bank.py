@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import box_bank, box_scenes, box_skies
-from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.datatypes import SceneBank, ValidationError, bank_join
 from urbanverse_mjx.geometry import rotations
+from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene import grids
 from urbanverse_mjx.scene.bank import pack
+from urbanverse_mjx.simulation.engines import make_engine
 
 
 def _box_distance(points: np.ndarray, bank: SceneBank, z: int, q: int) -> np.ndarray:
@@ -123,6 +125,26 @@ def test_what_cannot_be_packed_is_refused() -> None:
         pack([scene], ["train"], {})
     with pytest.raises(ValidationError, match="split"):
         pack([scene], ["dev"], box_skies())
+
+
+def test_a_bank_from_before_has_uniform_ground_and_says_so(tmp_path, small_bank: SceneBank) -> None:
+    rows = small_bank.prism_hull >= 0
+    assert set(small_bank.prism_material_friction[rows].astype(float).round(2).tolist()) == {0.35, 0.65, 0.75}
+    small_bank.save(tmp_path / "new.npz")
+    new = SceneBank.load(tmp_path / "new.npz")
+    assert new.knows_materials
+    with np.load(tmp_path / "new.npz") as file:
+        arrays = {name: file[name] for name in file.files if name != "prism_material_friction"}
+    np.savez(tmp_path / "old.npz", **arrays)
+    old = SceneBank.load(tmp_path / "old.npz")
+    np.testing.assert_array_equal(old.prism_material_friction, old.prism_friction)
+    assert not old.knows_materials
+    twin = dataclasses.replace(new, meta={**new.meta, "scene_ids": [f"{name}_b" for name in new.scene_ids]})
+    joined = bank_join.join([twin, old])
+    joined.save(tmp_path / "joined.npz")
+    assert not SceneBank.load(tmp_path / "joined.npz").knows_materials
+    with pytest.warns(UserWarning, match="build it again"):
+        make_engine(old, make_coco(), impl="jax", friction="materials")
 
 
 def test_bank_says_what_can_be_pushed_and_one_written_before_says_nothing(tmp_path, small_bank: SceneBank) -> None:

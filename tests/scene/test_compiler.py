@@ -11,7 +11,7 @@ import pytest
 from tests.support.box_bank import street_regions
 from tests.support.toy_assets import TOY_SOURCE, UNIT_BOX, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneBank, SceneGraph, SceneLayout, Source, ValidationError
-from urbanverse_mjx.datatypes.ground import KIND_INDEX, TRAVERSABLE_KINDS
+from urbanverse_mjx.datatypes.ground import GROUND_KINDS, KIND_INDEX, TRAVERSABLE_KINDS
 from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.scene import CompiledScene, compile_scene, pack_bank
 from urbanverse_mjx.scene.episodes import MIN_ROWS
@@ -132,6 +132,13 @@ def test_same_layout_same_files(compiled: CompiledScene, tmp_path: pathlib.Path)
     loaded = CompiledScene.load(again.folder)
     assert loaded.layout == compiled.layout
     assert loaded.metadata == compiled.metadata
+    # Not in the file: it follows from the layout.
+    friction = loaded.geometry.prism_material_friction
+    np.testing.assert_array_equal(friction, compiled.geometry.prism_material_friction)
+    kinds = {GROUND_KINDS[k]: f for k, f in zip(loaded.geometry.prism_kind, friction.tolist(), strict=True)}
+    assert kinds["road"] == 0.7
+    assert kinds["sidewalk"] == 0.65
+    assert (loaded.geometry.prism_friction == 1.0).all(), "frozen benchmarks pin it"
 
 
 def test_routes_are_in_the_exchange_format(compiled: CompiledScene) -> None:

@@ -12,6 +12,8 @@ from urbanverse_mjx.scene.geometry import EpisodeTable, SceneGeometry
 from urbanverse_mjx.scene.hulls import convex_part
 
 LENGTH, HALF_WIDTH, KERB_Y, KERB = 60.0, 8.0, 4.0, 0.15
+#: Of the materials: below, between and above the robots' own.
+_FRICTION = {"road": 0.65, "crosswalk": 0.35, "sidewalk": 0.75}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -150,6 +152,7 @@ def box_scene(
         prism_kind=np.array([ground.kind_index(regions[p.region]) for p in prisms], np.int32),
         prism_friction=np.full(len(prisms), 1.0),
         prism_region=np.array([p.region for p in prisms], np.int32),
+        prism_material_friction=np.array([_FRICTION[regions[p.region].kind] for p in prisms]),
         region_ids=tuple(r.id for r in regions),
         region_kind=np.array([ground.kind_index(r) for r in regions], np.int32),
         region_mesh=num_objects + np.arange(len(regions), dtype=np.int32),

@@ -30,6 +30,7 @@ _EMPTY = {
     "inst_friction": 1.0,
     "prism_hull": -1,
     "prism_friction": 1.0,
+    "prism_material_friction": 1.0,
     "hull_grid": -1,
     "prism_grid": -1,
     "slot_mesh": -1,
@@ -158,6 +159,7 @@ def _meta(banks: Sequence[SceneBank], categories: list[str], slots: int) -> dict
         "hashes": hashes,
         "grid_reach": banks[0].meta["grid_reach"],
         "agents": _agents(banks, categories),
+        **({} if all(bank.knows_materials for bank in banks) else {"materials_unknown": True}),
     }
 
 

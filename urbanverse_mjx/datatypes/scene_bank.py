@@ -47,7 +47,7 @@ class SceneBank:
 
     Ground prisms (same meaning; prism_kind indexes `ground.GROUND_KINDS`):
       prism_hull (Z, P) i32, prism_position (Z, P, 3) f32 (no rotation), prism_friction (Z, P) f32,
-      prism_kind (Z, P) i32.
+      prism_material_friction (Z, P) f32 of the ground's material, which engines use if asked to, prism_kind (Z, P) i32.
 
     Grids of the hulls and prisms near each place (built for `grid_reach` metres): grid_origin (Z, 2) f32 lower corner,
     grid_cell () f32 m, hull_grid (Z, X, Y, L) i32 and prism_grid (Z, X, Y, G) i32: instance numbers, -1 = empty.
@@ -76,6 +76,7 @@ class SceneBank:
     meta: {"schema", "scene_ids": [Z], "splits": [Z] of `SPLITS` or others, "categories": [A], "skies": [S],
     "object_ids": [Z lists], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
     the last being the appearances of moving people and vehicles: names of kinds, rows of the meshes and categories.
+    "materials_unknown": true stands in banks from before there was the friction of materials (`knows_materials`).
     Banks in the cache hold their key there as well, "key": a hexadecimal hash of all their inputs.
     """
 
@@ -93,6 +94,7 @@ class SceneBank:
     prism_hull: np.ndarray
     prism_position: np.ndarray
     prism_friction: np.ndarray
+    prism_material_friction: np.ndarray
     prism_kind: np.ndarray
     grid_origin: np.ndarray
     grid_cell: np.ndarray
@@ -158,6 +160,11 @@ class SceneBank:
         return self.meta.get("key", "")
 
     @property
+    def knows_materials(self) -> bool:
+        """Whether `prism_material_friction` is that of materials: files written before it existed do not have it."""
+        return not self.meta.get("materials_unknown", False)
+
+    @property
     def agents(self) -> dict[str, list[Any]]:
         """Appearances of moving agents, see `meta`; empty lists if there are none."""
         return self.meta.get("agents", {"kind": [], "mesh": [], "category": []})
@@ -204,6 +211,8 @@ class SceneBank:
             # In older files without this array, no object is movable.
             shape = arrays["slot_mesh"].shape
             arrays |= {"slot_movable": np.zeros(shape, np.uint8), "slot_mass": np.zeros(shape, np.float32)}
+        if "prism_friction" in arrays and "prism_material_friction" not in arrays:
+            arrays["prism_material_friction"], meta["materials_unknown"] = arrays["prism_friction"], True
         if names != set(arrays):
             wrong = ", ".join(sorted(names ^ set(arrays)))
             raise v.fail(str(path), f"other arrays than expected ({wrong})", "a bank of this version", "build it again")

@@ -143,7 +143,7 @@ def bank_loader(name: str) -> BankLoader:
 
 
 #: Keys that configs of older policies lack, and what those were trained with.
-_ADDED: dict[str, Any] = {"vision_config.light": "direct"}
+_ADDED: dict[str, Any] = {"vision_config.light": "direct", "friction": "uniform", "randomization.wet": 0.0}
 
 
 def _complete(config: ConfigDict, key: str) -> None:
@@ -182,7 +182,7 @@ def same_task(config: ConfigDict, name: str) -> ConfigDict:
     if "action_mode" not in theirs or "action_mode" not in config:
         raise ValidationError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
     own = ("robot", "drive", "gait", "menagerie", "sim_dt")
-    return ConfigDict({k: theirs[k] if k in own else config.get(k, x) for k, x in theirs.items()}).lock()
+    return ConfigDict({k: theirs[k] if k in own else config.get(k, _ADDED.get(k, x)) for k, x in theirs.items()}).lock()
 
 
 @overload

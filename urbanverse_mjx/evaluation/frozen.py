@@ -30,8 +30,8 @@ _SCHEMA_BEFORE = "urbanverse.protocol/1"
 RUNS = 5
 KINDS = ("paper", "full")
 #: Conditions of new lists, and of those that name none because they were frozen before there were others.
-CONDITIONS = {"vision_config.light": "baked"}
-_CONDITIONS_BEFORE = {"vision_config.light": "direct"}
+CONDITIONS = {"vision_config.light": "baked", "friction": "materials"}
+_CONDITIONS_BEFORE = {"vision_config.light": "direct", "friction": "uniform"}
 #: Decimals of x, y, z (m) and yaw (rad) in a file: 1 mm and 0.1 mrad.
 _DECIMALS = (3, 3, 3, 4)
 
@@ -122,6 +122,11 @@ class Protocol:
         ]
         return content_hash({"name": self.name, "paper_scenes": self.paper_scenes, "scenes": scenes})
 
+    @property
+    def _materials(self) -> bool:
+        """Whether the friction of the ground's materials is part of the benchmark."""
+        return self.conditions["friction"] == "materials"
+
     def to_json(self) -> dict[str, Any]:
         body = dataclasses.asdict(self)
         scenes = body.pop("scenes")
@@ -137,7 +142,8 @@ class Protocol:
         """
         self._check_hashes(bank, self.scenes)
         rows = [bank.scene_ids.index(s.id) for s in self.scenes]
-        scenes = tuple(dataclasses.replace(s, pins=scene_pins(bank, r)) for s, r in zip(self.scenes, rows, strict=True))
+        found = [scene_pins(bank, row, self._materials) for row in rows]
+        scenes = tuple(dataclasses.replace(s, pins=pins) for s, pins in zip(self.scenes, found, strict=True))
         return dataclasses.replace(self, scenes=scenes, robots={name: robot_pin(r) for name, r in robots.items()})
 
     def check_robot(self, environment: str, robot: RobotSpec) -> None:
@@ -214,7 +220,8 @@ class Protocol:
         scenes = [s for s in self.scenes if kind == "full" or s.id in self.paper_scenes][:limit]
         self._check_hashes(bank, scenes)
         for scene in scenes:
-            part = changed_part(scene.pins, scene_pins(bank, bank.scene_ids.index(scene.id))) if scene.pins else None
+            row = bank.scene_ids.index(scene.id)
+            part = changed_part(scene.pins, scene_pins(bank, row, self._materials)) if scene.pins else None
             if part is not None:
                 raise ValidationError(
                     f"scene {scene.id!r}: found other {part} than version {self.version} of benchmark {self.name!r} "

@@ -39,12 +39,12 @@ _MODEL = (
 _OPTION = ("timestep", "gravity", "integrator", "cone", "impratio")
 
 
-def scene_pins(bank: SceneBank, scene: int) -> dict[str, Any]:
+def scene_pins(bank: SceneBank, scene: int, materials: bool = False) -> dict[str, Any]:
     """Digests (64 hexadecimal digits) of the parts "map" and "physics" of row `scene`, and figures (lists of floats) of
-    "light" and "surfaces"."""
+    "light" and "surfaces"; materials: "physics" covers the friction of the ground's materials."""
     return {
         "map": _map(bank, scene),
-        "physics": _physics(bank, scene),
+        "physics": _physics(bank, scene, materials),
         "light": _light(bank, scene),
         "surfaces": _surfaces(bank, scene),
     }
@@ -109,12 +109,13 @@ def _map(bank: SceneBank, scene: int) -> str:
     return _digest(_steps(place), kind[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
 
 
-def _physics(bank: SceneBank, scene: int) -> str:
+def _physics(bank: SceneBank, scene: int, materials: bool) -> str:
     """Hulls and ground prisms: their corners, places, rotations and friction."""
     hulls = np.flatnonzero(bank.inst_hull[scene] >= 0)
     prisms = np.flatnonzero(bank.prism_hull[scene] >= 0)
     shapes = [hashlib.sha256(_corners(bank, row)).digest() for row in bank.inst_hull[scene, hulls]]
     shapes += [hashlib.sha256(_corners(bank, row)).digest() for row in bank.prism_hull[scene, prisms]]
+    more = [_steps(bank.prism_material_friction[scene, prisms])] if materials else []
     return _digest(
         np.frombuffer(b"".join(shapes), np.uint8),
         _steps(bank.inst_position[scene, hulls]),
@@ -123,6 +124,7 @@ def _physics(bank: SceneBank, scene: int) -> str:
         _steps(bank.prism_position[scene, prisms]),
         _steps(bank.prism_friction[scene, prisms]),
         bank.prism_kind[scene, prisms].astype(np.int32),
+        *more,
     )
 
 

@@ -126,8 +126,10 @@ def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank
         reason = f"{path}: found other scenes than those in its name"
         try:
             bank = SceneBank.load(path)
-            if bank.key == key:
+            if bank.key == key and bank.knows_materials:
                 return bank
+            if bank.key == key:
+                reason = f"{path}: found a bank without the friction of its ground's materials"
         except v.ValidationError as error:
             reason = str(error)
         array_file.discard(path, reason)

@@ -160,6 +160,7 @@ def _prisms(scenes: Any, hull_rows: Any) -> dict[str, np.ndarray]:
         "prism_hull": _fill([h[s.prism_hull] for s, h in zip(scenes, hull_rows, strict=True)], -1, np.int32),
         "prism_position": _fill([s.prism_position for s in scenes], 0.0, np.float32),
         "prism_friction": _fill([s.prism_friction for s in scenes], 1.0, np.float32),
+        "prism_material_friction": _fill([s.prism_material_friction for s in scenes], 1.0, np.float32),
         "prism_kind": _fill([s.prism_kind for s in scenes], 0, np.int32),
     }
 

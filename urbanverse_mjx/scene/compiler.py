@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..assets import AssetIndex, build_mesh, load_hulls
+from ..assets.appearances.ground_friction import ground_friction
 from ..assets.appearances.ground_materials import build_material
 from ..assets.appearances.skies import build_sky
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
@@ -61,7 +62,11 @@ class CompiledScene:
         metadata = v.read_json(folder / "metadata.json", "compiled scene's metadata")
         v.choice(metadata.get("schema") if isinstance(metadata, dict) else None, f"{folder}: schema", (SCHEMA,))
         layout = SceneLayout.load(folder / "layout.json")
-        return CompiledScene(folder, layout, SceneGeometry.load(folder / "geometry.npz"), metadata)
+        geometry = SceneGeometry.load(folder / "geometry.npz")
+        material = {region.id: region.material for region in layout.ground}
+        friction = np.array([ground_friction(material[name]) for name in geometry.region_ids])
+        geometry = dataclasses.replace(geometry, prism_material_friction=friction[geometry.prism_region])
+        return CompiledScene(folder, layout, geometry, metadata)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -187,6 +192,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
         prism_kind=np.array([ground.kind_index(regions[p.region]) for p in prisms], np.int32),
         prism_friction=np.full(len(prisms), GROUND_FRICTION),
         prism_region=np.array([p.region for p in prisms], np.int32),
+        prism_material_friction=np.array([ground_friction(regions[p.region].material) for p in prisms]),
         **_region_fields(regions, library.meshes),
         sky=layout.sky,
         sky_yaw=layout.sky_yaw,

@@ -88,6 +88,10 @@ class EpisodeTable:
         return len(self.start)
 
 
+#: Fields that follow from the layout, which lies beside the file.
+_DERIVED = ("prism_material_friction",)
+
+
 @dataclasses.dataclass(frozen=True)
 class SceneGeometry:
     """The geometry of a scene as arrays.
@@ -108,6 +112,7 @@ class SceneGeometry:
       prism_kind: (P,) i32.
       prism_friction: (P,).
       prism_region: (P,) i32, the ground region a prism belongs to.
+      prism_material_friction: (P,) of its region's material; not in `geometry.npz`, see `CompiledScene.load`.
       region_ids: one per ground region.
       region_kind: (R,) i32.
       region_mesh: (R,) index into `meshes`.
@@ -135,6 +140,7 @@ class SceneGeometry:
     prism_kind: np.ndarray
     prism_friction: np.ndarray
     prism_region: np.ndarray
+    prism_material_friction: np.ndarray
     region_ids: tuple[str, ...]
     region_kind: np.ndarray
     region_mesh: np.ndarray
@@ -165,6 +171,8 @@ class SceneGeometry:
         meta: dict[str, Any] = {"schema": SCHEMA}
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
+            if field.name in _DERIVED:
+                continue
             if isinstance(value, np.ndarray):
                 body[field.name] = value
             elif field.name not in ("hulls", "meshes", "map", "episodes"):
@@ -185,6 +193,7 @@ class SceneGeometry:
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "SceneGeometry":
+        """Reads `geometry.npz`; the friction of materials, which it does not hold, is `prism_friction`."""
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a compiled scene", "run `urbanverse scene compile` again")
         body = array_file.load(path, "a compiled scene", "run `urbanverse scene compile` again")
@@ -203,6 +212,7 @@ class SceneGeometry:
         episodes = {f.name: body.pop(f"episodes.{f.name}") for f in dataclasses.fields(EpisodeTable)}
         hulls = tuple(_split(body, "hulls"))
         meta = {k: tuple(x) if isinstance(x, list) else x for k, x in meta.items()}
+        body["prism_material_friction"] = body["prism_friction"]
         return SceneGeometry(
             **meta, **body, hulls=hulls, meshes=meshes, map=SceneMap(**scene_map), episodes=EpisodeTable(**episodes)
         )

@@ -200,6 +200,7 @@ def region_scene(name: str, regions: list[GroundRegion], friction: float = FRICT
         prism_kind=np.array([ground.kind_index(regions[p.region]) for p in prisms], np.int32),
         prism_friction=np.full(len(prisms), friction),
         prism_region=np.array([p.region for p in prisms], np.int32),
+        prism_material_friction=np.full(len(prisms), friction),
         region_ids=tuple(r.id for r in regions),
         region_kind=np.array([ground.kind_index(r) for r in regions], np.int32),
         region_mesh=np.arange(len(regions), dtype=np.int32),

@@ -1,5 +1,6 @@
 """Common base of the engines: the robot's physics model, checks of sizes, initial states."""
 
+import warnings
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -13,6 +14,8 @@ from ..precision import full_precision
 from .collision_slots import body_contact, body_slots
 from .physics_model import make_physics_model
 
+#: Coefficients of the ground: one for all of it, or those of its materials; see `engines.make_engine`.
+FRICTIONS = ("uniform", "materials")
 #: Pairs of a sphere and an agent that may touch at once: an agent at a flat side of COCO touches three.
 AGENT_CONTACTS = 6
 
@@ -46,8 +49,17 @@ class EngineBase:
         num_prism_slots: int,
         agents: AgentShapes | None,
         movable: body_slots.Sizes | None = None,
+        friction: str = "uniform",
     ) -> None:
         self.robot = robot
+        #: Whether the ground has the friction of its materials, and the smaller of two coefficients counts.
+        self.materials = v.choice(friction, "engine.friction", FRICTIONS) == "materials"
+        if self.materials and not bank.knows_materials:
+            warnings.warn(
+                "bank: found one from before the ground had the friction of its materials, needed a newer one for "
+                "friction 'materials'; build it again, or set friction to 'uniform'",
+                stacklevel=3,
+            )
         #: Sizes of the body slots; None where there are none.
         self.movable = body_slots.checked_sizes(movable)
         if self.movable is not None:

@@ -25,6 +25,7 @@ def make_engine(
     num_slots: int = 16,
     agents: AgentShapes | None = None,
     movable: Sizes | None = None,
+    friction: str = "uniform",
     **sizes: Any,
 ) -> "JaxEngine | WarpEngine":
     """Makes an engine for a bank.
@@ -38,6 +39,8 @@ def make_engine(
         none.
       agents: shapes of moving agents; None = none.
       movable: sizes for objects that can be pushed; None = none.
+      friction: "uniform" (that of the bank's ground, 1 in streets; the larger of two surfaces counts) or "materials"
+        (that of the ground's materials; the smaller counts).
       sizes: other sizes of the engine, such as num_prism_slots, num_contacts, iterations, line_steps.
 
     Raises:
@@ -47,16 +50,16 @@ def make_engine(
         raise ValidationError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
     if physics_dt is not None and physics_dt != robot.physics_timestep:
         robot = with_timestep(robot, physics_dt)
+    same: dict[str, Any] = {"control_dt": control_dt, "num_slots": num_slots, "agents": agents, "movable": movable}
+    same["friction"] = friction
     if choose_impl(impl) == "warp":
         # Warp takes a second to import and prints a message, so it is imported on first use.
         from .warp_engine import WarpEngine
 
-        return WarpEngine(
-            bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, movable=movable, **sizes
-        )
+        return WarpEngine(bank, robot, **same, **sizes)
     from .jax_engine import JaxEngine
 
-    return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, movable=movable, **sizes)
+    return JaxEngine(bank, robot, **same, **sizes)
 
 
 def choose_impl(impl: str) -> str:

@@ -11,7 +11,7 @@ from ml_collections import ConfigDict
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.envs.navigation.draws import OFF, Randomization
+from urbanverse_mjx.envs.navigation.draws import OFF, WET_FRICTION, Randomization
 
 RANGES = {
     "randomization.friction_scale": (0.5, 0.9),
@@ -44,6 +44,18 @@ def test_values_fill_their_ranges_and_leave_the_rest_alone(small_bank: SceneBank
     after = jax.jit(jax.vmap(env.reset_episode))(drawn)
     assert (after.sim.mass_scale != drawn.sim.mass_scale).all()
     assert (after.appearance_seed != drawn.appearance_seed).all()
+
+
+def test_wet_streets_have_less_friction(small_bank: SceneBank) -> None:
+    """A share of the episodes, beside the friction that each draws."""
+    _, plain = begun(small_bank, RANGES)
+    _, drawn = begun(small_bank, {**RANGES, "randomization.wet": 0.25})
+    ratio = np.asarray(drawn.sim.friction_scale / plain.sim.friction_scale)
+    wet = np.isclose(ratio, WET_FRICTION)
+    assert (wet | np.isclose(ratio, 1.0)).all()
+    assert 0.18 < wet.mean() < 0.32
+    _, rain = begun(small_bank, {"randomization": OFF, "randomization.wet": 1.0})
+    np.testing.assert_allclose(rain.sim.friction_scale, WET_FRICTION)
 
 
 def test_the_paper_has_it_and_the_laptop_has_not() -> None:

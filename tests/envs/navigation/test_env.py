@@ -26,6 +26,7 @@ from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.envs.types import NavState
 from urbanverse_mjx.pipeline.training_run import bank_of
 from urbanverse_mjx.scene.terrain import terrain_bank
+from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.training.record import RunRequest, configs_of
 
@@ -207,18 +208,25 @@ def test_overrides_and_errors(small_bank: SceneBank) -> None:
         unicycle_env(small_bank, {"scenes": "validation"})
 
 
-def test_configs_of_older_policies_draw_direct_light_unless_asked(small_bank: SceneBank) -> None:
-    """Every preset draws baked light; a config without the key means what there was before."""
+def test_configs_of_older_policies_mean_what_there_was_before(small_bank: SceneBank) -> None:
+    """All presets draw baked light and have the friction of materials, but for the released code's ground; a config
+    without these keys does not."""
+    assert {p: default_config(p).friction for p in PRESETS} == {
+        **dict.fromkeys(PRESETS, "materials"),
+        "urbansim_v0_1": "uniform",
+    }
     assert {p: default_config(p).vision_config.light for p in PRESETS} == dict.fromkeys(PRESETS, "baked")
     old = default_config("cpu").to_dict()
-    del old["vision_config"]["light"]
+    del old["vision_config"]["light"], old["friction"], old["randomization"]["wet"]
+    assert registry.same_task(ConfigDict(old), "Go2Nav").friction == "uniform"
     config = registry.with_overrides(ConfigDict(old), {"scenes": "all", "impl": "jax"})
-    asked = registry.with_overrides(config, {"vision_config.light": "baked"})
+    asked = registry.with_overrides(config, {"vision_config.light": "baked", "friction": "materials"})
     assert "light" not in config.vision_config
-    for given, light in ((config, "direct"), (asked, "baked")):
-        renderer = registry.load("CocoNav", config=given, bank=small_bank).renderer
-        assert isinstance(renderer, Renderer)
-        assert renderer.settings.light == light
+    for given, light, materials in ((config, "direct", False), (asked, "baked", True)):
+        env = registry.load("CocoNav", config=given, bank=small_bank)
+        assert isinstance(env.renderer, Renderer)
+        assert isinstance(env.engine, JaxEngine)
+        assert (env.renderer.settings.light, env.engine.materials) == (light, materials)
 
 
 @pytest.mark.parametrize("preset", ["cpu", "fast"])

@@ -4,12 +4,14 @@ batch."""
 import dataclasses
 import functools
 
+import mujoco
 import numpy as np
 import pytest
 
 from tests.support.box_bank import box_bank, box_scenes
-from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.parity import c_mujoco
@@ -79,6 +81,66 @@ def test_heavy_robots_on_slippery_ground_are_those_of_c_mujoco(impl: str) -> Non
     assert report.onset.max() <= ONSET, summary
     assert summary["after_1s_max_mm"] <= AFTER_MAX * 1e3, summary
     assert report.ends_agree.all(), summary
+
+
+def with_materials(scene: SceneGeometry) -> mujoco.MjSpec:
+    """The scene's MJCF with the friction of its materials on the ground."""
+    spec, counts = scene_spec(scene), {}
+    for region, friction in zip(scene.prism_region.tolist(), scene.prism_material_friction, strict=True):
+        number = counts[region] = counts.get(region, -1) + 1
+        spec.geom(f"ground/{scene.region_ids[region]}/{number}").friction[0] = friction
+    return spec
+
+
+@functools.cache
+def driven_on_materials() -> tuple[c_mujoco.Trace, c_mujoco.Trace]:
+    """Drives in C MuJoCo where the smaller of two coefficients counts, by pairs; and with uniform friction."""
+    robot, _, drives, uniform = driven("differential", 3, 14)
+    models = [c_mujoco.reference_model(with_materials(s), robot, least=True) for s in box_scenes(3)]
+    return c_mujoco.drive_reference(models, robot, drives, CONTROL_DT), uniform
+
+
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+def test_friction_of_materials_is_that_of_c_mujoco(impl: str) -> None:
+    """Roads, crossings and pavements with coefficients below and above the tyres'."""
+    robot, bank, drives, _ = driven("differential", 3, 14)
+    expected, uniform = driven_on_materials()
+    engine = make_engine(bank, robot, impl=impl, control_dt=CONTROL_DT, friction="materials")
+    report = c_mujoco.compare(expected, c_mujoco.drive_engine(engine, bank, drives), robot)
+    summary = report.summary()
+    assert len(np.unique(bank.prism_material_friction[bank.prism_hull >= 0])) == 3
+    assert np.abs(expected.qpos - uniform.qpos).max() > 0.02, "other friction drives elsewhere"
+    assert report.before.max() <= BEFORE, summary
+    assert report.onset.max() <= ONSET, summary
+    assert summary["after_1s_max_mm"] <= AFTER_MAX * 1e3, summary
+    assert report.ends_agree.all(), summary
+
+
+def test_a_robot_starts_slower_on_slippery_ground() -> None:
+    """m that COCO covers in 1 s from rest at full speed: its tyres' 0.7 limits it on anything that grips better."""
+    robot, bank = make_coco(), box_bank(1, num_objects=1)
+    ahead = np.asarray(robot.command(np.array([robot.max_speed, 0.0])), np.float32)
+    covered = {}
+    for friction in (1.0, 0.7, 0.65, 0.35):
+        ground = np.full_like(bank.prism_material_friction, friction)
+        street = dataclasses.replace(bank, prism_material_friction=ground)
+        engine = make_engine(street, robot, impl="warp", control_dt=CONTROL_DT, friction="materials")
+        model = engine.physics.model
+        start = np.array(model.qpos0, np.float32)
+        start[:3] = 3.0, 0.0, robot.spawn_height
+        state = engine.init(np.int32(0), start, np.zeros(model.nv, np.float32))
+        for _ in range(5):
+            state = engine.step(state, ahead)
+        covered[friction] = float(state.qpos[0]) - 3.0
+    assert covered[1.0] == pytest.approx(covered[0.7], abs=1e-4)
+    assert 0.0 < covered[0.7] - covered[0.65] < 0.03, "dry asphalt and dry concrete"
+    assert covered[0.7] - covered[0.35] > 0.3
+
+
+def test_an_unknown_friction_is_refused() -> None:
+    robot, bank, _, _ = driven("differential", 3, 14)
+    with pytest.raises(ValidationError, match=r"engine.friction: found 'ice'.*uniform, materials"):
+        make_engine(bank, robot, friction="ice")
 
 
 @pytest.mark.slow

@@ -24,6 +24,8 @@ def _paper() -> ConfigDict:
             "action_repeat": 1,
             "impl": "auto",
             "num_slots": 16,
+            # That of the ground's materials and of the robot, whichever is less (docs/decisions/friction.md).
+            "friction": "materials",
             "scenes": "train",
             # The paper uses 16 scenes for 100 episodes; here all scenes can be used at once at no cost
             # (docs/decisions/presets.md).
@@ -45,6 +47,7 @@ def _paper() -> ConfigDict:
                 "camera_fovy": 0.0,
                 "clutter": 0,
                 "starts": 0.0,
+                "wet": 0.0,
             },
             # clean, static or dynamic, the scenario types of UrbanSim (see scenarios.py); `crowd` applies to dynamic
             # only.
@@ -125,6 +128,7 @@ def _crowd() -> dict[str, Any]:
 def _urbansim_v0_1() -> ConfigDict:
     config = _paper()
     config.preset = "urbansim_v0_1"
+    config.friction = "uniform"  # its ground has 1.0 everywhere
     config.randomization = OFF
     config.drive = "ackermann"
     config.ctrl_dt = 0.1  # dt 0.005 s, decimation 20

@@ -18,9 +18,12 @@ OFF = {
     "camera_fovy": 0.0,
     "clutter": 0,
     "starts": 0.0,
+    "wet": 0.0,
 }
 #: Numbers folded into a key, so that these draws do not change any others.
-_FRICTION, _MASS, _APPEARANCE = 101, 102, 103
+_FRICTION, _MASS, _APPEARANCE, _WET = 101, 102, 103, 104
+#: Factor of friction on a wet street: that of wet ground materials (`assets/appearances/grounds/weathering.py`).
+WET_FRICTION = 0.72
 
 
 class Randomization:
@@ -34,6 +37,8 @@ class Randomization:
       each axis; camera_fovy: largest relative change of its field of view. All are uniform and constant within an
       episode.
     * clutter: number of movable objects beside the route, see `clutter.Clutter`.
+    * wet: share of the episodes in rain, in which the friction of all contacts is multiplied by `WET_FRICTION` besides;
+      the image does not change.
     * starts: share of the episodes that begin at a random position along or beside the route, see
       `starts.RandomStarts`.
 
@@ -67,6 +72,9 @@ class Randomization:
             raise ValidationError(
                 f"config.randomization.starts: found {self.starts}, needed a share from 0 (off) to 1."
             )
+        self._wet = float(config.get("wet", 0.0))
+        if not 0.0 <= self._wet <= 1.0:
+            raise ValidationError(f"config.randomization.wet: found {self._wet}, needed a share from 0 (off) to 1.")
         self._friction, self._mass = tuple(config.friction_scale), tuple(config.mass_scale)
         self.varies_appearance = config.appearance > 0.0
 
@@ -78,6 +86,9 @@ class Randomization:
             for name, (number, (low, high)) in draws.items()
             if (low, high) != (1.0, 1.0)
         }
+        if self._wet > 0.0:
+            wet = jax.random.bernoulli(jax.random.fold_in(key, _WET), self._wet)
+            new["friction_scale"] = new.get("friction_scale", sim.friction_scale) * jnp.where(wet, WET_FRICTION, 1.0)
         return sim._replace(**new)
 
     def appearance_seed(self, key: Key[Array, ""]) -> Int[Array, ""]:

@@ -92,7 +92,9 @@ def walking_engine(
 
 
 def _options(config: ConfigDict) -> dict[str, Any]:
-    return {"impl": config.impl, "physics_dt": config.sim_dt, "num_slots": config.num_slots}
+    # Policies from before there was a choice were trained on uniform ground.
+    friction = config.get("friction", "uniform")
+    return {"impl": config.impl, "physics_dt": config.sim_dt, "num_slots": config.num_slots, "friction": friction}
 
 
 def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavEnv:

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .hull_contact import HullTable
-from .static_slots import Slots
+from .static_slots import Slots, both_surfaces
 
 #: Contacts of a body with the ground, and with anything else.
 GROUND_CONTACTS, OTHER_CONTACTS = 8, 4
@@ -47,7 +47,9 @@ class BodyContacts(NamedTuple):
     friction: Any
 
 
-def ground_contacts(places: Any, centre: Any, prisms: Slots, planes: Any, friction: Any) -> BodyContacts:
+def ground_contacts(
+    places: Any, centre: Any, prisms: Slots, planes: Any, friction: Any, least: bool = False
+) -> BodyContacts:
     """Contacts of all bodies with the ground.
 
     Args:
@@ -56,6 +58,7 @@ def ground_contacts(places: Any, centre: Any, prisms: Slots, planes: Any, fricti
       prisms: Q prisms near each body, leading axis W.
       planes: (T, 4, F) of the hull table, in the prisms' frames, which are not turned.
       friction: (W,) of the bodies.
+      least: see `both_surfaces`.
     """
     local = places[:, :, None] - prisms.position[:, None]
     own = planes[prisms.hull]
@@ -85,11 +88,13 @@ def ground_contacts(places: Any, centre: Any, prisms: Slots, planes: Any, fricti
         distance,
         normal,
         places[bodies, best],
-        jnp.maximum(friction[:, None], prisms.friction[bodies, prism]),
+        both_surfaces(least, friction[:, None], prisms.friction[bodies, prism]),
     )
 
 
-def other_contacts(places: Any, targets: Slots, other: Any, table: HullTable, box: Any, friction: Any) -> BodyContacts:
+def other_contacts(
+    places: Any, targets: Slots, other: Any, table: HullTable, box: Any, friction: Any, least: bool = False
+) -> BodyContacts:
     """Contacts of all bodies with static hulls and with each other's hulls.
 
     Args:
@@ -98,6 +103,7 @@ def other_contacts(places: Any, targets: Slots, other: Any, table: HullTable, bo
       other: (W, T) i32, the body whose hull it is, -1 = static.
       box: (hulls, 2, 3) m, boxes around the table's hulls.
       friction: (W,) of the bodies.
+      least: see `both_surfaces`.
     """
     number = targets.hull.shape[1]
     local = jnp.einsum("wtij,wpti->wptj", targets.rotation, places[:, :, None] - targets.position[:, None])
@@ -120,7 +126,7 @@ def other_contacts(places: Any, targets: Slots, other: Any, table: HullTable, bo
         -negative,
         jnp.einsum("wkij,wkj->wki", targets.rotation[bodies, target], normal),
         places[bodies, point],
-        jnp.maximum(friction[:, None], targets.friction[bodies, target]),
+        both_surfaces(least, friction[:, None], targets.friction[bodies, target]),
     )
 
 

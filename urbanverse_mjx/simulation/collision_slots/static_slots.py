@@ -48,8 +48,9 @@ class Slots(NamedTuple):
     friction: Any
 
 
-def instance_tables(bank: SceneBank) -> tuple[InstanceTable, InstanceTable]:
-    """The objects' hulls and the ground prisms of a bank as NumPy arrays, i32 and f32, without copies where possible.
+def instance_tables(bank: SceneBank, materials: bool = False) -> tuple[InstanceTable, InstanceTable]:
+    """The objects' hulls and the ground prisms of a bank as NumPy arrays, i32 and f32, without copies where possible;
+    materials: whether the ground has the friction of its materials.
 
     The grids are the largest part of a large bank; engines copy them to the device and do not keep these arrays.
     """
@@ -62,12 +63,18 @@ def instance_tables(bank: SceneBank) -> tuple[InstanceTable, InstanceTable]:
 
     eye = np.broadcast_to(np.eye(3, dtype=np.float32), (*bank.prism_hull.shape, 3, 3))
     ground = np.full_like(bank.prism_hull, -1)
+    slide = bank.prism_material_friction if materials else bank.prism_friction
     return (
         table(
             bank.inst_hull, bank.inst_object, bank.inst_position, bank.inst_rotation, bank.inst_friction, bank.hull_grid
         ),
-        table(bank.prism_hull, ground, bank.prism_position, eye, bank.prism_friction, bank.prism_grid),
+        table(bank.prism_hull, ground, bank.prism_position, eye, slide, bank.prism_grid),
     )
+
+
+def both_surfaces(least: bool, own: Any, other: Any) -> Any:
+    """Friction of two surfaces in contact: the larger coefficient, as in MuJoCo, or the smaller (least)."""
+    return jnp.minimum(own, other) if least else jnp.maximum(own, other)
 
 
 def box_distance(point: Any, centre: Any, rotation: Any, half: Any) -> Any:

@@ -93,8 +93,10 @@ def hull_slots(awake: Awake, own: Matter) -> static_slots.Slots:
     )
 
 
-def find_contacts(awake: Awake, own: Matter, hulls: static_slots.Slots, scenery: Scenery) -> body_contact.BodyContacts:
-    """Contacts of the bodies with all but the robot; hulls: see `hull_slots`."""
+def find_contacts(
+    awake: Awake, own: Matter, hulls: static_slots.Slots, scenery: Scenery, least: bool = False
+) -> body_contact.BodyContacts:
+    """Contacts of the bodies with all but the robot; hulls: of `hull_slots`, least: of `static_slots.both_surfaces`."""
     turn = rotations.matrix(awake.quaternion)
     places = awake.place[:, None] + jnp.einsum("wij,wpj->wpi", turn, own.points)
     there = awake.row >= 0
@@ -109,8 +111,8 @@ def find_contacts(awake: Awake, own: Matter, hulls: static_slots.Slots, scenery:
     still = jnp.full(scenery.hulls.hull.shape, -1)
     other = jnp.concatenate([still, jnp.broadcast_to(whose, (number, len(whose)))], axis=1)
     safe = jnp.where(there[:, None, None], places, 1e6)
-    ground = body_contact.ground_contacts(safe, awake.place, prisms, scenery.planes, own.friction)
-    rest = body_contact.other_contacts(safe, targets, other, scenery.table, scenery.box, own.friction)
+    ground = body_contact.ground_contacts(safe, awake.place, prisms, scenery.planes, own.friction, least)
+    rest = body_contact.other_contacts(safe, targets, other, scenery.table, scenery.box, own.friction, least)
     return body_contact.join(ground, rest)
 
 

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import mujoco
 
 from ..collision_slots.hull_contact import SphereContacts
+from ..collision_slots.static_slots import both_surfaces
 from ..physics_model import LimitTable, SphereTable
 
 #: Tolerance within which a step of length 1 ends at the minimum of the quadratic.
@@ -74,11 +75,13 @@ def contact_rows(
     qvel: Any,
     timestep: float,
     pushed: "Pushed | None" = None,
+    least: bool = False,
 ) -> Rows:
     """Four rows per contact.
 
     Args:
       pushed: what the contacts do to bodies, whose 6 W velocities then follow the robot's in qvel; None = no bodies.
+      least: see `both_surfaces`.
       slot_friction: (C,) of the hulls.
       friction_scale: () factor on the friction of each contact.
       motion: (nv, 6) MJX's cdof, angular then linear, about `centre` (3,).
@@ -98,7 +101,7 @@ def contact_rows(
 
     own, slippery = jnp.asarray(spheres.own_friction)[sphere], jnp.asarray(spheres.slippery)[sphere]
     friction = jnp.asarray(spheres.friction, jnp.float32)[sphere]
-    friction = jnp.where(own, friction, jnp.maximum(friction, slot_friction[contacts.slot]))
+    friction = jnp.where(own, friction, both_surfaces(least, friction, slot_friction[contacts.slot]))
     friction = jnp.where(slippery, 0.0, friction * friction_scale)[:, None]
     solref = jnp.asarray(spheres.solref, jnp.float32)[sphere]
     solimp = jnp.asarray(spheres.solimp, jnp.float32)[sphere]

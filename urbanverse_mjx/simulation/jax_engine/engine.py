@@ -77,6 +77,7 @@ class JaxEngine(EngineBase):
       iterations, line_steps: largest numbers of iterations of the constraint solver and of its line search.
       agents: shapes of moving agents, whose motion is passed to `step`; None = none.
       movable: sizes for objects that can be pushed, which are passed to `init`; None = none.
+      friction: of `engine_base.FRICTIONS`, see `make_engine`.
 
     Raises:
       ValidationError: the control period is not a multiple of the time step, there are too many or no slots, or the
@@ -95,12 +96,13 @@ class JaxEngine(EngineBase):
         line_steps: int = 8,
         agents: AgentShapes | None = None,
         movable: body_slots.Sizes | None = None,
+        friction: str = "uniform",
     ) -> None:
-        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable)
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable, friction)
         self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, self.num_pairs)
         self.iterations = v.integer(iterations, "engine.iterations", 1)
         self.line_steps = v.integer(line_steps, "engine.line_steps", 1)
-        objects, prisms = jax.tree.map(jnp.asarray, static_slots.instance_tables(bank))
+        objects, prisms = jax.tree.map(jnp.asarray, static_slots.instance_tables(bank, self.materials))
         self.tables = EngineTables(
             hull_contact.hull_table(bank), objects, prisms, jnp.asarray(bank.grid_origin), jnp.asarray(bank.grid_cell)
         )
@@ -260,9 +262,10 @@ class JaxEngine(EngineBase):
             free = jnp.concatenate([free, body_dynamics.free_acceleration(awake, own)])
             speed = jnp.concatenate([qvel, body_dynamics.velocities(awake)])
             warm = jnp.concatenate([warm, awake.warm.reshape(-1)])
-        rows = constraint.contact_rows(found, spheres, *grip, data.cdof, centre, speed, dt, pushed)
+        least = self.materials
+        rows = constraint.contact_rows(found, spheres, *grip, data.cdof, centre, speed, dt, pushed, least)
         if awake is not None and own is not None and scenery is not None:
-            theirs = body_dynamics.find_contacts(awake, own, hulls, scenery)
+            theirs = body_dynamics.find_contacts(awake, own, hulls, scenery, least)
             rows = constraint.join(rows, body_dynamics.contact_rows(theirs, awake, own, speed, dt))
         if len(self.physics.limits.dof):
             rows = constraint.join(rows, constraint.limit_rows(self.physics.limits, data.qpos, speed, dt))

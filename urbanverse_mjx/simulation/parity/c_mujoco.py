@@ -30,6 +30,8 @@ __all__ = [
     "reference_model",
 ]
 
+#: Torsional and rolling friction, MuJoCo's defaults, which contacts of condim 3 do not use.
+_NO_SLIDE = (0.005, 0.0001, 0.0001)
 #: Prefixes of names in the scene's MJCF that are not objects.
 _GROUND = "ground/"
 _ROBOT = "robot/"
@@ -110,12 +112,29 @@ def _millimetres(metres: Any) -> float:
     return round(float(metres) * 1e3, 4)
 
 
-def reference_model(scene: mujoco.MjSpec, robot: RobotSpec) -> mujoco.MjModel:
-    """The scene with the robot in it, with the robot's options (time step, integrator, cone)."""
+def reference_model(scene: mujoco.MjSpec, robot: RobotSpec, least: bool = False) -> mujoco.MjModel:
+    """The scene with the robot in it, with the robot's options (time step, integrator, cone).
+
+    Args:
+      least: the smaller coefficient of two surfaces counts, by a contact pair for each of the robot's geoms and each of
+        the scene, because MuJoCo's own rule is the larger one.
+    """
+    still = [geom for geom in scene.geoms if geom.contype or geom.conaffinity]
     body = mujoco.MjSpec.from_string(robot.mjcf)
     for option in ("timestep", "integrator", "cone"):
         setattr(scene.option, option, getattr(body.option, option))
     scene.attach(body, prefix=_ROBOT, frame=scene.worldbody.add_frame())
+    own = [geom for geom in scene.geoms if geom.name.startswith(_ROBOT) and (geom.contype or geom.conaffinity)]
+    for mine in own if least else ():
+        for other in still:
+            alone = mine.priority > other.priority
+            friction = mine.friction[0] if alone else min(mine.friction[0], other.friction[0])
+            scene.add_pair(
+                geomname1=mine.name,
+                geomname2=other.name,
+                condim=mine.condim if alone else 3,
+                friction=[friction, friction, *_NO_SLIDE],
+            )
     return scene.compile()
 
 

@@ -66,6 +66,7 @@ class WorldBatch:
         self.slots.geom = wp.full(shape, shared.robot.ground, dtype=int)
         self.slots.friction = wp.zeros(shape, dtype=float)
         self.slots.friction_scale = wp.ones(number, dtype=float)
+        self.slots.least = int(shared.materials)
         self.masses, self.model = self._make_masses(model.nbody)
         self.nothing = wp.zeros((number, 0), dtype=int)
         self.bodies = None if movable is None else self._make_bodies(movable)
@@ -136,6 +137,7 @@ class WorldBatch:
         self.model.body_invweight0 = out.invweight
         out.first_qpos, out.first_dof, out.first_body, out.first_geom = free.qpos, free.dof, free.body, free.geom
         out.first_slot, out.ground = self.num_hulls, self.shared.robot.ground
+        out.least = int(self.shared.materials)
         geom = self.slots.geom.numpy()
         geom[:, self.num_hulls : self.num_convex] = (
             free.geom + np.arange(self.num_convex - self.num_hulls) // sizes.hulls

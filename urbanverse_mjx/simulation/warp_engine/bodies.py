@@ -14,7 +14,7 @@ import warp as wp
 
 from ..collision_slots import body_contact, body_slots
 from .body_types import Bodies, BodyTable
-from .contact import Hulls, Places, Slots, outside_box, slide, write_contact
+from .contact import Hulls, Places, Slots, both_surfaces, outside_box, slide, write_contact
 from .kernels import Masses, Tables, find_nearest
 from .mujoco_warp_private import vec5
 
@@ -316,7 +316,7 @@ def put_contacts(table: BodyTable, xpos: wp.array2d[wp.vec3], bodies: Bodies, pl
                 bodies.ground_depth[w, b, best],
                 bodies.point[w, b, best],
                 bodies.ground_normal[w, b, best],
-                wp.max(friction, bodies.ground_friction[w, b, best]),
+                both_surfaces(bodies.least, friction, bodies.ground_friction[w, b, best]),
             )
     picks = Picks(-1)
     for k in range(_OTHER_CONTACTS):
@@ -341,7 +341,7 @@ def put_contacts(table: BodyTable, xpos: wp.array2d[wp.vec3], bodies: Bodies, pl
                 deepest,
                 bodies.point[w, b, best],
                 bodies.other_normal[w, b, best],
-                wp.max(friction, bodies.other_friction[w, b, best]),
+                both_surfaces(bodies.least, friction, bodies.other_friction[w, b, best]),
             )
 
 

@@ -26,7 +26,7 @@ class Bodies:
     worlds' origins; position, rotation (n, W): T_world_object; ground_*, other_* and point (n, W, P): where each point
     of a body is and how deep in what; invweight (n, bodies of the model): what MuJoCo Warp takes for 1 / kg.
     first_qpos, first_dof, first_body, first_geom: of the first body in MuJoCo's model; first_slot: of its first hull;
-    ground: the geom that stands for all that does not move.
+    ground: the geom that stands for all that does not move; least: see `contact.Slots`.
     """
 
     row: wp.array2d[int]
@@ -53,3 +53,4 @@ class Bodies:
     first_geom: int
     first_slot: int
     ground: int
+    least: int

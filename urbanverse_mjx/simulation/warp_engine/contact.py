@@ -58,7 +58,8 @@ class Slots:
     """C hulls near each of n worlds; hull (n, C): row of the table, -1 = empty; owner (n, C): object, -1 = ground;
     geom (n, C): the geom that stands for it in contacts.
 
-    friction_scale (n,): factor on the friction of each contact of a world.
+    friction_scale (n,): factor on the friction of each contact of a world; least: 1 where the smaller coefficient of
+    two surfaces counts.
     """
 
     hull: wp.array2d[int]
@@ -68,6 +69,7 @@ class Slots:
     rotation: wp.array2d[wp.mat33]
     friction: wp.array2d[float]
     friction_scale: wp.array[float]
+    least: int
 
 
 @wp.struct
@@ -137,6 +139,12 @@ def hull_distance(hulls: Hulls, hull: int, point: wp.vec3, limit: float) -> wp.v
 
 
 @wp.func
+def both_surfaces(least: int, own: float, other: float) -> float:
+    """See `static_slots.both_surfaces`."""
+    return wp.where(least != 0, wp.min(own, other), wp.max(own, other))
+
+
+@wp.func
 def slide(friction: float) -> vec5:
     """The friction of a contact that slides with so much of it."""
     return vec5(friction, friction, _TORSION, _ROLLING, _ROLLING)
@@ -177,7 +185,7 @@ def put_contact(
         write_contact(places, k, c, spheres.geom[s], slots.geom[w, c], distance, point, inward)
         friction = float(spheres.friction[s])
         if spheres.own_friction[s] == 0:
-            friction = wp.max(friction, slots.friction[w, c])
+            friction = both_surfaces(slots.least, friction, slots.friction[w, c])
         friction *= slots.friction_scale[w]
         places.dim[k] = 3 - 2 * spheres.slippery[s]
         places.friction[k] = slide(friction)

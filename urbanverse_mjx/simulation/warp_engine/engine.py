@@ -91,6 +91,7 @@ class WarpEngine(EngineBase):
       graphs: whether physics steps are captured once as CUDA graph and replayed; disable for debugging.
       agents: shapes of moving agents, whose motion is passed to `step`; None = none.
       movable: sizes for objects that can be pushed, which are passed to `init`; None = none.
+      friction: of `engine_base.FRICTIONS`, see `make_engine`.
 
     Raises:
       ValidationError: the control period is not a multiple of the time step, there are too many or no slots, or the
@@ -110,8 +111,9 @@ class WarpEngine(EngineBase):
         graphs: bool = True,
         agents: AgentShapes | None = None,
         movable: body_slots.Sizes | None = None,
+        friction: str = "uniform",
     ) -> None:
-        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable)
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable, friction)
         self.bank = bank
         self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), self.num_pairs)
         self._robot_model = build_robot_model(
@@ -212,7 +214,7 @@ class WarpEngine(EngineBase):
 
     def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch:
         shared, batches = self._devices.get_or_make(
-            device, lambda: DeviceModel(self.bank, self._robot_model, self.reach)
+            device, lambda: DeviceModel(self.bank, self._robot_model, self.reach, self.materials)
         )
         room = self.num_contacts + self.num_agent_contacts + self.num_body_contacts
         sizes = (self.num_slots, self.num_prism_slots, room)

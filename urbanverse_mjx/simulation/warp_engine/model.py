@@ -121,8 +121,8 @@ def build_robot_model(
 class DeviceModel:
     """MuJoCo Warp's model and the bank's tables on the current Warp device."""
 
-    def __init__(self, bank: SceneBank, robot: RobotModel, reach: float) -> None:
-        self.robot = robot
+    def __init__(self, bank: SceneBank, robot: RobotModel, reach: float, materials: bool = False) -> None:
+        self.robot, self.materials = robot, materials
         self.device = wp.get_device()
         self.model = mjw.put_model(robot.model)
         # Contacts that find no place are counted by `contact`, and become `slot_overflow`.
@@ -138,7 +138,7 @@ class DeviceModel:
         self.spheres = _spheres(robot)
         self.hulls = _hulls(bank)
         self.tables = kernels.Tables()
-        self.tables.objects, self.tables.prisms = (_instances(t) for t in static_slots.instance_tables(bank))
+        self.tables.objects, self.tables.prisms = (_instances(t) for t in static_slots.instance_tables(bank, materials))
         self.tables.origin = wp.array(bank.grid_origin, dtype=wp.vec2)
         self.tables.cell, self.tables.reach = float(bank.grid_cell), reach
         self.body_table = None if robot.bodies is None else _body_table(robot.bodies.table)
