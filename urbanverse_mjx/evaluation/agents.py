@@ -54,6 +54,24 @@ class Beginning(Protocol):
         ...
 
 
+@runtime_checkable
+class SeesGoal(Protocol):
+    """A `BatchAgent` that takes camera images at the goals, if `sees_goal`."""
+
+    @property
+    def sees_goal(self) -> bool:
+        """Whether it takes them."""
+        ...
+
+    def see_goal(self, images: np.ndarray) -> None:
+        """Takes (n, H, W, 3) u8 for the episodes that begin next; called before `begin`."""
+        ...
+
+    def __call__(self, obs: Mapping[str, np.ndarray], /) -> np.ndarray:
+        """Actions (n, 2)."""
+        ...
+
+
 def agent_action(
     agent: Agent | Privileged | Recurrent,
     nav: NavState,

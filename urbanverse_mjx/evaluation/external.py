@@ -15,7 +15,7 @@ import numpy as np
 from ..datatypes import ValidationError
 from ..datatypes.policy_file import PolicyRecord
 from ..policies.onnx_agent import IMAGE, OBSERVATIONS, PRIVILEGED
-from .agents import BatchAgent, Beginning
+from .agents import BatchAgent, Beginning, SeesGoal
 
 #: Observations of a callable that names none: those of the robot's sensors.
 SENSED = (IMAGE, "goal")
@@ -41,6 +41,16 @@ class ExternalPolicy:
         """Notifies a recurrent policy that `count` episodes begin."""
         if isinstance(self.agent, Beginning):
             self.agent.begin(count)
+
+    @property
+    def sees_goal(self) -> bool:
+        """Whether the policy takes camera images at the goals."""
+        return isinstance(self.agent, SeesGoal) and self.agent.sees_goal
+
+    def see_goal(self, images: np.ndarray) -> None:
+        """Passes on (n, H, W, 3) u8, camera images at the goals of the episodes that begin next."""
+        if isinstance(self.agent, SeesGoal):
+            self.agent.see_goal(images)
 
     def __call__(self, obs: Mapping[str, np.ndarray]) -> np.ndarray:
         """Actions (n, 2).

@@ -11,7 +11,8 @@ import numpy as np
 from .. import table_arguments
 from ..datatypes import RESULTS, AgentMotion, EpisodeResult, ValidationError
 from ..envs import NavEnv, NavState
-from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, agent_action, episode_data
+from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, SeesGoal, agent_action, episode_data
+from .goal_images import goal_images
 from .people import counted, no_people, people_fields
 
 
@@ -177,6 +178,8 @@ class Rollout:
         observe, places = table_arguments.jit(jax.vmap(self.env.observe)), table_arguments.jit(self._places)
         advance = table_arguments.jit(jax.vmap(self._advance))
         seen = []
+        if isinstance(agent, SeesGoal) and agent.sees_goal:
+            agent.see_goal(goal_images(self.env, nav))
         if isinstance(agent, Beginning):
             agent.begin(len(episodes))
         for step in range(self.env.config.episode_length):

@@ -21,7 +21,10 @@ class BenchmarkOptions:
 
     policy: str = "planner"
     """zero, random, go_to_goal, planner (with full knowledge of the scene), a policy folder, module:callable,
-    FILE.onnx."""
+    FILE.onnx, or with --weights a published model: zoo:gnm, vint, nomad, citywalker, s2e, mimic, and zoo:urbanverse
+    for a file of export-onnx."""
+    weights: pathlib.Path | None = None
+    """ONNX file of a published model, or the folder with its files; with --policy zoo:NAME."""
     protocol: Literal["paper", "full"] = "paper"
     """paper: 5 runs over ten scenes; full: every frozen episode of every scene, intervals over scenes."""
     contact: Literal["both", "ends", "goes_on"] = "both"
@@ -75,6 +78,8 @@ def benchmark(
 
     options = options or BenchmarkOptions()
     v.integer(options.at_once, "--at-once", 1)
+    if options.weights is not None and not options.policy.startswith("zoo:"):
+        raise ValidationError(f"--weights: found it beside --policy {options.policy}, needed --policy zoo:NAME.")
     if options.scenes is not None:
         v.integer(options.scenes, "--scenes", 1)
     protocol = Protocol.load(protocol_file(name))
@@ -172,6 +177,8 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
         env = _env(runs, options.env_name or "CocoNav", config)
         policy = Planner(env) if name == "planner" else BASELINES[name]
         return env, policy, False, name, {"name": name, "privileged": name == "planner"}
+    if name.startswith("zoo:"):
+        return _prepare_zoo(options, runs, contact)
     if name.endswith(".onnx") or (":" in name and not path.exists()):
         return _prepare_external(options, runs, contact)
     if not path.is_dir():
@@ -209,6 +216,39 @@ def _prepare_external(options: BenchmarkOptions, runs: Any, contact: str) -> tup
             config = registry.with_overrides(config, {"observations.proprio": True})
         env = _env(runs, options.env_name or "CocoNav", config)
     return env, policy, True, path.stem if name.endswith(".onnx") else name, where
+
+
+def _prepare_zoo(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
+    """`_prepare` for a published model, at its own rate and with images of its size."""
+    from ..envs import registry
+    from ..evaluation.external import ExternalPolicy
+    from ..policies.zoo import CONTRACTS, zoo_agent
+
+    name, weights = options.policy.removeprefix("zoo:"), options.weights
+    v.choice(name, "--policy zoo:", (*CONTRACTS, "urbanverse"))
+    if weights is None:
+        raise ValidationError(f"--weights: found nothing, needed the ONNX file of zoo:{name}.")
+    if name == "urbanverse":
+        if weights.suffix != ".onnx":
+            raise ValidationError(f"--weights: found {weights}, needed a .onnx file of `urbanverse export-onnx`.")
+        chosen = dataclasses.replace(options, policy=str(weights), weights=None)
+        env, policy, batched, _, where = _prepare_external(chosen, runs, contact)
+        return env, policy, batched, f"zoo:{name}", {**where, "name": options.policy, "weights": str(weights)}
+    contract, environment = CONTRACTS[name], options.env_name or "CocoNav"
+    task = registry.get_default_config(environment, options.preset)
+    overrides = {"ctrl_dt": 1.0 / contract.rate_hz, "observations.proprio": True, "vision_config.depth": False}
+    task = registry.with_overrides(task, overrides).to_dict()
+    config = _config(options, runs, contact, True, contract.size, task, environment)
+    env = _env(runs, environment, config)
+    agent = zoo_agent(name, weights, env.robot.max_speed, env.robot.max_yaw_rate, env.dt)
+    where = {
+        "name": options.policy,
+        "weights": str(weights),
+        "privileged": False,
+        "observations": [*agent.observations, *(["image at the goal"] if agent.sees_goal else [])],
+        "contract": dataclasses.asdict(contract),
+    }
+    return env, ExternalPolicy(agent, agent.observations, contract.size), True, options.policy, where
 
 
 def _trained_env(

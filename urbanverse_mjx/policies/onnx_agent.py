@@ -22,8 +22,12 @@ ALIASES = {"rgb": IMAGE, "image": IMAGE, "pixels": IMAGE, "goal_vector": "goal"}
 _DTYPES: dict[str, Any] = {"tensor(float)": np.float32, "tensor(double)": np.float64, "tensor(uint8)": np.uint8}
 
 
-def open_session(path: pathlib.Path) -> Any:
-    """An `onnxruntime.InferenceSession` on the CPU.
+def open_session(path: pathlib.Path, accelerated: bool = False) -> Any:
+    """An `onnxruntime.InferenceSession`.
+
+    Args:
+      accelerated: on CUDA where onnxruntime-gpu is installed, and with all threads otherwise; not reproducible to the
+        bit. The default is one thread of the CPU.
 
     Raises:
       ValidationError: the file does not exist, or onnxruntime cannot load it.
@@ -33,10 +37,15 @@ def open_session(path: pathlib.Path) -> Any:
     if not path.is_file():
         raise ValidationError(f"--policy: found no file {path}, needed an ONNX file.")
     options = onnxruntime.SessionOptions()
-    # One thread, for reproducible sums.
-    options.intra_op_num_threads = 1
+    providers = ["CPUExecutionProvider"]
+    if accelerated:
+        known = onnxruntime.get_available_providers()
+        providers = [p for p in ("CUDAExecutionProvider", *providers) if p in known]
+    else:
+        # One thread, for reproducible sums.
+        options.intra_op_num_threads = 1
     try:
-        return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
+        return onnxruntime.InferenceSession(str(path), options, providers=providers)
     except Exception as error:  # onnxruntime's own classes of errors differ between versions
         reason = str(error).splitlines()[0]
         raise ValidationError(
