@@ -34,8 +34,8 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 
 from benchmarks import results
-from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
+from urbanverse_mjx.scene import library
 
 #: Scenes held out of each training set to choose checkpoints on: the last ones.
 HELD_OUT = {"procedural": 8, "places": 9}
@@ -47,8 +47,8 @@ STREETS = {
 }
 PAPER_ROWS = {"procedural": "paper, procedural-160", "urbanverse160": "paper, UrbanVerse-160"}
 #: Training streets -> their name in the table.
-STREET_NAMES = {"procedural": "144 procedural", "urbanverse160": "140 of UrbanVerse-160", "both": "both"}
-BENCHMARKS = ("craftbench", "autobench")
+STREET_NAMES = {"procedural": results.REFERENCE, "urbanverse160": "140 of UrbanVerse-160", "both": "both"}
+BENCHMARKS = tuple(results.BENCHMARKS)
 GOES_ON = ("go_to_goal", "planner", "benchmarks/policies/coco_best", "benchmarks/policies/go2_best")
 #: s; trainings end by their steps.
 ENDLESS = 86_400
@@ -88,7 +88,7 @@ class Job:
 
 def bank(name: str) -> pathlib.Path:
     """The bank of a set of the scene library."""
-    return settings.cache_dir("library", name, "bank.npz")
+    return library.folder(name) / library.BANK
 
 
 def _banks(names: Iterable[str]) -> list[str]:
@@ -232,7 +232,9 @@ class Campaign:
 
     def start(self, job: Job) -> bool:
         """Starts a job if its files are there and a GPU has room."""
-        if not all(path.exists() for path in job.needs):
+        # A training writes its result after each score, so a file of a running job may be incomplete.
+        under_way = {other.gives for other in self.running}
+        if not all(path.exists() and path not in under_way for path in job.needs):
             return False
         gpu = self.free_gpu(job.memory) if job.memory else -1
         if gpu is None:

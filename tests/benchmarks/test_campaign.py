@@ -57,6 +57,13 @@ def test_a_job_waits_for_its_files_and_for_memory(tmp_path: pathlib.Path) -> Non
     assert events.index("end teacher") < events.index("begin student")
 
 
+def test_a_file_of_a_running_job_does_not_count_yet(tmp_path: pathlib.Path) -> None:
+    early = CODE.replace("time.sleep", "pathlib.Path(result).touch(); time.sleep")
+    jobs = [_job(tmp_path, "student", 0, "teacher"), _job(tmp_path, "teacher", 0, seconds=2.5, code=early)]
+    assert Campaign(_args(tmp_path), jobs).run() == 0
+    assert _events(tmp_path) == ["begin teacher", "end teacher", "begin student", "end student"]
+
+
 def test_two_gpus_take_jobs_at_the_same_time(tmp_path: pathlib.Path) -> None:
     jobs = [_job(tmp_path, name, 50, seconds=2.5) for name in ("a", "b")]
     assert Campaign(_args(tmp_path, "--gpus", "2"), jobs).run() == 0
@@ -104,7 +111,7 @@ def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: py
     jobs = campaign.chosen(_args(tmp_path, "--rows", "paper-urbanverse160-*", "--seeds", "4"))
     names = ["catalogue", "scenes-urbanverse160", "scenes-craftbench", "scenes-autobench", "paper-urbanverse160-4"]
     assert [job.name for job in jobs] == names
-    given = {path for job in jobs for path in [job.gives]}
+    given = {job.gives for job in jobs}
     assert all(set(job.needs) <= given for job in jobs), "a job needs what no job gives"
     with pytest.raises(SystemExit, match="'papers-x', which names no row, needed a pattern of teacher-0"):
         campaign.chosen(_args(tmp_path, "--rows", "papers-x"))
