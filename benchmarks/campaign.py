@@ -233,8 +233,8 @@ class Campaign:
     def start(self, job: Job) -> bool:
         """Starts a job if its files are there and a GPU has room."""
         # A training writes its result after each score, so a file of a running job may be incomplete.
-        under_way = {other.gives for other in self.running}
-        if not all(path.exists() and path not in under_way for path in job.needs):
+        unfinished = {other.gives for other in self.running}
+        if not all(path.exists() and path not in unfinished for path in job.needs):
             return False
         gpu = self.free_gpu(job.memory) if job.memory else -1
         if gpu is None:
