@@ -1,5 +1,8 @@
 """A scene as USD: no validator finds anything, and bodies, colliders and light are where the scene has them."""
 
+import dataclasses
+import pathlib
+
 import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, UsdValidation
@@ -48,6 +51,26 @@ def test_every_object_is_a_body_at_its_pose_with_its_mass_and_friction(stage: Us
         contact, _ = UsdShade.MaterialBindingAPI(hulls[0]).ComputeBoundMaterial("physics")
         friction = UsdPhysics.MaterialAPI(contact.GetPrim()).GetDynamicFrictionAttr().Get()
         assert friction == pytest.approx(SCENE.object_friction[o], abs=1e-4)
+
+
+def test_ground_has_the_friction_of_its_material_and_the_smaller_coefficient_counts(tmp_path: pathlib.Path) -> None:
+    regions = len(SCENE.region_ids)
+    friction = np.linspace(0.3, 0.9, regions)[SCENE.prism_region]
+    scene = dataclasses.replace(SCENE, prism_material_friction=friction)
+    stage = Usd.Stage.Open(str(export_usd(scene, SKY, tmp_path / "scene")))
+    ground = list(stage.GetPrimAtPath("/World/Ground").GetChildren())
+    assert len(ground) == regions > 1
+    for region, prim in enumerate(ground):
+        hulls = [p for p in Usd.PrimRange(prim) if p.HasAPI(UsdPhysics.CollisionAPI)]
+        assert len(hulls) == (SCENE.prism_region == region).sum() > 0
+        for hull in hulls:
+            contact, _ = UsdShade.MaterialBindingAPI(hull).ComputeBoundMaterial("physics")
+            api = UsdPhysics.MaterialAPI(contact.GetPrim())
+            wanted = pytest.approx(np.linspace(0.3, 0.9, regions)[region], abs=1e-4)
+            assert api.GetDynamicFrictionAttr().Get() == wanted
+            assert api.GetStaticFrictionAttr().Get() == wanted
+            assert "PhysxMaterialAPI" in contact.GetPrim().GetPrimTypeInfo().GetAppliedAPISchemas()
+            assert contact.GetPrim().GetAttribute("physxMaterial:frictionCombineMode").Get() == "min"
 
 
 def test_colliders_lie_where_the_hulls_are(stage: Usd.Stage) -> None:

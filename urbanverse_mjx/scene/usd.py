@@ -103,7 +103,7 @@ def _add_ground(stage: Any, scene: SceneGeometry, surfaces: _Surfaces) -> None:
         rows = np.flatnonzero(scene.prism_region == number)
         if len(rows):
             prisms = [scene.hulls[scene.prism_hull[p]] + scene.prism_position[p] for p in rows]
-            contact = surfaces.contact(round(float(scene.prism_friction[rows[0]]), 4))
+            contact = surfaces.contact(round(float(scene.prism_material_friction[rows[0]]), 4))
             usd_parts.add_colliders(stage, f"{where}/collision", prisms, contact)
 
 

@@ -86,14 +86,21 @@ def bind(shape: Any, material: Any) -> None:
 
 
 def add_contact(stage: Any, where: str, friction: float, restitution: float) -> Any:
-    """A physics material with equal static and dynamic friction."""
-    from pxr import UsdPhysics, UsdShade
+    """A physics material with equal static and dynamic friction.
+
+    PhysX takes the smaller coefficient of two such materials, the rule of `friction="materials"` (its default is their
+    mean). Its schema is no part of usd-core, so its name and attribute are written as they are.
+    """
+    from pxr import Sdf, UsdPhysics, UsdShade
 
     material = UsdShade.Material.Define(stage, where)
     contact = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
     contact.CreateStaticFrictionAttr(friction)
     contact.CreateDynamicFrictionAttr(friction)
     contact.CreateRestitutionAttr(restitution)
+    material.GetPrim().AddAppliedSchema("PhysxMaterialAPI")
+    combine = material.GetPrim().CreateAttribute("physxMaterial:frictionCombineMode", Sdf.ValueTypeNames.Token, False)
+    combine.Set("min")
     return material
 
 
