@@ -16,7 +16,7 @@ PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 # What `make train` trains: CocoNav, Go2Nav, Go2Joystick
 ENV ?= CocoNav
 
-.PHONY: help setup setup-dev train test test-slow test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock licences advisories wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -104,7 +104,13 @@ docs-media: setup ## film every shipped policy and every scene of CraftBench int
 lock: ## resolve the locks anew, keeping versions that still fit (needs uv; ARGS=--upgrade takes the newest)
 	@.ci/lock $(ARGS)
 
-wheel: setup-dev ## build a wheel, install it in an empty environment and ask its doctor
+licences: setup-dev ## write docs/licences.md anew: what the default installation brings, and under which licences
+	@$(BIN)/python .ci/dependencies.py licences
+
+advisories: setup-dev ## compare the locks with stored advisories in OSV's format, without network (ARGS=FILE)
+	@$(BIN)/python .ci/dependencies.py advisories $(ARGS)
+
+wheel: setup-dev ## build a wheel and its bill of materials, install it in an empty environment and ask its doctor
 	@.ci/wheel
 
 clean: ## remove build outputs and caches of this folder (not .venv, not runs/)
