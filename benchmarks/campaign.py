@@ -232,7 +232,7 @@ class Campaign:
 
     def start(self, job: Job) -> bool:
         """Starts a job if its files are there and a GPU has room."""
-        # A training writes its result after each score, so a file of a running job may be incomplete.
+        # A file of a running job may be incomplete or of an earlier run.
         unfinished = {other.gives for other in self.running}
         if not all(path.exists() and path not in unfinished for path in job.needs):
             return False

@@ -10,13 +10,12 @@ protocols. An interrupted run continues from its newest checkpoint. Writes log.j
 """
 
 import argparse
-import json
 import pathlib
 import sys
 from typing import Any
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, Streets, brief, load
+from benchmarks.lib.unseen import Log, Streets, brief, load, save_result
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
@@ -75,7 +74,7 @@ def main() -> int:
     scores = streets.suite.score(env, args.preset, load_policy(folder)[0])
     log(**{name: brief(x) for name, x in scores.items()})
     result = {"steps": PolicySpec.load(folder).steps, "scenes": len(chosen), args.preset: scores}
-    (args.out / "result.json").write_text(json.dumps(result))
+    save_result(args.out, result)
     return 0
 
 

@@ -22,7 +22,7 @@ import jax
 from ml_collections import ConfigDict
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, brief, load
+from benchmarks.lib.unseen import Log, brief, load, save_result
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
@@ -289,7 +289,7 @@ def main() -> int:
     for name, agent in reversed(agents.items()):
         result[name] = suite.score(env, name, agent)
         log(**{name: {k: brief(x) for k, x in result[name].items()}})
-        (args.out / "result.json").write_text(json.dumps(result))
+    save_result(args.out, result)
     log(done=True)
     return 0
 

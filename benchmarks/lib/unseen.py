@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
+from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.evaluation.held_out import Suite
 
 
@@ -68,3 +69,10 @@ def brief(scores: dict[str, Any]) -> dict[str, Any]:
     """Returns the success rate with its interval, and the share of each result."""
     rate = scores["summary"]["SR"]
     return {k: round(rate[k], 1) for k in ("mean", "low", "high") if rate.get(k) is not None} | scores["ends"]
+
+
+def save_result(folder: pathlib.Path, result: dict[str, Any]) -> None:
+    """Writes result.json, whole or not at all; called once, after the last score, because a campaign takes a job whose
+    result is there for done."""
+    text = json.dumps(result)
+    v.write_atomically(folder / "result.json", lambda path: path.write_text(text, encoding="utf-8"))

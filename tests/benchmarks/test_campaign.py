@@ -5,6 +5,7 @@ import json
 import pathlib
 import sys
 import time
+import types
 
 import pytest
 
@@ -62,6 +63,40 @@ def test_a_file_of_a_running_job_does_not_count_yet(tmp_path: pathlib.Path) -> N
     jobs = [_job(tmp_path, "student", 0, "teacher"), _job(tmp_path, "teacher", 0, seconds=2.5, code=early)]
     assert Campaign(_args(tmp_path), jobs).run() == 0
     assert _events(tmp_path) == ["begin teacher", "end teacher", "begin student", "end student"]
+
+
+def test_a_training_that_ends_while_it_scores_is_not_done(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Training:
+        imitation, steps = types.SimpleNamespace(student=None), 9
+
+        def __init__(self, *given: object) -> None:
+            pass
+
+        def run(self) -> dict[str, dict[str, float]]:
+            return {"student": {}, "finetuned": {}}
+
+    scored: list[str] = []
+
+    def score(env: object, name: str, agent: object) -> dict[str, object]:
+        scored.append(name)
+        if len(scored) == 2:
+            raise KeyboardInterrupt
+        return {"craftbench": {"summary": {"SR": {"mean": 50.0}}, "ends": {}, "by_scene": {}}}
+
+    for name in ("tables_as_arguments", "keep_compiled"):
+        monkeypatch.setattr(generalise, name, lambda: None)
+    monkeypatch.setattr(generalise, "load", lambda *given: (None, ["s"], types.SimpleNamespace(score=score)))
+    monkeypatch.setattr(generalise.registry, "load", lambda *given, **named: None)
+    monkeypatch.setattr(generalise, "StudentTraining", Training)
+    monkeypatch.setattr(sys, "argv", ["generalise", "student", "--train", "bank.npz", "--out", str(tmp_path)])
+    with pytest.raises(KeyboardInterrupt):
+        generalise.main()
+    assert scored == ["finetuned", "student"]
+    assert not (tmp_path / "result.json").exists()
+    assert generalise.main() == 0
+    assert set(json.loads((tmp_path / "result.json").read_text())) == {"steps", "student", "finetuned"}
 
 
 def test_two_gpus_take_jobs_at_the_same_time(tmp_path: pathlib.Path) -> None:
