@@ -120,7 +120,11 @@ def test_a_cover_errs_by_no_more_than_it_says(size: tuple[float, float, float]) 
 
 
 def test_few_spheres_are_taken_where_few_are_enough() -> None:
-    assert len(cover(trimesh.creation.icosphere(3, 0.2).vertices, FitOptions(0.02)).radius) == 1
+    # The tolerance bounds the error, and of the spheres within it the closest is taken: for a ball that ball.
+    ball = cover(trimesh.creation.icosphere(3, 0.05).vertices + [1.0, 0.0, 0.0], FitOptions(0.02))
+    np.testing.assert_allclose(ball.centre, [[1.0, 0.0, 0.0]], atol=1e-6)
+    assert ball.radius == pytest.approx([0.05], abs=5e-4)
+    assert ball.error < 1e-3
     capsule = trimesh.creation.capsule(0.3, 0.1, count=[32, 32]).vertices
     made = cover(capsule, FitOptions(0.02))
     assert len(made.radius) <= 3

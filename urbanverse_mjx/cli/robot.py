@@ -34,8 +34,9 @@ def main(argv: Sequence[str]) -> int:
     for fit in fits:
         name = fit.geom or f"(a geom of {fit.body})"
         what = f"{fit.shape}{', rolls' if fit.rolls else ''}"
-        errors = f"stand out by {fit.cover.protrudes:.3f} m, fall short by {fit.cover.falls_short:.3f} m"
-        sys.stdout.write(f"{name:<24} {what:<16} {len(fit.spheres):>3} spheres {errors}\n")
+        number = f"{len(fit.spheres):>3} {'sphere' if len(fit.spheres) == 1 else 'spheres'},"
+        errors = f"largest protrusion {fit.cover.protrudes:.3f} m, largest gap {fit.cover.falls_short:.3f} m"
+        sys.stdout.write(f"{name:<24} {what:<16} {number:<12} {errors}\n")
     stands = stance(robot)
     if stands.clearance is not None:
         sys.stdout.write(f"lowest part that is no foot: {stands.clearance:.3f} m above the ground\n")

@@ -119,16 +119,23 @@ def _surface(points: np.ndarray, hull: ConvexHull, count: int) -> np.ndarray:
 
 
 def _chosen(gap: np.ndarray, options: FitOptions) -> np.ndarray:
-    """Columns of `gap` (p, c) that leave the least of all points uncovered, within the budget."""
-    low = 2 * options.tolerance
-    best = _greedy(gap <= low, options.spheres)
-    if best is not None:
-        return best
-    high = float(gap.max(0).min())  # one sphere
-    best = np.array([int(gap.max(0).argmin())])
+    """Columns of `gap` (p, c): few enough for the budget, and of that number those that leave the least gap.
+
+    As many as the tolerance needs, or the whole budget where that is not enough. Of several sets of that number that
+    are within the tolerance, the closest is chosen: one sphere for a ball is the ball.
+    """
+    one = np.array([int(gap.max(0).argmin())])
+    low, high, most = 2 * options.tolerance, float(gap.max(0).min()), options.spheres
+    best = _greedy(gap <= low, most)
+    if best is None:
+        best = one
+    else:
+        low, high, most = 0.0, low, len(best)
+        if most == 1:
+            return one
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        found = _greedy(gap <= middle, options.spheres)
+        found = _greedy(gap <= middle, most)
         if found is None:
             low = middle
         else:
