@@ -56,43 +56,31 @@ _IMAGE_FAULTS = (
     "control step of at most 0.2 s.",
     "Trained with cameras of about 4:3; here the image has that shape with the vertical field of view of the robot's.",
 )
-_GNM_INPUTS = {
-    "obs_img": "n, 18, 64, 85 float: six images along the channels, the oldest first",
-    "goal_img": "n, 3, 64, 85 float: image at the goal",
-}
-_GNM_OUTPUTS = {
-    "dist_pred": "n, 1: steps to the goal, unused",
-    "action_pred": "n, 5, 4: waypoints (ahead, left, cos, sin of the heading), in steps",
-}
+_GNM = ZooContract(
+    title="GNM, Shah et al., ICRA 2023, arXiv 2210.03370",
+    files=("gnm_imagegoal.onnx",),
+    size=(64, 85),
+    rate_hz=5.0,
+    frames=6,
+    stride=1,
+    imagenet=True,
+    goal="image",
+    inputs={
+        "obs_img": "n, 18, 64, 85 float: six images along the channels, the oldest first",
+        "goal_img": "n, 3, 64, 85 float: image at the goal",
+    },
+    outputs={
+        "dist_pred": "n, 1: steps to the goal, unused",
+        "action_pred": "n, 5, 4: waypoints (ahead, left, cos, sin of the heading), in steps",
+    },
+    drive=_PD,
+    faults=_IMAGE_FAULTS,
+)
 
 CONTRACTS: dict[str, ZooContract] = {
-    "gnm": ZooContract(
-        "GNM, Shah et al., ICRA 2023, arXiv 2210.03370",
-        ("gnm_imagegoal.onnx",),
-        (64, 85),
-        5.0,
-        6,
-        1,
-        True,
-        "image",
-        _GNM_INPUTS,
-        _GNM_OUTPUTS,
-        _PD,
-        _IMAGE_FAULTS,
-    ),
-    "vint": ZooContract(
-        "ViNT, Shah et al., CoRL 2023, arXiv 2306.14846",
-        ("vint_imagegoal.onnx",),
-        (64, 85),
-        5.0,
-        6,
-        1,
-        True,
-        "image",
-        _GNM_INPUTS,
-        _GNM_OUTPUTS,
-        _PD,
-        _IMAGE_FAULTS,
+    "gnm": _GNM,
+    "vint": dataclasses.replace(
+        _GNM, title="ViNT, Shah et al., CoRL 2023, arXiv 2306.14846", files=("vint_imagegoal.onnx",)
     ),
     "nomad": ZooContract(
         "NoMaD, Sridhar et al., ICRA 2024, arXiv 2310.07896",
