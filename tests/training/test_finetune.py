@@ -11,6 +11,7 @@ from tests.training.test_student import LAYERS, seeing_env
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import State, wrap_for_training
 from urbanverse_mjx.training import dagger, finetune, sequences
+from urbanverse_mjx.training.student_learner import LearnerState
 
 
 def test_advantages_are_the_sum_of_discounted_differences_up_to_an_end() -> None:
@@ -62,7 +63,7 @@ def test_the_actor_waits_for_the_critic_and_then_earns_more(small_bank: SceneBan
     first = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, imitation).begin().params
     actors, rewards, values = [], [], []
 
-    def on_iteration(number: int, state: finetune.FinetuneState, reported: dict[str, float]) -> None:
+    def on_iteration(number: int, state: LearnerState, reported: dict[str, float]) -> None:
         actors.append(np.concatenate([np.asarray(x).ravel() for x in jax.tree.leaves(state.params["actor"])]))
         rewards.append(reported["reward"])
         values.append(reported["critic"])

@@ -20,6 +20,7 @@ from urbanverse_mjx.training.map_networks import MAP_SHAPE
 from urbanverse_mjx.training.networks import PIXELS
 from urbanverse_mjx.training.policy import PolicySpec, load_policy, save_student, untrained_policy
 from urbanverse_mjx.training.student import PREDICTED, Student, initial_student, predicted_target
+from urbanverse_mjx.training.student_learner import LearnerState
 
 LAYERS = ((4, 4, 4), (4, 2, 2))
 SHAPES = {PIXELS: (16, 24, 3), "goal": (2,), "proprio": (5,)}
@@ -180,7 +181,7 @@ def test_a_training_cut_in_two_ends_with_the_digits_of_one(small_bank: SceneBank
     learner.compile()
     kept: list[pathlib.Path] = []
 
-    def on_iteration(number: int, state: dagger.DaggerState, reported: dict[str, float]) -> None:
+    def on_iteration(number: int, state: LearnerState, reported: dict[str, float]) -> None:
         if number == 3:
             kept.append(snapshot.save_state(tmp_path / "state.npz", state))
 
@@ -190,6 +191,10 @@ def test_a_training_cut_in_two_ends_with_the_digits_of_one(small_bank: SceneBank
     again = sequences.run(learner, 7, float("inf"), lambda *_: None, state)
     a, b = (snapshot.save_state(tmp_path / f"{k}.npz", x) for k, x in enumerate((whole, again)))
     assert a.read_bytes() == b.read_bytes()
+
+    start = learner.begin().params
+    learner.iterate(learner.begin(start), jnp.float32(0.0))
+    assert not any(leaf.is_deleted() for leaf in jax.tree.leaves(start)), "only the state's buffers are donated"
 
     config.network.hidden = 24
     other = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)

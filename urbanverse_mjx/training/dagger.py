@@ -3,11 +3,8 @@
 Every iteration steps all envs for a few control steps, mostly by the student and in some envs by the teacher, queries
 the teacher's action in each visited state, and fits the student to these labels; older data are dropped. (Ross et al.,
 "A Reduction of Imitation Learning and Structured Prediction to No-Regret Online Learning", 2011.)
-
-The observations of half of the envs are mirrored (`sequences`).
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -19,11 +16,8 @@ from ..envs.navigation.ppo import imitation_config
 from .map_networks import MAP
 from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
-from .student import SEEN, Student
-
-#: A teacher: function (parameters, `State` of n envs, key) -> actions (n, action_size). A network uses the observations
-#: only, a planner also the robot's pose.
-Teacher = Callable[[Any, Any, jax.Array], jax.Array]
+from .student import Student
+from .student_learner import ENDS, LearnerState, StudentLearner, Teacher
 
 
 def default_dagger_config() -> ConfigDict:
@@ -51,29 +45,6 @@ def make_student(config: ConfigDict, action_size: int) -> Student:
     return Student(layers, action_size, int(network.hidden), int(network.memory), dtype, network.convolution)
 
 
-class DaggerState(NamedTuple):
-    """The training state between iterations.
-
-    Attributes:
-      params, optimizer: of the student.
-      env: `State` of all envs.
-      memory: (n, memory).
-      begins: (n,) bool, whether the current observation is the first of an episode.
-      mirrored: (n,) bool.
-      key: typed.
-      steps: () i32 iterations done.
-    """
-
-    params: Any
-    optimizer: Any
-    env: Any
-    memory: jax.Array
-    begins: jax.Array
-    mirrored: jax.Array
-    key: jax.Array
-    steps: jax.Array
-
-
 class Batch(NamedTuple):
     """The data of an iteration; all (T, n, ...).
 
@@ -90,57 +61,23 @@ class Batch(NamedTuple):
     begins: jax.Array
 
 
-class Dagger:
-    """The algorithm over a wrapped env (`wrap_for_training`).
+class Dagger(StudentLearner):
+    """The algorithm; `params` of its state are those of the student.
 
     Args:
-      env: batched, auto-resetting environment whose observations include `SEEN`, `privileged_map` and those of the
-        teacher.
-      teacher: function (parameters, state of the envs, key) -> actions.
+      env, teacher, teacher_params: see `StudentLearner`.
       config: see `default_dagger_config`.
-      teacher_params: parameters of the teacher; may be set later with the same shapes.
     """
 
     def __init__(self, env: Any, teacher: Teacher, config: ConfigDict, teacher_params: Any = None) -> None:
-        self.env, self.teacher, self.config, self.teacher_params = env, teacher, config, teacher_params
-        self.student = make_student(config, env.action_size)
+        optimizer = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
+        super().__init__(env, teacher, make_student(config, env.action_size), optimizer, config, teacher_params)
         self._rate = optax.cosine_decay_schedule(
             config.learning_rate, 1, config.final_learning_rate / config.learning_rate
         )
-        # The update is multiplied by the learning rate, which depends on the progress of the training.
-        self._optimizer = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
-        self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
-        self._reset = jax.jit(env.reset)
-        # The teacher's parameters are an argument, so that the compiled function does not depend on them.
-        self._compiled: Any = jax.jit(self._iterate, donate_argnums=0)
 
-    def compile(self) -> None:
-        """Compiles an iteration ahead of the first one, from shapes alone."""
-        state = jax.eval_shape(self.begin)
-        self._compiled = self._compiled.lower(state, self.teacher_params, jnp.float32(0.0)).compile()
-
-    def iterate(self, state: DaggerState, progress: jax.Array) -> tuple[DaggerState, dict[str, jax.Array]]:
-        """Runs one iteration; donates the buffers of `state`. Returns the new state and metrics.
-
-        Args:
-          progress: () in [0, 1], progress of the whole training, which determines the learning rate.
-        """
-        return self._compiled(state, self.teacher_params, progress)
-
-    def begin(self, params: Any = None) -> DaggerState:
-        """The state before the first iteration; params: parameters of the initial student."""
-        n = int(self.config.num_envs)
-        key, key_env, key_net = jax.random.split(jax.random.key(int(self.config.seed)), 3)
-        env = self._reset(jax.random.split(key_env, n))
-        memory = self.student.first_memory(n)
-        begins = jnp.ones(n, bool)
-        if params is None:
-            one = {name: env.obs[name][None, :1] for name in SEEN}
-            params = jax.jit(self.student.init)(key_net, one, memory[:1], begins[None, :1])
-        mirrored = (jnp.arange(n) % 2 == 1) & bool(self.config.mirror)
-        return DaggerState(
-            params, self._optimizer.init(params), env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32)
-        )
+    def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:
+        return student
 
     def _share(self, iterations: jax.Array) -> jax.Array:
         """Share of the envs that the teacher drives."""
@@ -148,8 +85,8 @@ class Dagger:
         return jnp.maximum(1.0 - done, 0.0) * (1.0 - self.config.teacher_share) + self.config.teacher_share
 
     def _rollout(
-        self, state: DaggerState, teacher: Any, key: jax.Array
-    ) -> tuple[DaggerState, Batch, dict[str, jax.Array]]:
+        self, state: LearnerState, teacher: Any, key: jax.Array
+    ) -> tuple[LearnerState, Batch, dict[str, jax.Array]]:
         key_share, key_steps = jax.random.split(key)
         n = int(self.config.num_envs)
         taught = jax.random.uniform(key_share, (n,)) < self._share(state.steps)
@@ -167,7 +104,7 @@ class Dagger:
             label = mirror_lateral(label, state.mirrored, LATERAL_ACTION)
             out = Batch(seen, label, mirrored_target(env.obs[MAP], state.mirrored), begins)
             new = self.env.step(env, action)
-            ended = {name: new.metrics[name] * ~taught for name in ("success", "hit", "off_traversable", "timeout")}
+            ended = {name: new.metrics[name] * ~taught for name in ENDS}
             counts = {**{k: x.sum() for k, x in ended.items()}, "slot_overflow": new.metrics["slot_overflow"].sum()}
             return (new, memory, new.done > 0), (out, counts)
 
@@ -184,7 +121,7 @@ class Dagger:
         auxiliary = jnp.square(predicted - batch.target).mean()
         return imitation + self.config.auxiliary * auxiliary, (imitation, auxiliary)
 
-    def _learn(self, state: DaggerState, batch: Batch, memory: jax.Array, key: jax.Array, rate: jax.Array) -> Any:
+    def _learn(self, state: LearnerState, batch: Batch, memory: jax.Array, key: jax.Array, rate: jax.Array) -> Any:
         """Trains over an iteration's sequences; memory: (n, memory) at their beginning; rate: () learning rate."""
         return epochs(
             self._loss, self._optimizer, (state.params, state.optimizer), batch, memory, key, rate,
@@ -192,15 +129,15 @@ class Dagger:
         )  # fmt: skip
 
     def _iterate(
-        self, state: DaggerState, teacher: Any, progress: jax.Array
-    ) -> tuple[DaggerState, dict[str, jax.Array]]:
+        self, state: LearnerState, teacher: Any, progress: jax.Array
+    ) -> tuple[LearnerState, dict[str, jax.Array]]:
         key, key_roll, key_learn = jax.random.split(state.key, 3)
         memory = state.memory
         state, batch, counts = self._rollout(state, teacher, key_roll)
         learnt = self._learn(state, batch, memory, key_learn, self._rate(progress))
         (params, optimizer), (imitation, auxiliary) = learnt
         state = state._replace(params=params, optimizer=optimizer, key=key, steps=state.steps + 1)
-        ended = counts["success"] + counts["hit"] + counts["off_traversable"] + counts["timeout"]
-        shares = {k: counts[k] / jnp.maximum(ended, 1.0) for k in ("success", "hit", "off_traversable", "timeout")}
+        ended = sum((counts[name] for name in ENDS), jnp.float32(0.0))
+        shares = {name: counts[name] / jnp.maximum(ended, 1.0) for name in ENDS}
         overflow = counts["slot_overflow"] / self.steps_per_iteration
         return state, {**shares, "ended": ended, "imitation": imitation, "auxiliary": auxiliary, "overflow": overflow}

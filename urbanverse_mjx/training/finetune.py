@@ -15,12 +15,11 @@ import optax
 from ml_collections import ConfigDict
 
 from ..envs.navigation.ppo import finetune_config
-from .dagger import Teacher, make_student
+from .dagger import make_student
 from .map_networks import MAP, VECTOR, MapCritic, MapTrunk
 from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
-
-ENDS = ("success", "hit", "off_traversable", "timeout")
+from .student_learner import ENDS, LearnerState, StudentLearner, Teacher
 
 
 def default_finetune_config() -> ConfigDict:
@@ -38,30 +37,6 @@ def default_finetune_config() -> ConfigDict:
       map_layers, critic_hidden: of the critic.
     """
     return finetune_config()
-
-
-class FinetuneState(NamedTuple):
-    """The training state between iterations.
-
-    Attributes:
-      params: {"actor": of the student, "critic"}.
-      optimizer: of both.
-      env: `State` of all envs.
-      memory: (n, memory).
-      begins: (n,) bool, whether the current observation is the first of an episode.
-      mirrored: (n,) bool.
-      key: typed.
-      steps: () i32 iterations done.
-    """
-
-    params: Any
-    optimizer: Any
-    env: Any
-    memory: jax.Array
-    begins: jax.Array
-    mirrored: jax.Array
-    key: jax.Array
-    steps: jax.Array
 
 
 class Batch(NamedTuple):
@@ -119,64 +94,35 @@ def log_ratio(action: jax.Array, new: jax.Array, old: jax.Array, noise: float) -
     return ((jnp.square(action - old) - jnp.square(action - new)) / (2.0 * noise**2)).sum(-1)
 
 
-class Finetune:
-    """The algorithm over a wrapped env (`wrap_for_training`).
+class Finetune(StudentLearner):
+    """The algorithm; `params` of its state are {"actor": of the student, "critic"}.
 
     Args:
-      env: batched, auto-resetting environment whose observations include `student.SEEN`, `privileged`, `privileged_map`
-        and those of the teacher.
-      teacher: function (parameters, state of the envs, key) -> actions.
+      env: see `StudentLearner`; its observations also include the critic's (`map_networks.VECTOR`).
+      teacher, teacher_params: see `StudentLearner`.
       dagger_config: config of the student's training, with its network.
       config: see `default_finetune_config`.
-      teacher_params: parameters of the teacher; may be set later with the same shapes.
     """
 
     def __init__(
         self, env: Any, teacher: Teacher, dagger_config: ConfigDict, config: ConfigDict, teacher_params: Any = None
     ) -> None:
-        self.env, self.teacher, self.config, self.teacher_params = env, teacher, config, teacher_params
-        self.student = make_student(dagger_config, env.action_size)
-        layers = tuple(tuple(int(x) for x in layer) for layer in config.map_layers)
-        self._critic = MapCritic(MapTrunk(layers, tuple(int(n) for n in config.critic_hidden)))  # type: ignore[arg-type]
         adam = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
         parts = {"actor": "actor", "critic": "critic"}
-        self._optimizer = optax.multi_transform({"actor": adam, "critic": adam}, parts)
-        self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
-        self._reset = jax.jit(env.reset)
-        self._compiled: Any = jax.jit(self._iterate, donate_argnums=0)
+        optimizer = optax.multi_transform({"actor": adam, "critic": adam}, parts)
+        super().__init__(env, teacher, make_student(dagger_config, env.action_size), optimizer, config, teacher_params)
+        layers = tuple(tuple(int(x) for x in layer) for layer in config.map_layers)
+        self._critic = MapCritic(MapTrunk(layers, tuple(int(n) for n in config.critic_hidden)))  # type: ignore[arg-type]
 
-    def compile(self, actor: Any) -> None:
-        """Compiles an iteration before the first one; actor: parameters, or their shapes."""
-        state = jax.eval_shape(self.begin, actor)
-        self._compiled = self._compiled.lower(state, self.teacher_params, jnp.float32(0.0)).compile()
-
-    def iterate(self, state: FinetuneState, progress: jax.Array) -> tuple[FinetuneState, dict[str, jax.Array]]:
-        """Runs one iteration; donates the buffers of `state`. Returns the new state and metrics.
-
-        Args:
-          progress: () in [0, 1], progress of the whole training, which determines learning rate and anchor.
-        """
-        return self._compiled(state, self.teacher_params, progress)
-
-    def begin(self, actor: Any) -> FinetuneState:
-        """The state before the first iteration; actor: parameters of the initial student."""
-        n = int(self.config.num_envs)
-        key, key_env, key_net = jax.random.split(jax.random.key(int(self.config.seed)), 3)
-        env = self._reset(jax.random.split(key_env, n))
-        critic = self._critic.init(key_net, env.obs[MAP][:1], env.obs[VECTOR][:1])
-        # Copies, because the state is donated and the caller's arrays must stay valid.
-        params = {"actor": jax.tree.map(jnp.array, actor), "critic": critic}
-        mirrored = (jnp.arange(n) % 2 == 1) & bool(self.config.mirror)
-        memory, begins = self.student.first_memory(n), jnp.ones(n, bool)
-        optimizer = self._optimizer.init(params)
-        return FinetuneState(params, optimizer, env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32))
+    def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:
+        return {"actor": student, "critic": self._critic.init(key, obs[MAP][:1], obs[VECTOR][:1])}
 
     def _value(self, critic: Any, privileged: Any) -> jax.Array:
         return self._critic.apply(critic, privileged[MAP], privileged[VECTOR])  # type: ignore[return-value]
 
     def _rollout(
-        self, state: FinetuneState, teacher: Any, key: jax.Array
-    ) -> tuple[FinetuneState, Batch, dict[str, jax.Array]]:
+        self, state: LearnerState, teacher: Any, key: jax.Array
+    ) -> tuple[LearnerState, Batch, dict[str, jax.Array]]:
         config = self.config
 
         def step(carry: Any, key: jax.Array) -> Any:
@@ -227,8 +173,8 @@ class Finetune:
         return loss, {"critic": critic, "imitation": imitation, "auxiliary": auxiliary, "kl": divergence}
 
     def _iterate(
-        self, state: FinetuneState, teacher: Any, progress: jax.Array
-    ) -> tuple[FinetuneState, dict[str, jax.Array]]:
+        self, state: LearnerState, teacher: Any, progress: jax.Array
+    ) -> tuple[LearnerState, dict[str, jax.Array]]:
         config = self.config
         key, key_roll, key_learn = jax.random.split(state.key, 3)
         memory = state.memory

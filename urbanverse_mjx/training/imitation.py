@@ -8,12 +8,13 @@ from ml_collections import ConfigDict
 from ..datatypes import ValidationError
 from ..envs import wrap_for_training
 from .cloning import Cloning
-from .dagger import Dagger, Teacher
+from .dagger import Dagger
 from .iterative import Iterations
 from .policy import PolicySpec, latest_policy, save_student
 from .record import begin_segment, check_scenes
 from .run import TrainingResult
 from .run_folder import check_new
+from .student_learner import Teacher
 
 
 def distil(
