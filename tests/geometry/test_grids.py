@@ -104,6 +104,16 @@ def test_blocks_are_reduced_and_incomplete_ones_left_out() -> None:
     assert pooled(cells, 3, np.min).tolist() == [[0, 3]]
 
 
+@pytest.mark.parametrize("reduce", [np.all, np.any, np.max, np.min, np.mean])
+def test_pooling_gives_the_digits_of_one_reduction_over_each_block(reduce) -> None:
+    values = np.random.default_rng(0).normal(size=(23, 31)).astype(np.float32)
+    cells = values > -1.2 if reduce in (np.all, np.any) else values
+    for side in (1, 3, 4):
+        x, y = 23 // side, 31 // side
+        blocks = cells[: x * side, : y * side].reshape(x, side, y, side)
+        np.testing.assert_array_equal(pooled(cells, side, reduce), reduce(blocks, axis=(1, 3)))
+
+
 def test_closing_fills_narrow_gaps_alone() -> None:
     cells = np.zeros((40, 10), bool)
     cells[5:10], cells[14:20], cells[28:] = True, True, True

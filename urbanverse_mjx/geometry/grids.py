@@ -47,10 +47,14 @@ class Grid:
 
     def window(self, low: np.ndarray, high: np.ndarray) -> tuple[slice, slice]:
         """Returns the cells of the grid that a rectangle from `low` to `high` (2,) m touches."""
-        first, last = (np.floor((corner - self.origin) / self.side).astype(int) for corner in (low, high))
-        i, j = np.clip(first, 0, self.shape)
-        m, n = np.clip(last + 1, 0, self.shape)
+        (i, j), (m, n) = self.windows(low, high)
         return slice(i, m), slice(j, n)
+
+    def windows(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the first cells (..., 2) that rectangles from `low` to `high` (..., 2) m touch, and the cells behind
+        their last ones."""
+        first, last = (np.floor((corner - self.origin) / self.side).astype(int) for corner in (low, high))
+        return np.clip(first, 0, self.shape), np.clip(last + 1, 0, self.shape)
 
     def axes(self, window: tuple[slice, slice]) -> tuple[np.ndarray, np.ndarray]:
         """Returns x (n,) and y (m,) m of the cells' centres in a window, in the origin's precision."""
@@ -63,7 +67,11 @@ def pooled(cells: np.ndarray, side: int, reduce: Callable[..., np.ndarray]) -> n
     """Returns (X // side, Y // side) values: blocks of side x side cells reduced by `reduce(blocks, axis=...)`;
     incomplete blocks at the upper edges are left out."""
     x, y = (n // side for n in cells.shape)
-    return reduce(cells[: x * side, : y * side].reshape(x, side, y, side), axis=(1, 3))
+    blocks = cells[: x * side, : y * side].reshape(x, side, y, side)
+    if reduce is np.mean:  # its rounding depends on the order
+        return reduce(blocks, axis=(1, 3))
+    # One axis after the other, both along contiguous cells, is some twenty times faster.
+    return reduce(np.ascontiguousarray(np.moveaxis(reduce(blocks, axis=1), -1, 0)), axis=0)
 
 
 def closed(mask: np.ndarray, reach: float, side: float) -> np.ndarray:

@@ -3,10 +3,11 @@
 They are used by critics and rewards, not by policies, and looked up in a grid made once per bank.
 """
 
-import functools
+import concurrent.futures
 import hashlib
+import math
 import pathlib
-from collections.abc import Iterator
+from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -16,7 +17,6 @@ from scipy import ndimage
 from ... import settings, versions
 from ...datatypes import SceneBank, array_file, traversable
 from ...geometry.grids import Grid, cell_of, pooled
-from ...geometry.raster import Shape, nearest
 
 #: m, side of a cell; the error of a look-up is half of it, a tenth of COCO's length.
 CELL = 0.2
@@ -24,6 +24,10 @@ CELL = 0.2
 MIN_CACHED_HULLS = 20_000
 #: m, largest stored distance: the maximum of an unsigned byte in centimetres.
 MAX_DISTANCE = 2.55
+#: Distances that are computed together: few enough that they stay in a processor's cache.
+_TOGETHER = 1 << 15
+#: Cells; the windows of hulls have multiples of it as sizes.
+_ROUNDED = 4
 
 
 def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
@@ -32,38 +36,76 @@ def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
     factor = round(CELL / float(bank.map_resolution))
     missing = [(0, n * factor - m) for n, m in zip(shape, walkable.shape, strict=True)]
     whole = pooled(np.pad(walkable, missing), factor, np.all)
-    return ndimage.distance_transform_edt(np.pad(whole, 1))[1:-1, 1:-1] * CELL
+    distance = np.zeros(shape)
+    if whole.any():
+        # Beyond the walkable cells all distances are 0, often on most of a map that is padded to the largest one.
+        rows, columns = (np.flatnonzero(whole.any(axis)) for axis in (1, 0))
+        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        distance[part] = ndimage.distance_transform_edt(np.pad(whole[part], 1))[1:-1, 1:-1] * CELL
+    return distance
 
 
-def _boxes(bank: SceneBank, scene: int, height: float) -> Iterator[Shape]:
-    """The boxes of the hulls that extend between `MIN_OBSTACLE_HEIGHT` and `height` m above ground."""
+def _to_hulls(bank: SceneBank, scene: int, grid: Grid, height: float) -> np.ndarray:
+    """(X, Y) f32 m from each cell to the nearest box of a hull that extends between `MIN_OBSTACLE_HEIGHT` and `height`
+    m above ground, at most `MAX_DISTANCE`."""
     ground = _ground_height(bank, scene)
     bottom, top = ground + MIN_OBSTACLE_HEIGHT, ground + height
-    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
-        rotation, position = bank.inst_rotation[scene, q], bank.inst_position[scene, q]
-        box = bank.hull_box[bank.inst_hull[scene, q]]
-        middle, reach = position + rotation @ box[0], np.abs(rotation) @ box[1]
-        if middle[2] - reach[2] > top or middle[2] + reach[2] < bottom:
-            continue
-        # At the height at which the robot is nearest to the box's centre.
-        z = np.clip(middle[2], bottom, top) - position[2]
-        low, high = middle[:2] - reach[:2], middle[:2] + reach[:2]
-        yield low, high, functools.partial(_to_box, rotation, position, box, z)
+    present = np.flatnonzero(bank.inst_hull[scene] >= 0)
+    rotation, position = bank.inst_rotation[scene, present], bank.inst_position[scene, present]
+    centre, half = np.moveaxis(bank.hull_box[bank.inst_hull[scene, present]], 1, 0)
+    middle = position + (rotation @ centre[..., None])[..., 0]
+    reach = (np.abs(rotation) @ half[..., None])[..., 0]
+    # At the height at which the robot is nearest to the box's centre.
+    z = np.clip(middle[:, 2], bottom, top) - position[:, 2]
+    low, high = (middle - reach)[:, :2], (middle + reach)[:, :2]
+    first, last = grid.windows(low - MAX_DISTANCE, high + MAX_DISTANCE)
+    near = (middle[:, 2] - reach[:, 2] <= top) & (middle[:, 2] + reach[:, 2] >= bottom) & (first < last).all(1)
+    # Windows a few cells larger than needed have few different sizes.
+    size = np.minimum(_ROUNDED * -(-(last - first) // _ROUNDED), grid.shape)
+    first = np.minimum(first, grid.shape - size)
+    boxes = _Boxes(first, rotation, position, centre, half, z)
+    square = np.full(grid.shape, np.inf, np.float32)
+    for shape in np.unique(size[near], axis=0):
+        alike = np.flatnonzero(near & (size == shape).all(1))
+        for some in np.array_split(alike, math.ceil(len(alike) * shape.prod() / _TOGETHER)):
+            found = _squares(grid, _Boxes(*(values[some] for values in boxes)), shape)
+            for (i, j), values in zip(first[some].tolist(), found, strict=True):
+                part = square[i : i + shape[0], j : j + shape[1]]
+                np.minimum(part, values, out=part)
+    return np.minimum(np.sqrt(square), np.float32(MAX_DISTANCE))
 
 
-def _to_box(
-    rotation: np.ndarray, position: np.ndarray, box: np.ndarray, z: float | np.floating, x: np.ndarray, y: np.ndarray
-) -> np.ndarray:
-    """(X, Y) m from the points of a grid, `z` above the hull's origin, to the hull's box (2, 3)."""
-    centre, half = box
-    # In the hull's frame, one axis at a time: a column of x, a row of y.
-    along = np.outer(rotation[0], x - position[0]) - centre[:, None]
-    across = np.outer(rotation[1], y - position[1]) + (rotation[2] * z)[:, None]
-    square = 0.0
-    for a, b, h in zip(along, across, half, strict=True):
-        outside = np.maximum(np.abs(a[:, None] + b) - h, 0.0)
-        square = square + outside * outside
-    return np.sqrt(square)
+class _Boxes(NamedTuple):
+    """n boxes: their first cells (n, 2), T_world_hull, the box in the hull's frame, and the height (m) above the
+    hull's origin at which distances count."""
+
+    first: np.ndarray
+    rotation: np.ndarray
+    position: np.ndarray
+    centre: np.ndarray
+    half: np.ndarray
+    z: np.ndarray
+
+
+def _squares(grid: Grid, boxes: _Boxes, shape: np.ndarray) -> np.ndarray:
+    """(n, X, Y) m^2, squared distances from the centres of X x Y cells, the first of which is `first`, to n boxes."""
+    x, y = (
+        grid.origin[k] + ((boxes.first[:, k, None] + np.arange(shape[k])).astype(grid.origin.dtype) + 0.5) * grid.side
+        for k in (0, 1)
+    )
+    x, y = x - boxes.position[:, 0, None], y - boxes.position[:, 1, None]
+    square = np.zeros((len(x), *shape), np.float32)
+    for k in range(3):
+        # Along an axis of the hull's frame: a column of x, a row of y.
+        along = boxes.rotation[:, 0, k, None] * x - boxes.centre[:, k, None]
+        across = boxes.rotation[:, 1, k, None] * y + (boxes.rotation[:, 2, k] * boxes.z)[:, None]
+        outside = along[:, :, None] + across[:, None, :]
+        np.abs(outside, out=outside)
+        outside -= boxes.half[:, k, None, None]
+        np.maximum(outside, 0.0, out=outside)
+        outside *= outside
+        square += outside
+    return square
 
 
 def _ground_height(bank: SceneBank, scene: int) -> float:
@@ -81,10 +123,14 @@ def build_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]
     size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
     x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
     fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
-    for scene in range(bank.num_scenes):
-        hulls = nearest(Grid(bank.map_origin[scene], CELL, (x, y)), _boxes(bank, scene, height), MAX_DISTANCE)
+
+    def fill(scene: int) -> None:
+        hulls = _to_hulls(bank, scene, Grid(bank.map_origin[scene], CELL, (x, y)), height)
         metres = np.stack([hulls, _to_edge(bank, scene, (x, y))], -1)
         fields[scene] = np.rint(np.minimum(metres, MAX_DISTANCE) * 100.0)
+
+    with concurrent.futures.ThreadPoolExecutor(settings.num_threads()) as pool:
+        list(pool.map(fill, range(bank.num_scenes)))
     return fields
 
 
