@@ -64,8 +64,9 @@ format: setup-dev ## format the code and fix what ruff can fix
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
-results: setup-dev ## draw the table and the figure of docs/results.md anew from their rows
+results: setup-dev ## draw the tables and figures of docs/results.md anew from their rows
 	@$(BIN)/python -m benchmarks.results
+	@$(BIN)/python -m benchmarks.scaling
 
 streets: setup ## compile the six shipped streets into a scene bank in the cache, where they changed
 	@$(BIN)/urbanverse scene bank

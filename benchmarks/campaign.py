@@ -18,6 +18,8 @@ Rows, of which `--rows` names patterns:
     one-street              preset `paper` on a single street
     streets-SET-SEED        teachers that differ in their training streets alone: procedural, urbanverse160, both
     goes-on-BENCHMARK-POLICY  contact does not end an episode
+    scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
+    horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
 
 OUT gets a folder and a log for each job, and campaign.log.
 """
@@ -33,7 +35,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import results
+from benchmarks import results, scaling
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
 
@@ -52,19 +54,23 @@ BENCHMARKS = tuple(results.BENCHMARKS)
 GOES_ON = ("go_to_goal", "planner", "benchmarks/policies/coco_best", "benchmarks/policies/go2_best")
 #: s; trainings end by their steps.
 ENDLESS = 86_400
-#: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240), a benchmark.
-TEACHER, STUDENT, PAPER, DRIVE = 10, 34, 28, 14
+#: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240), a benchmark;
+#: of the preset `fast` at 54x96, not measured: it takes 7 GiB at 135x240, without the scores of 768 episodes at once.
+TEACHER, STUDENT, PAPER, DRIVE, FAST = 10, 34, 28, 14, 14
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """Arguments of `benchmarks.results --add`: agent in result.json, and the place of its rows."""
+    """Arguments of `benchmarks.results --add`: agent in result.json, and the place of its rows; of `scaling.add` if
+    there is a study."""
 
     agent: str
     policy: str = ""
     robot: str = "COCO"
     seed: int = 0
     streets: str = ""
+    study: str = ""
+    size: int = 0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -139,6 +145,35 @@ def _paper(args: argparse.Namespace, name: str, streets: str, seed: int, policy:
     return _job(args, name, words, (streets, *BENCHMARKS), PAPER, [Row("paper", policy, seed=seed)])
 
 
+def _halves(args: argparse.Namespace, name: str) -> pathlib.Path:
+    """The bank of the halves of a set, which this campaign cuts for itself."""
+    return args.out / f"{name}_halves" / library.BANK
+
+
+def _fast(args: argparse.Namespace, row: Row, trained: pathlib.Path, tests: Sequence[pathlib.Path]) -> Job:
+    """A point of benchmarks.scaling: the preset `fast` at 54x96 with equal env-steps."""
+    name = f"{row.study}-{row.size}-{row.seed}"
+    name = f"scaling-{name}" if row.study in scaling.SIZES else name
+    words: list[object] = ["benchmarks.comparison", "--preset", "fast", "--train", trained, "--test", *tests]
+    words += ["--env", "vision_config.height=54", "vision_config.width=96", "--steps", args.scaling_steps]
+    words += ["--seed", row.seed]
+    if row.study in scaling.SIZES:
+        words += ["--scenes", *scaling.subset(row.study, row.size, row.seed)]
+    return _job(args, name, words, (), FAST, [row], trained, *tests)
+
+
+def _studies(args: argparse.Namespace) -> Iterator[Job]:
+    """The points of benchmarks.scaling, all of a seed before the next seed."""
+    for seed in args.seeds:
+        for study, sizes in scaling.SIZES.items():
+            for size in sizes:
+                row = Row("fast", seed=seed, study=study, size=size)
+                yield _fast(args, row, bank(scaling.SETS[study]), [bank("craftbench")])
+        tests = [bank("craftbench"), _halves(args, "craftbench")]
+        for length, trained in ((100, _halves(args, "urbanverse160")), (200, bank("urbanverse160"))):
+            yield _fast(args, Row("fast", seed=seed, study="horizon", size=length), trained, tests)
+
+
 def _goes_on(args: argparse.Namespace, name: str, policy: str) -> Job:
     called = f"goes-on-{name}-{pathlib.Path(policy).name}"
     robot = "Go2Nav" if "go2_" in policy else "CocoNav"
@@ -183,6 +218,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
     for name in BENCHMARKS:
         for policy in GOES_ON:
             yield _goes_on(args, name, policy)
+    yield from _studies(args)
 
 
 def chosen(args: argparse.Namespace) -> list[Job]:
@@ -198,6 +234,13 @@ def chosen(args: argparse.Namespace) -> list[Job]:
             raise SystemExit(f"error: --rows: found {pattern!r}, which names no row, needed a pattern of {names}.")
     wanted = [job for job in known if any(fnmatch.fnmatch(job.name, pattern) for pattern in args.rows)]
     files = {path for job in wanted for path in job.needs}
+    halves = []
+    for name in ("urbanverse160", "craftbench"):
+        path = _halves(args, name)
+        if path in files:
+            words = ("-m", "benchmarks.halves", name, "--out", str(path.parent))
+            halves.append(Job(f"halves-{name}", words, (bank(name),), path))
+            files.add(bank(name))
     # UrbanVerse-160 first: packing its bank takes minutes of one process, beside which the others are built.
     sets = ("urbanverse160", "craftbench", "autobench", "validation", "procedural", "places")
     store = store_path()
@@ -206,7 +249,7 @@ def chosen(args: argparse.Namespace) -> list[Job]:
     if builds:
         make = "from urbanverse_mjx.assets.records.store import ensure_store; ensure_store()"
         builds.insert(0, Job("catalogue", ("-c", make), (), store))
-    return builds + wanted
+    return builds + halves + wanted
 
 
 class Campaign:
@@ -290,11 +333,13 @@ def add_rows(args: argparse.Namespace) -> int:
     """Writes the rows of all results that are there into benchmarks/scores."""
     for job in trainings(args):
         for row in job.rows if job.gives.is_file() else ():
-            if row.streets:
+            if row.study:
+                scaling.add(results.SCORES, job.gives, row.study, row.size, row.seed)
+            elif row.streets:
                 results.add_streets(results.SCORES, job.gives, row.agent, row.streets, row.seed)
             else:
                 results.add(results.SCORES, job.gives, row.agent, row.policy, row.robot, row.seed)
-            print(f"{job.name}: {row.streets or row.policy}")
+            print(f"{job.name}: {f'{row.study} {row.size}' if row.study else row.streets or row.policy}")
     return 0
 
 
@@ -310,6 +355,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--teacher-steps", type=int, default=12_000_000, help="env-steps")
     cli.add_argument("--street-steps", type=int, default=6_000_000, help="env-steps of the teachers of streets-*")
     cli.add_argument("--paper-steps", type=int, default=4_587_520, help="env-steps; a multiple of 131,072")
+    cli.add_argument("--scaling-steps", type=int, default=6_000_000, help="env-steps, rounded up to rollouts")
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")
     cli.add_argument("--ppo", type=int, default=200, help="iterations of PPO after it")
     cli.add_argument("--go2", type=int, default=100, help="iterations of the Go2's student")

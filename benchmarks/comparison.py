@@ -5,11 +5,12 @@
 
 The same number of steps on other banks, or on one scene of a bank (`--scenes`), gives the rows of the paper's
 comparison of training streets. No checkpoint is selected: the final parameters are scored on all episodes of the frozen
-protocols. An interrupted run continues from its newest checkpoint. Writes log.jsonl, result.json and the policy to
-`--out`.
+protocols, or on evenly spaced ones where a bank has none. An interrupted run continues from its newest checkpoint.
+Writes log.jsonl, result.json and the policy to `--out`.
 """
 
 import argparse
+import json
 import pathlib
 import sys
 from typing import Any
@@ -23,7 +24,7 @@ from urbanverse_mjx.training.brax_compat import tables_as_arguments
 def arguments() -> argparse.Namespace:
     cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     cli.add_argument("--train", nargs="+", type=pathlib.Path, required=True, help="banks to train on")
-    cli.add_argument("--test", nargs="+", type=pathlib.Path, required=True, help="banks of frozen benchmarks")
+    cli.add_argument("--test", nargs="+", type=pathlib.Path, required=True, help="banks to drive")
     cli.add_argument("--scenes", nargs="+", help="ids of the scenes to train on; default: all of the banks to train on")
     cli.add_argument("--out", type=pathlib.Path, required=True)
     cli.add_argument("--environment", default="CocoNav")
@@ -32,6 +33,8 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--checkpoints", type=int, default=4)
     cli.add_argument("--num-envs", type=int, help="default: the preset's")
     cli.add_argument("--minibatch", type=int, help="steps; default: the preset's")
+    cli.add_argument("--episodes", type=int, default=768, help="of a bank to test that has no frozen protocol")
+    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as vision_config.height=54")
     cli.add_argument("--seed", type=int, default=0)
     cli.add_argument("--impl", default="auto")
     return cli.parse_args()
@@ -59,12 +62,13 @@ def main() -> int:
     tables_as_arguments()
     keep_compiled()
     log = Log(args.out)
-    streets: Streets = load(args.train, args.test, [], 0, log)
+    streets: Streets = load(args.train, args.test, [], args.episodes, log)
     unknown = sorted(set(args.scenes or ()) - set(streets.train))
     if unknown:
         raise SystemExit(f"error: --scenes: found {unknown[0]!r}, needed ids of scenes in the banks to train on.")
     chosen = args.scenes or streets.train
     overrides = {"preset": args.preset, "impl": args.impl, "scenes": ",".join(chosen)}
+    overrides |= {name: json.loads(value) for name, value in (text.split("=") for text in args.env)}
     env = registry.load(args.environment, config_overrides=overrides, bank=streets.bank)
     log(environment=args.preset, scenes=len(chosen))
     folder = trained(args, env)
@@ -73,7 +77,7 @@ def main() -> int:
 
     scores = streets.suite.score(env, args.preset, load_policy(folder)[0])
     log(**{name: brief(x) for name, x in scores.items()})
-    result = {"steps": PolicySpec.load(folder).steps, "scenes": len(chosen), args.preset: scores}
+    result = {"steps": PolicySpec.load(folder).steps, "trained_on": sorted(chosen), args.preset: scores}
     save_result(args.out, result)
     return 0
 

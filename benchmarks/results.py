@@ -163,7 +163,8 @@ def agent_in(result: pathlib.Path, agent: str) -> tuple[dict[str, Any], Any]:
     """Returns the scores of an agent in a result.json by set, and its env-steps if they are there."""
     body = json.loads(result.read_text(encoding="utf-8"))
     if agent not in body:
-        raise SystemExit(f"error: {result}: found no agent {agent!r}, needed one of {sorted(set(body) - {'steps'})}.")
+        known = sorted(name for name, value in body.items() if isinstance(value, dict))
+        raise SystemExit(f"error: {result}: found no agent {agent!r}, needed one of {known}.")
     return body[agent], body.get("steps", "")
 
 

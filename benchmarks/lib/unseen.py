@@ -43,8 +43,9 @@ def load(
 
     Args:
       train: banks to train on, without the last `holdout[i]` scenes of bank i, which are driven for validation.
-      test: a bank named validation is driven for validation, others by their frozen protocols.
-      episodes: of each validation set.
+      test: a bank named validation is driven for validation, others by their frozen protocols, or like validation sets
+        if they have none.
+      episodes: of each set without frozen protocol.
     """
     with concurrent.futures.ThreadPoolExecutor() as pool:  # unpacking runs in several threads
         banks = list(pool.map(SceneBank.load, [*train, *test]))
@@ -61,6 +62,7 @@ def load(
     if "validation" in by_name:
         held["validation_composed"] = list(by_name.pop("validation").scene_ids)
     frozen = [name for name in by_name if (settings.protocol_root() / f"{name}.json").is_file()]
+    held |= {name: list(part.scene_ids) for name, part in by_name.items() if name not in frozen}
     log(loaded=bank.num_scenes, trained=len(chosen), held={k: len(x) for k, x in held.items()}, frozen=frozen)
     return Streets(bank, chosen, Suite.of(bank, held, episodes, frozen))
 

@@ -9,7 +9,7 @@ import types
 
 import pytest
 
-from benchmarks import campaign, generalise
+from benchmarks import campaign, generalise, scaling
 from benchmarks.campaign import Campaign, Job
 
 
@@ -148,6 +148,11 @@ def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: py
     assert [job.name for job in jobs] == names
     given = {job.gives for job in jobs}
     assert all(set(job.needs) <= given for job in jobs), "a job needs what no job gives"
+    jobs = campaign.chosen(_args(tmp_path, "--rows", "horizon-100-*", "--seeds", "4"))
+    names = ["catalogue", "scenes-urbanverse160", "scenes-craftbench", "halves-urbanverse160", "halves-craftbench"]
+    assert [job.name for job in jobs] == [*names, "horizon-100-4"]
+    given = {job.gives for job in jobs}
+    assert all(set(job.needs) <= given for job in jobs)
     with pytest.raises(SystemExit, match="'papers-x', which names no row, needed a pattern of teacher-0"):
         campaign.chosen(_args(tmp_path, "--rows", "papers-x"))
 
@@ -161,16 +166,23 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
 
 
 def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from benchmarks import comparison
+    from benchmarks import comparison, halves
 
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
+    scripts["benchmarks.halves"] = halves.arguments
     parsed = []
-    for job in campaign.trainings(_args(tmp_path)):
+    for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
             monkeypatch.setattr(sys, "argv", [job.name, *job.command[2:]])
             parsed.append(scripts[job.command[1]]())
-            assert parsed[-1].out == tmp_path / "out" / job.name
-    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3
+            wanted = job.gives.parent if job.command[1] == "benchmarks.halves" else tmp_path / "out" / job.name
+            assert parsed[-1].out == wanted
+    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * (12 + 2) + 2
+    scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
+    assert scaled.scenes == scaling.subset("layouts", 8, 2)
+    assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
+    assert scaled.env == ["vision_config.height=54", "vision_config.width=96"]
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
     assert go2.start.name == "finetuned"
@@ -184,19 +196,26 @@ def test_results_become_rows_of_scores(
     monkeypatch.setattr(campaign.results, "SCORES", tmp_path)
     (tmp_path / "by_scene.csv").write_text("policy,robot,seed,env_steps,benchmark,scene,SR,RC,hit_episodes\n")
     (tmp_path / "training_streets.csv").write_text("streets,seed,set,scene,SR\n")
+    (tmp_path / "scaling.csv").write_text("study,size,seed,env_steps,scenes,subset,set,scene,SR\n")
     score = {"summary": {}, "by_scene": {"s": {"SR": 50.0, "RC": 60.0, "hit_episodes": 10.0}}}
     sets = dict.fromkeys(("craftbench", "autobench", "validation_composed"), score)
     args = _args(tmp_path)
     for job, agent in (("paper-urbanverse160-2", "paper"), ("streets-both-1", "teacher")):
         (args.out / job).mkdir()
         (args.out / job / "result.json").write_text(json.dumps({"steps": 9, agent: sets}))
+    (args.out / "scaling-cousins-1-2").mkdir()
+    point = {"steps": 9, "trained_on": scaling.subset("cousins", 1, 2), "fast": {"craftbench": score}}
+    (args.out / "scaling-cousins-1-2" / "result.json").write_text(json.dumps(point))
     assert campaign.add_rows(args) == 0
     assert capsys.readouterr().out.splitlines() == [
         "paper-urbanverse160-2: paper, UrbanVerse-160",
         "streets-both-1: both",
+        "scaling-cousins-1-2: cousins 1",
     ]
     rows = (tmp_path / "by_scene.csv").read_text().splitlines()
     assert rows[1:] == [
         f'"paper, UrbanVerse-160",COCO,2,9,{name},s,50.0,60.0,10.0' for name in ("craftbench", "autobench")
     ]
+    digest = scaling.digest(point["trained_on"])
+    assert (tmp_path / "scaling.csv").read_text().splitlines()[1:] == [f"cousins,1,2,9,32,{digest},craftbench,s,50.0"]
     assert "both,1,validation_composed,s,50.0" in (tmp_path / "training_streets.csv").read_text()
