@@ -72,7 +72,8 @@ def test_an_outline_with_a_front_tells_it() -> None:
         fit = silhouettes.face(seen, prior)
         assert fit is not None
         assert np.cos(fit.best - yaw) > 0.98
-        assert fit.at(yaw + np.pi) - fit.at(yaw) > silhouettes.MIN_MISFIT_DIFFERENCE
+        assert fit.tells_front(yaw)
+        assert not fit.tells_front(yaw + np.pi)
 
 
 def test_one_view_or_an_unknown_label_tells_nothing() -> None:

@@ -9,16 +9,8 @@ from ..geometry import rotations
 from . import shapes, silhouettes
 from .bearings import Bearings
 
-#: Largest number of views used for one box, the nearest first; more views take time and do not improve it.
-MAX_VIEWS = 24
 #: rad: coarse search over a quarter turn, and fine search around the best coarse heading.
 _COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
-_MIN_SIDE = 0.01  # m
-#: Reduction of the outline misfit that a heading oblique to the surroundings needs; 85 of 100 objects are within 6° of
-#: the surrounding axes.
-OBLIQUE_MISFIT_REDUCTION = 4.0
-#: Bins of the histogram from which the density of points along a direction is computed.
-_BINS = 128
 
 
 @dataclasses.dataclass(frozen=True)
@@ -41,6 +33,10 @@ class BoxOptions:
       max_length_ratio: factor by which an object may be longer than every known one of its label.
       direction_points: largest number of points from which a direction is computed.
       grazing_sine: sine of the flattest angle at which a face counts as visible (12°).
+      min_side: m, shortest side of a box.
+      oblique_misfit_reduction: reduction of the outline misfit that a heading oblique to the surroundings needs; 85 of
+        100 objects are within 6° of the surrounding axes.
+      bins: of the histogram from which the density of points along a direction is computed.
     """
 
     side_ratio: float = 1.12
@@ -54,6 +50,9 @@ class BoxOptions:
     max_length_ratio: float = 1.3
     direction_points: int = 800
     grazing_sine: float = 0.2
+    min_side: float = 0.01
+    oblique_misfit_reduction: float = 4.0
+    bins: int = 128
 
 
 _OPTIONS = BoxOptions()
@@ -146,13 +145,15 @@ def direction(flat: np.ndarray, blur: float) -> float:
         c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
         projected = (c * flat[:, 0] + s * flat[:, 1], -s * flat[:, 0] + c * flat[:, 1])
         bounds = [np.quantile(p, (0.01, 0.99), axis=1, method="nearest") for p in projected]
-        area = np.prod([high - low + _MIN_SIDE for low, high in bounds], axis=0)
+        area = np.prod([high - low + _OPTIONS.min_side for low, high in bounds], axis=0)
         width = np.maximum(0.05, 0.02 * np.sqrt(area))[:, None] + blur
         total = 0.5 * np.log(area)
         for p in projected:
-            bins = np.minimum(((p - p.min(1, keepdims=True)) / width).astype(np.int64), _BINS - 1)
-            rows = np.arange(len(angles))[:, None] * _BINS
-            counts = np.bincount((bins + rows).ravel(), minlength=len(angles) * _BINS).reshape(-1, _BINS)
+            bins = np.minimum(((p - p.min(1, keepdims=True)) / width).astype(np.int64), _OPTIONS.bins - 1)
+            rows = np.arange(len(angles))[:, None] * _OPTIONS.bins
+            counts = np.bincount((bins + rows).ravel(), minlength=len(angles) * _OPTIONS.bins).reshape(
+                -1, _OPTIONS.bins
+            )
             total -= 2.0 * ((counts / len(flat)) ** 2).sum(1)
         return total
 
@@ -218,7 +219,7 @@ def _seen_along(
     trim = min(0.002 + 0.4 * noise, 0.03)
     low, high = np.quantile(local, (trim, 1 - trim), axis=0)
     high[2] = max(high[2], low[2] if top is None else top)
-    return low, np.maximum(high, low + _MIN_SIDE), viewpoints @ turn.T
+    return low, np.maximum(high, low + _OPTIONS.min_side), viewpoints @ turn.T
 
 
 def _footprint(points: np.ndarray, prior: LabelPrior) -> float:
@@ -254,11 +255,11 @@ def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> fl
     if axis is not None:
         along = np.array([fit.at(side) for side in sides])
         k = int(along[:2].argmin()) if abs(along[0] - along[1]) > 1.0 else 0
-        if along[k] < least + OBLIQUE_MISFIT_REDUCTION:
+        if along[k] < least + _OPTIONS.oblique_misfit_reduction:
             best = float(sides[k])
     elif not fit.clear:
         return None
-    if fit.at(best + np.pi) - fit.at(best) > silhouettes.MIN_MISFIT_DIFFERENCE or np.cos(best - sides[0]) >= -1e-6:
+    if fit.tells_front(best) or np.cos(best - sides[0]) >= -1e-6:
         return best
     return best + np.pi
 

@@ -12,14 +12,32 @@ from .straight_pieces import FitOptions, straight_pieces
 
 #: m: corners are rounded to whole millimetres.
 GRID = 1e-3
-#: m, largest extension of a line that ends on another line; m by which it then crosses that line.
-_MAX_EXTENSION, _OVERSHOOT = 4.0, 0.01
-#: Weight of a border between unseen cells relative to one between seen cells.
-_UNSEEN_BORDER_WEIGHT = 0.05
-#: Factor on the noise of a border with the outside, which lies where visibility ends.
-_OUTER_NOISE_FACTOR = 2.0
-#: Label of a face that contains no cell centre; rounds in which small areas are merged into neighbours.
-_NOBODY, _ROUNDS = -1, 8
+#: Label of a face that contains no cell centre.
+_NOBODY = -1
+
+
+@dataclasses.dataclass(frozen=True)
+class TilingOptions:
+    """Options for borders that neighbouring areas share.
+
+    Set by hand on blocks whose kerbs are known (docs/decisions/generation.md).
+
+    Attributes:
+      max_extension: m, largest extension of a line that ends on another line.
+      overshoot: m, by which it then crosses that line.
+      unseen_border_weight: of a border between unseen cells, relative to one between seen cells.
+      outer_noise_factor: on the noise of a border with the outside, which lies where visibility ends.
+      rounds: in which small areas are merged into neighbours.
+    """
+
+    max_extension: float = 4.0
+    overshoot: float = 0.01
+    unseen_border_weight: float = 0.05
+    outer_noise_factor: float = 2.0
+    rounds: int = 8
+
+
+_OPTIONS = TilingOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,10 +92,9 @@ def _fitted(
     sure = np.pad(known, 1).ravel()[stroke.sides].mean(1)
     if (np.pad(labels, 1).ravel()[stroke.sides[0]] == 0).any():
         sure = np.ones(len(sure))
-        options = dataclasses.replace(
-            options, noise=_OUTER_NOISE_FACTOR * options.noise, ceiling=_OUTER_NOISE_FACTOR * options.ceiling
-        )
-    made = straight_pieces(middles, np.maximum(sure, _UNSEEN_BORDER_WEIGHT), stroke.closed, options)
+        factor = _OPTIONS.outer_noise_factor
+        options = dataclasses.replace(options, noise=factor * options.noise, ceiling=factor * options.ceiling)
+    made = straight_pieces(middles, np.maximum(sure, _OPTIONS.unseen_border_weight), stroke.closed, options)
     if stroke.closed:
         if len(made) < 3:  # an island of few cells has no long sides
             return shapely.LineString(shapely.get_coordinates(shapely.LineString(corners).simplify(cell)))
@@ -104,12 +121,12 @@ def _drawn_out(k: int, found: list[Stroke], lines: list[shapely.LineString]) -> 
 def _to_host(points: np.ndarray, host: BaseGeometry) -> np.ndarray:
     """The points, with the last moved onto the host line or just beyond it."""
     line = shapely.LineString(points)
-    end = substring(line, line.length - min(_MAX_EXTENSION, line.length / 2), line.length)
+    end = substring(line, line.length - min(_OPTIONS.max_extension, line.length / 2), line.length)
     if end.intersects(host):
         return points
     ahead = points[-1] - points[-2]
     ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
-    hit = shapely.LineString([points[-1], points[-1] + _MAX_EXTENSION * ahead]).intersection(host)
+    hit = shapely.LineString([points[-1], points[-1] + _OPTIONS.max_extension * ahead]).intersection(host)
     if hit.is_empty:
         return np.vstack([points, _beyond(points[-1], host)])
     return np.vstack([points[:-1], _beyond(points[-1], hit)])
@@ -118,7 +135,7 @@ def _to_host(points: np.ndarray, host: BaseGeometry) -> np.ndarray:
 def _beyond(point: np.ndarray, host: BaseGeometry) -> np.ndarray:
     """The point just beyond the nearest point of a host line."""
     at = shapely.get_coordinates(shapely.shortest_line(shapely.Point(point), host))[-1]
-    return at + _OVERSHOOT * (at - point) / max(float(np.linalg.norm(at - point)), 1e-9)
+    return at + _OPTIONS.overshoot * (at - point) / max(float(np.linalg.norm(at - point)), 1e-9)
 
 
 def _votes(faces: list[shapely.Polygon], labels: np.ndarray, origin: np.ndarray, cell: float) -> np.ndarray:
@@ -133,7 +150,7 @@ def _votes(faces: list[shapely.Polygon], labels: np.ndarray, origin: np.ndarray,
 def _dissolved(faces: list[shapely.Polygon], votes: np.ndarray, min_area: float) -> list[Area]:
     """Merges faces of one label, and areas that are too small into the neighbour with the longest common border."""
     label = np.where(votes.sum(1) > 0, votes.argmax(1), _NOBODY)
-    for _ in range(_ROUNDS):
+    for _ in range(_OPTIONS.rounds):
         parts = _parts(faces, label)
         small = [p for p in parts if p.label == _NOBODY or (p.label and p.polygon.area < min_area)]
         if not small:

@@ -1,5 +1,5 @@
-"""Fits the confidence calibration of the perception model, `perception_model.decode.TRUST`, which belongs to one set of
-weights.
+"""Fits the confidence calibration of the perception model, `perception_model.decode.DecodeOptions.trust`, which belongs
+to one set of weights.
 
     python -m benchmarks.perception_streets --split test --first 20 --layouts 16 --out perception_held.npz
     python -m urbanverse_mjx.distillation.fit_trust --streets perception_held.npz

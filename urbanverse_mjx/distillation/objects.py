@@ -34,6 +34,7 @@ class ObjectOptions:
       max_sharp_noise: relative depth noise below which an object's own points determine its heading.
       sectors: number of directions from which views of one object are taken.
       views_per_sector: largest number of views from each direction.
+      max_views: largest number of views used for one box, the nearest first; more take time and do not improve it.
     """
 
     missed_odds: float = 0.7
@@ -50,6 +51,7 @@ class ObjectOptions:
     max_sharp_noise: float = 0.01
     sectors: int = 8
     views_per_sector: int = 4
+    max_views: int = 24
 
 
 _OPTIONS = ObjectOptions()
@@ -212,8 +214,8 @@ def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObj
 
 
 def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.ndarray:
-    """At most `boxes.MAX_VIEWS` views: the best from every direction."""
-    if len(rows) <= boxes.MAX_VIEWS:
+    """At most `ObjectOptions.max_views` views: the best from every direction."""
+    if len(rows) <= _OPTIONS.max_views:
         return rows
     # The cost of a view cut off by the image border is that of one from three times the distance.
     cost = placed.sigma[rows] * np.where(clipped[rows].any(1), 3.0, 1.0)
@@ -225,7 +227,7 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
     ends = np.r_[0, np.flatnonzero(np.diff(sector[order])) + 1]
     rank = np.arange(len(rows)) - np.repeat(ends, np.diff(np.r_[ends, len(rows)]))
     picked = order[rank < _OPTIONS.views_per_sector]
-    return rows[picked[np.argsort(cost[picked], kind="stable")][: boxes.MAX_VIEWS]]
+    return rows[picked[np.argsort(cost[picked], kind="stable")][: _OPTIONS.max_views]]
 
 
 def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:

@@ -16,9 +16,6 @@ from .bearings import Bearings
 
 #: rad.
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 6.0))
-#: Half the difference of misfits from which one heading is distinguished from most others; the mean error is 16° above
-#: it and 39° below (four captures).
-MIN_MISFIT_DIFFERENCE = 4.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,6 +32,8 @@ class SilhouetteOptions:
       width_error: error of a mask's width as a share of the width.
       scale_sigma: relative difference of known sizes from an object's size (1 sigma).
       rounds: iterations of least squares with robust weights.
+      min_misfit_difference: half the difference of misfits from which one heading is distinguished from most others;
+        the mean error is 16° above it and 39° below (four captures).
     """
 
     normals: int = 180
@@ -44,6 +43,7 @@ class SilhouetteOptions:
     width_error: float = 0.08
     scale_sigma: float = 0.15
     rounds: int = 4
+    min_misfit_difference: float = 4.0
 
 
 _OPTIONS = SilhouetteOptions()
@@ -60,7 +60,11 @@ class Fit:
     @property
     def clear(self) -> bool:
         """Whether the best heading fits much better than most others."""
-        return bool(np.median(self.misfit) - self.misfit.min() > MIN_MISFIT_DIFFERENCE)
+        return bool(np.median(self.misfit) - self.misfit.min() > _OPTIONS.min_misfit_difference)
+
+    def tells_front(self, yaw: float) -> bool:
+        """Whether a heading, rad, fits much better than the opposite one."""
+        return self.at(yaw + np.pi) - self.at(yaw) > _OPTIONS.min_misfit_difference
 
     @property
     def best(self) -> float:

@@ -10,13 +10,6 @@ import itertools
 import numpy as np
 import shapely
 
-#: m, correlation length of the errors of neighbouring points.
-_CORRELATION_LENGTH = 0.5
-#: m; if two pieces intersect farther from their common point than this, a straight connection replaces the corner.
-_MAX_CORNER_DISTANCE = 1.5
-#: Cosine of the turn at which a corner is a spike and is cut off.
-_SPIKE_COSINE = -0.4
-
 
 @dataclasses.dataclass(frozen=True)
 class FitOptions:
@@ -31,6 +24,10 @@ class FitOptions:
       piece: cost of a piece, in squared standard errors.
       deep: m; the cost of a bulge deeper than this grows with the square of its depth.
       bend: m, least deviation of the line from straight at a corner.
+      correlation_length: m, over which the errors of neighbouring points are the same.
+      max_corner_distance: m; if two pieces intersect farther from their common point than this, a straight connection
+        replaces the corner.
+      spike_cosine: cosine of the turn at which a corner is a spike and is cut off.
     """
 
     noise: float = 0.1
@@ -38,6 +35,9 @@ class FitOptions:
     piece: float = 24.0
     deep: float = 1.5
     bend: float = 0.15
+    correlation_length: float = 0.5
+    max_corner_distance: float = 1.5
+    spike_cosine: float = -0.4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,7 +69,7 @@ def straight_pieces(points: np.ndarray, weights: np.ndarray, closed: bool, optio
     if len(points) < 3:
         return points
     spacing = float(np.median(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    weights = weights * spacing / (_CORRELATION_LENGTH * options.noise**2)
+    weights = weights * spacing / (options.correlation_length * options.noise**2)
     if closed:
         begin = int(np.argmax(np.linalg.norm(points - points.mean(0), axis=1)))
         points, weights = np.roll(points, -begin, 0), np.roll(weights, -begin)
@@ -140,8 +140,8 @@ def _corners(
     for k, before in enumerate(lines if closed else lines[:-1]):
         after, at = lines[(k + 1) % len(lines)], points[breaks[k + 1]]
         meet = _meeting(before, after)
-        sharp = before.direction @ after.direction < _SPIKE_COSINE
-        if meet is not None and not sharp and np.linalg.norm(meet - at) <= _MAX_CORNER_DISTANCE:
+        sharp = before.direction @ after.direction < options.spike_cosine
+        if meet is not None and not sharp and np.linalg.norm(meet - at) <= options.max_corner_distance:
             out.append(meet)
         else:
             feet = [before.foot(at), after.foot(at)]

@@ -11,16 +11,34 @@ from scipy.special import expit, logit
 from . import classes
 from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, Seen
 
-#: Least height of a peak, and the window (pixels) of which it is the maximum; Panoptic-DeepLab uses 0.1 and 7.
-MIN_PEAK, PEAK_WINDOW = 0.1, 7
-MAX_OBJECTS = 200
-#: Output pixels: smaller objects are dropped.
-MIN_PIXELS = 12
-#: Largest distance, in output pixels, between the position to which a pixel points and the peak it is assigned to.
-MAX_MISS = 12.0
-#: Coefficients of the evidence in the log odds that an object is right (its class and half of its mask), fitted by
-#: `fit_trust` to the 1,376 objects that the shipped weights detect in 96 frames of held-out streets.
-TRUST = (-2.78, 1.23, 2.64, -4.05, 1.4)
+
+@dataclasses.dataclass(frozen=True)
+class DecodeOptions:
+    """Options for grouping pixels into objects; lengths in output pixels.
+
+    Height and window of peaks are those of Panoptic-DeepLab (Cheng et al., 2020); numbers of objects and pixels were
+    chosen manually.
+
+    Attributes:
+      min_peak: least height of a peak.
+      peak_window: side of the window of which a peak is the maximum.
+      max_objects: largest number of objects in an image, the highest peaks first.
+      min_pixels: smaller objects are dropped.
+      max_miss: largest distance between the position to which a pixel points and the peak it is assigned to;
+        chosen on three captures (docs/decisions/gen_perception.md).
+      trust: coefficients of the evidence in the log odds that an object is right (its class and half of its mask),
+        fitted by `fit_trust` to the 1,376 objects that the shipped weights detect in 96 frames of held-out streets.
+    """
+
+    min_peak: float = 0.1
+    peak_window: int = 7
+    max_objects: int = 200
+    min_pixels: int = 12
+    max_miss: float = 12.0
+    trust: tuple[float, float, float, float, float] = (-2.78, 1.23, 2.64, -4.05, 1.4)
+
+
+_OPTIONS = DecodeOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,10 +90,10 @@ def decode(seen: Seen, focal: float) -> Decoded:
 
 def _peaks(centre: np.ndarray) -> np.ndarray:
     """(k, 2) rows and columns of the highest peaks."""
-    top = (centre == ndimage.maximum_filter(centre, PEAK_WINDOW)) & (centre > MIN_PEAK)
+    top = (centre == ndimage.maximum_filter(centre, _OPTIONS.peak_window)) & (centre > _OPTIONS.min_peak)
     where = np.argwhere(top)
     order = np.argsort(-centre[top], kind="stable")
-    return where[order[:MAX_OBJECTS]]
+    return where[order[: _OPTIONS.max_objects]]
 
 
 def _group(
@@ -91,11 +109,11 @@ def _group(
     miss, owner = cKDTree(peaks).query(aim)
     heights = np.asarray(seen.centre)[peaks[:, 0], peaks[:, 1]]
     found = kinds[rows, columns]
-    group = np.where(miss <= MAX_MISS, 2 * owner + (found == classes.HOUSE), -1)
+    group = np.where(miss <= _OPTIONS.max_miss, 2 * owner + (found == classes.HOUSE), -1)
     order = np.argsort(group, kind="stable")
     objects: list[FoundObject] = []
     for part in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
-        if group[part[0]] < 0 or len(part) < MIN_PIXELS:
+        if group[part[0]] < 0 or len(part) < _OPTIONS.min_pixels:
             continue
         votes = p[rows[part], columns[part]].mean(0)
         is_house = found[part[0]] == classes.HOUSE
@@ -107,7 +125,7 @@ def _group(
         likeness = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
         leaf = int(np.where(classes.leaf_classes() == kind, likeness, -np.inf).argmax())
         evidence = _evidence(votes[kind], float(heights[owner[part[0]]]), rows[part], columns[part], miss[part].mean())
-        objects.append(FoundObject(kind, float(expit(np.dot(TRUST, evidence))), leaf, evidence))
+        objects.append(FoundObject(kind, float(expit(np.dot(_OPTIONS.trust, evidence))), leaf, evidence))
     return masks, tuple(objects)
 
 
