@@ -11,8 +11,7 @@ from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, load_hulls, load_index
 from urbanverse_mjx.assets.collision import hulls as hulls_module
 from urbanverse_mjx.assets.collision.decompose import (
-    FLUSH_HEIGHT,
-    FOOT_PLATE,
+    OPTIONS,
     convex_piece,
     decompose,
     merge_pieces,
@@ -51,12 +50,12 @@ def test_hulls_of_a_leaf(leaf: str) -> None:
         surface = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
         points = np.asarray(trimesh.sample.sample_surface(surface, 1500, seed=0)[0])
         missed = outside(points, hulls)
-        missed[points[:, 2] <= FOOT_PLATE + 1e-3] = 0.0
+        missed[points[:, 2] <= OPTIONS.foot_plate + 1e-3] = 0.0
         low = points[:, 2] < 2.0
         share = 0.01 * max(record.extent_xyz)
         assert missed[low].max(initial=0.0) <= max(0.06, share), record.uid
         assert missed.max() <= max(0.25, 3 * share), record.uid
-        if record.height > FLUSH_HEIGHT:
+        if record.height > OPTIONS.flush_height:
             filled = sum(ConvexHull(h).volume for h in hulls)
             shell = ConvexHull(mesh.vertices + np.zeros(3)).volume
             # Hulls may overlap and are grown by millimetres; thin plates have hardly any volume of their own.

@@ -23,26 +23,59 @@ from ..meshes.recipe import get_recipe
 from ..records.index import build_mesh, load_index
 from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
 
-FLUSH_HEIGHT = 0.03  # m; lower assets (a manhole cover) are flush with the ground, and their hulls are moved below it
-FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
-FOOT_PLATE = 0.02  # m; a piece that ends below (a pole's foot plate) is left out, because wheels roll over it
-HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
-MAX_FLAT_DEVIATION = 0.005  # m; a piece is flat if its points deviate less from a plane (root mean square)
-# CoACD decomposes a piece if the empty share of its hull and the empty volume exceed these limits (the volume as m^3
-# and as a share of the asset's box).
-EXCESS_SHARE, EXCESS_VOLUME, EXCESS_OF_BOX = 0.26, 0.008, 1e-3  # 1, m^3, 1
-NEGLIGIBLE_VOLUME = 2e-4  # m^3; unions that add less are always made
-OVERHEAD_HEIGHT = 1.7  # m; empty space above this height, over robots and most people, has little weight
-OVERHEAD_WEIGHT = 0.1
-SHADOW_HEIGHT = 0.15  # m; newly covered ground counts as empty space of this height, so thin plates stay apart
-BATCH = 40  # meshes to a set of worker processes
-# A simplified hull is enlarged until the distance of its piece's points outside it is below this, in m or as a share of
-# its longest side.
-MAX_UNCOVERED_DISTANCE, MAX_UNCOVERED_SHARE = 0.05, 0.007  # m, 1
-MAX_ENLARGEMENTS = 3  # at most
-MAX_PROTRUSION = 0.02  # largest protrusion of a hull from the mesh's box, as a share of the box's side
-NEIGHBOURS = 10  # candidates for a union per piece
-COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 is the usual range
+
+@dataclasses.dataclass(frozen=True)
+class HullOptions:
+    """Options for making collision hulls.
+
+    Chosen manually; `tests/assets/test_hulls.py` bounds what the hulls of the catalogue miss and add.
+
+    Attributes:
+      flush_height: m; lower assets (a manhole cover) are flush with the ground, and their hulls are moved below it.
+      flush_top, flush_bottom: m, heights of these hulls.
+      foot_plate: m; a piece that ends below (a pole's foot plate) is left out, because wheels roll over it.
+      half_sheet: m, half the thickness given to flat pieces.
+      max_flat_deviation: m; a piece is flat if its points deviate less from a plane (root mean square).
+      excess_share: CoACD decomposes a piece if the empty share of its hull exceeds this, and the empty volume the
+        largest of the two below.
+      excess_volume: m^3.
+      excess_of_box: as a share of the asset's box.
+      coacd_threshold: concavity; 0.05 to 0.1 is the usual range.
+      negligible_volume: m^3; unions that add less are always made.
+      overhead_height: m; empty space above it, over robots and most people, has the weight `overhead_weight`.
+      overhead_weight: see `overhead_height`.
+      shadow_height: m; newly covered ground counts as empty space of this height, so thin plates stay apart.
+      neighbours: candidates for a union per piece.
+      max_uncovered_distance, max_uncovered_share: a simplified hull is enlarged until the distance of its piece's
+        points outside it is below the first (m) or the second as a share of its longest side.
+      max_enlargements: largest number of these enlargements.
+      max_protrusion: largest protrusion of a hull from the mesh's box, as a share of the box's side.
+      batch: meshes to a set of worker processes.
+    """
+
+    flush_height: float = 0.03
+    flush_top: float = -0.02
+    flush_bottom: float = -0.06
+    foot_plate: float = 0.02
+    half_sheet: float = 0.004
+    max_flat_deviation: float = 0.005
+    excess_share: float = 0.26
+    excess_volume: float = 0.008
+    excess_of_box: float = 1e-3
+    coacd_threshold: float = 0.1
+    negligible_volume: float = 2e-4
+    overhead_height: float = 1.7
+    overhead_weight: float = 0.1
+    shadow_height: float = 0.15
+    neighbours: int = 10
+    max_uncovered_distance: float = 0.05
+    max_uncovered_share: float = 0.007
+    max_enlargements: int = 3
+    max_protrusion: float = 0.02
+    batch: int = 40
+
+
+OPTIONS = HullOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,8 +93,8 @@ def convex_piece(points: np.ndarray) -> Piece:
     _, _, axes = np.linalg.svd(points - centre, full_matrices=True)
     local = (points - centre) @ axes.T
     for axis in range(3):
-        if np.ptp(local[:, axis]) < 2 * HALF_SHEET:
-            local = np.concatenate([local + s * HALF_SHEET * np.eye(3)[axis] for s in (-1, 1)])
+        if np.ptp(local[:, axis]) < 2 * OPTIONS.half_sheet:
+            local = np.concatenate([local + s * OPTIONS.half_sheet * np.eye(3)[axis] for s in (-1, 1)])
     points = local @ axes + centre
     hull = ConvexHull(points)
     corners = points[hull.vertices]
@@ -134,20 +167,21 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
       allowance: m^3 of air that the hull may add.
     """
     whole = convex_piece(vertices)
-    if budget == 1 or vertices[:, 2].min() > OVERHEAD_HEIGHT:
+    if budget == 1 or vertices[:, 2].min() > OPTIONS.overhead_height:
         return [whole]
-    if np.linalg.svd(vertices - vertices.mean(0), compute_uv=False)[-1] < MAX_FLAT_DEVIATION * np.sqrt(len(vertices)):
+    thickness = np.linalg.svd(vertices - vertices.mean(0), compute_uv=False)[-1]
+    if thickness < OPTIONS.max_flat_deviation * np.sqrt(len(vertices)):
         return [whole]  # a cloth or a pane, which CoACD would split into many pieces
     vertices, faces = closed_surface(vertices, faces)
     air = whole.volume - signed_volume(vertices, faces)
-    if air < max(EXCESS_SHARE * whole.volume, allowance):
+    if air < max(OPTIONS.excess_share * whole.volume, allowance):
         return [whole]
     import coacd  # loads a native library, and most meshes are convex or have shipped hulls
 
     coacd.set_log_level("error")
     parts = coacd.run_coacd(
         coacd.Mesh(vertices, faces),
-        threshold=COACD_THRESHOLD,
+        threshold=OPTIONS.coacd_threshold,
         max_convex_hull=min(budget, MAX_HULLS),
         preprocess_mode="auto",
         preprocess_resolution=40,
@@ -163,9 +197,9 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
 def _cost(a: Piece, b: Piece, union: Piece) -> float:
     """Cost of a union for robots on the ground: m^3 of empty space, and newly covered ground."""
     space = max(union.volume - a.volume - b.volume, 0.0)
-    if union.corners[:, 2].min() > OVERHEAD_HEIGHT:
-        return OVERHEAD_WEIGHT * space
-    return space + SHADOW_HEIGHT * max(union.shadow - a.shadow - b.shadow, 0.0)
+    if union.corners[:, 2].min() > OPTIONS.overhead_height:
+        return OPTIONS.overhead_weight * space
+    return space + OPTIONS.shadow_height * max(union.shadow - a.shadow - b.shadow, 0.0)
 
 
 def merge_pieces(pieces: list[Piece], budget: int) -> list[Piece]:
@@ -178,7 +212,7 @@ def merge_pieces(pieces: list[Piece], budget: int) -> list[Piece]:
     def consider(i: int) -> None:
         centres = np.array([alive[k].corners.mean(0) for k in alive])
         names = list(alive)
-        _, near = cKDTree(centres).query(alive[i].corners.mean(0), k=min(NEIGHBOURS + 1, len(names)))
+        _, near = cKDTree(centres).query(alive[i].corners.mean(0), k=min(OPTIONS.neighbours + 1, len(names)))
         for n in np.atleast_1d(near):
             j = names[int(n)]
             pair = (min(i, j), max(i, j))
@@ -190,7 +224,7 @@ def merge_pieces(pieces: list[Piece], budget: int) -> list[Piece]:
         consider(i)
     while len(alive) > 1 and costs:
         (i, j), (cost, union) = min(costs.items(), key=lambda item: (item[1][0], item[0]))
-        if len(alive) <= budget and cost > NEGLIGIBLE_VOLUME:
+        if len(alive) <= budget and cost > OPTIONS.negligible_volume:
             break
         del alive[i], alive[j]
         costs = {pair: c for pair, c in costs.items() if i not in pair and j not in pair}
@@ -238,8 +272,8 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
     # The hull keeps the piece's vertical extent, so that it does not penetrate the pavement.
     low, high = corners[:, 2].min(), corners[:, 2].max()
     grown = corners[chosen]
-    bound = max(MAX_UNCOVERED_DISTANCE, MAX_UNCOVERED_SHARE * float(np.ptp(corners, axis=0).max()))
-    for _ in range(MAX_ENLARGEMENTS):
+    bound = max(OPTIONS.max_uncovered_distance, OPTIONS.max_uncovered_share * float(np.ptp(corners, axis=0).max()))
+    for _ in range(OPTIONS.max_enlargements):
         away = grown - grown.mean(0)
         reach = np.linalg.norm(away, axis=1, keepdims=True)
         grown = grown + away * 0.7 * missed / np.maximum(reach, 1e-6)
@@ -258,20 +292,21 @@ def _gaps(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = None) -> tuple[np.ndarray, ...]:
     """At most `budget` convex hulls of a mesh, each (n, 3) int32 in whole millimetres with n <= 32."""
-    if mesh.extent[2] <= FLUSH_HEIGHT:
+    if mesh.extent[2] <= OPTIONS.flush_height:
         flat = np.unique(np.round(mesh.vertices[:, :2], 3), axis=0)
-        layers = [np.column_stack([flat, np.full(len(flat), z)]) for z in (FLUSH_BOTTOM, FLUSH_TOP)]
+        layers = [np.column_stack([flat, np.full(len(flat), z)]) for z in (OPTIONS.flush_bottom, OPTIONS.flush_top)]
         pieces = [convex_piece(np.concatenate(layers))]
     elif budget == 1:
         pieces = [convex_piece(mesh.vertices.astype(np.float64))]
     else:
-        allowance = max(EXCESS_VOLUME, EXCESS_OF_BOX * float(np.prod(mesh.extent)))
-        solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > FOOT_PLATE + 1e-4]
+        allowance = max(OPTIONS.excess_volume, OPTIONS.excess_of_box * float(np.prod(mesh.extent)))
+        solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > OPTIONS.foot_plate + 1e-4]
         parts = [p for v, f in solids for p in split_piece(v, f, budget, allowance)]
         pieces = merge_pieces(parts, budget)
     # CoACD decomposes a voxel copy of the mesh, which exceeds it by up to a voxel. Hulls are therefore limited to the
     # mesh's box, except for the corners of coarse circles.
-    slack = np.array([MAX_PROTRUSION, MAX_PROTRUSION, 0.0]) * mesh.extent if mesh.extent[2] > FLUSH_HEIGHT else np.inf
+    flush = mesh.extent[2] <= OPTIONS.flush_height
+    slack = np.inf if flush else np.array([OPTIONS.max_protrusion, OPTIONS.max_protrusion, 0.0]) * mesh.extent
     low, high = mesh.vertices.min(0) - slack, mesh.vertices.max(0) + slack
     rounded = [np.round(np.clip(simplified(p.corners), low, high) / MILLIMETRE).astype(np.int32) for p in pieces]
     # Largest first, ties by position, because the order is part of the content.
@@ -305,9 +340,9 @@ def build_missing(
     waiting = list(tasks.values())
     with Progress() as progress:
         report_done, done = progress.task("convex hulls", len(waiting)), 0
-        for first in range(0, len(waiting), BATCH):
+        for first in range(0, len(waiting), OPTIONS.batch):
             with worker_pool(jobs, niceness=5) as pool:
-                futures = [pool.submit(_work, *task) for task in waiting[first : first + BATCH]]
+                futures = [pool.submit(_work, *task) for task in waiting[first : first + OPTIONS.batch]]
                 for future in concurrent.futures.as_completed(futures):
                     key, hulls = future.result()
                     found[key] = hulls
