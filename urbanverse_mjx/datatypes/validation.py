@@ -227,6 +227,9 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
 
     Content and name are flushed to disk in this order before the function returns, so that a power failure leaves the
     old or the new file. Partly written files of killed processes in the folder are removed after a day.
+
+    Raises:
+      FileNotFoundError: someone removed the folder, or the file in it, during the call; `filename` is `path`.
     """
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -239,9 +242,14 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
         temporary.chmod(0o644)
         sync(temporary)
         temporary.replace(path)
+        sync(path.parent)
+    except FileNotFoundError as error:
+        if temporary.exists():
+            raise
+        removed = "it was removed while it was being written; run the command again"
+        raise FileNotFoundError(errno.ENOENT, removed, os.fspath(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
-    sync(path.parent)
     return path
 
 

@@ -26,6 +26,8 @@ def refusal(error: Exception) -> str | None:
         sentence = str(error)
     elif isinstance(error, _FILE_ERRORS) and error.filename is not None:
         sentence = f"{error.filename}: {error.strerror}."
+    elif isinstance(error, _FILE_ERRORS) and error.errno is not None:
+        sentence = f"{error.strerror}."  # of a library such as pyarrow, which names the file in the text
     elif isinstance(error, OSError) and error.errno in _MACHINE_ERRORS:
         where = "" if error.filename is None else f"{os.fspath(error.filename)}: "
         sentence = f"{where}found the error {os.strerror(error.errno)!r}; {_MACHINE_ERRORS[error.errno]}."
