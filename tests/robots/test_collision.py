@@ -257,6 +257,14 @@ def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path
         assert len(image.convert("RGB").getcolors(100_000) or []) > 10
 
 
+def test_names_in_errors_are_those_of_the_file(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write(tmp_path, feet=["left_tyre", "right_tyre", "castor"])
+    assert cli.main(["robot", str(tmp_path)]) != 0
+    said = capsys.readouterr().err
+    assert "found 'castor', needed a geom of the MJCF" in said
+    assert said.rstrip().endswith("it has chassis, bumper, battery, caster, left_tyre, right_tyre.")
+
+
 def test_the_fit_can_be_finer_and_its_options_are_checked(tmp_path: pathlib.Path) -> None:
     rough, fine = (
         load_with_fits(write(tmp_path, fit={"tolerance": 0.005, "spheres": n}))[1][0].cover.error for n in (3, 12)

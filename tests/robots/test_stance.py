@@ -168,6 +168,14 @@ def test_motors_too_weak_to_drive_are_no_help(tmp_path: pathlib.Path) -> None:
     assert weaker_motors(load(rover(tmp_path, 2.0, centre=0.002))) is None
 
 
+def test_the_command_says_that_it_cannot_stand(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A part other than a foot is on the ground at rest, because of the centre of mass and not for its height."""
+    assert main(["robot", str(rover(tmp_path, 2.0, centre=-0.05))]) == 0
+    out = capsys.readouterr().out
+    assert "m outside the feet" in out
+    assert "bumper touches the ground at rest: move the centre of mass inside the feet" in out
+
+
 def test_the_command_says_that_it_falls_over(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["robot", str(rover(tmp_path, 2.0))]) == 0
     out = capsys.readouterr().out

@@ -40,14 +40,15 @@ def main(argv: Sequence[str]) -> int:
     stands = stance(robot)
     if stands.clearance is not None:
         sys.stdout.write(f"lowest part that is no foot: {stands.clearance:.3f} m above the ground\n")
-    sys.stdout.write(
-        f"centre of mass: {stands.margin:.3f} m inside the feet, {stands.height:.3f} m high; tips over at "
-        f"{stands.tips_at:.1f} m/s²\n"
-    )
+    place = f"{abs(stands.margin):.3f} m {'outside' if stands.margin < 0 else 'inside'} the feet"
+    tips = f"tips over at {stands.tips_at:.1f} m/s²"
+    sys.stdout.write(f"centre of mass: {place}, {stands.height:.3f} m high; {tips}\n")
     starts = start(robot)
     weaker = weaker_motors(robot) if starts is not None and starts.touches and starts.after else None
     if starts is not None:
-        sys.stdout.write(f"full speed from rest on level ground, then a stop: {_outcome(starts, weaker)}\n")
+        sys.stdout.write(
+            f"full speed from rest on level ground, then a stop: {_outcome(starts, weaker, stands.margin)}\n"
+        )
     if args.picture is not None:
         _draw(args.picture, robot, fits)
     worst = max((fit.cover.error for fit in fits), default=0.0)
@@ -61,11 +62,13 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def _outcome(starts: Any, weaker: Any) -> str:
+def _outcome(starts: Any, weaker: Any, margin: float) -> str:
     from ..robots.start import DRIVE
 
     if starts.touches is None:
         return f"only its feet touch the ground, it drives at {starts.speed:.2f} m/s"
+    if not starts.after and margin < 0:
+        return f"{starts.touches} touches the ground at rest: move the centre of mass inside the feet"
     if not starts.after:
         return f"{starts.touches} touches the ground at rest; raise it, or name it as one of the feet"
     when = f"{starts.after:.2f} s" if starts.after < DRIVE else f"the command to stop by {starts.after - DRIVE:.2f} s"

@@ -9,6 +9,7 @@ docs/tutorials/own_robot.md describes the file and the requirements on the MJCF.
 import functools
 import os
 import pathlib
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -153,8 +154,10 @@ def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) ->
     if number < 0:
         what = kind.name.removeprefix("mjOBJ_").lower()
         count = {"body": model.nbody, "camera": model.ncam, "geom": model.ngeom, "actuator": model.nu}[what]
-        known = [mujoco.mj_id2name(model, kind, i) for i in range(count)]
-        raise v.fail(where, v.show(name), f"a {what} of the MJCF", f"it has {', '.join(map(str, known)) or 'none'}")
+        named = filter(None, (mujoco.mj_id2name(model, kind, i) for i in range(count)))
+        # Spheres in place of another shape, which keeps its name, are not of the MJCF.
+        known = [n for n in named if kind != mujoco.mjtObj.mjOBJ_GEOM or not re.search(r"_sphere_\d+$", n)]
+        raise v.fail(where, v.show(name), f"a {what} of the MJCF", f"it has {', '.join(known) or 'none'}")
     return number
 
 
