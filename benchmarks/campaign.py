@@ -27,8 +27,11 @@ OUT gets a folder and a log for each job, and campaign.log.
 import argparse
 import dataclasses
 import fnmatch
+import functools
+import json
 import os
 import pathlib
+import shlex
 import signal
 import subprocess
 import sys
@@ -36,6 +39,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 
 from benchmarks import results, scaling
+from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
 
@@ -150,13 +154,23 @@ def _halves(args: argparse.Namespace, name: str) -> pathlib.Path:
     return args.out / f"{name}_halves" / library.BANK
 
 
+@functools.cache
+def _conditions() -> tuple[str, ...]:
+    """Environment options of the conditions that CraftBench was frozen with."""
+    from urbanverse_mjx.evaluation.frozen import Protocol
+
+    found = Protocol.load(settings.protocol_root() / "craftbench.json").conditions
+    return tuple(f"{key}={json.dumps(value)}" for key, value in found.items())
+
+
 def _fast(args: argparse.Namespace, row: Row, trained: pathlib.Path, tests: Sequence[pathlib.Path]) -> Job:
-    """A point of benchmarks.scaling: the preset `fast` at 54x96 with equal env-steps."""
+    """A point of benchmarks.scaling: the preset `fast` at 54x96 with equal env-steps, trained and driven in the
+    conditions that CraftBench was frozen with."""
     name = f"{row.study}-{row.size}-{row.seed}"
     name = f"scaling-{name}" if row.study in scaling.SIZES else name
     words: list[object] = ["benchmarks.comparison", "--preset", "fast", "--train", trained, "--test", *tests]
-    words += ["--env", "vision_config.height=54", "vision_config.width=96", "--steps", args.scaling_steps]
-    words += ["--seed", row.seed]
+    words += ["--env", "vision_config.height=54", "vision_config.width=96"]
+    words += [*_conditions(), "--steps", args.scaling_steps, "--seed", row.seed]
     if row.study in scaling.SIZES:
         words += ["--scenes", *scaling.subset(row.study, row.size, row.seed)]
     return _job(args, name, words, (), FAST, [row], trained, *tests)
@@ -372,7 +386,7 @@ def main() -> int:
     jobs = chosen(args)
     if args.list:
         for job in jobs:
-            print(" ".join(("python", *job.command)))
+            print(shlex.join(("python", *job.command)))
         return 0
     args.out.mkdir(parents=True, exist_ok=True)
     return Campaign(args, jobs).run()

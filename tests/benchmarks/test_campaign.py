@@ -182,7 +182,8 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
-    assert scaled.env == ["vision_config.height=54", "vision_config.width=96"]
+    light = ['vision_config.light="direct"', 'friction="uniform"']  # of version 1 of CraftBench
+    assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
     assert go2.start.name == "finetuned"
