@@ -111,6 +111,7 @@ def _spoiled_json(body: bytes) -> Iterator[bytes]:
         b'{"a":' * 100_000,
         b"9" * 50_000,
     )
+    yield b"{" + b",".join(b'"k%d":0' % k for k in range(200_000)) + b',"k0":0}'  # a repeat after many fields
     yield b"\xef\xbb\xbf" + body
     yield body.replace(b"{", b'{"schema": 1, ', 1)
     text = body.decode()
