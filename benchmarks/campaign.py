@@ -114,6 +114,16 @@ def _job(
     return Job(name, words, files, args.out / name / "result.json", memory, tuple(rows))
 
 
+@functools.cache
+def _conditions() -> tuple[str, ...]:
+    """Environment options of the conditions that CraftBench and AutoBench were frozen with: scores are of the same
+    task, and rows of the same table of the same light."""
+    from urbanverse_mjx.evaluation.frozen import Protocol
+
+    found = Protocol.load(settings.protocol_root() / "craftbench.json").conditions
+    return tuple(f"{key}={json.dumps(value)}" for key, value in found.items())
+
+
 def _generalise(
     args: argparse.Namespace, name: str, role: str, held: dict[str, int], seed: int, own: dict[str, object],
     rows: Sequence[Row], *needs: pathlib.Path,
@@ -121,7 +131,7 @@ def _generalise(
     """A job of `benchmarks.generalise` on the sets `held`, without their last scenes, with options of its `own`."""
     tests = ("validation", *BENCHMARKS)
     words: list[object] = ["benchmarks.generalise", role, "--no-map", "--train", *_banks(held)]
-    words += ["--holdout", *held.values(), "--test", *_banks(tests), "--seed", seed]
+    words += ["--holdout", *held.values(), "--test", *_banks(tests), "--seed", seed, "--env", *_conditions()]
     for key, value in own.items():
         words += [f"--{key.replace('_', '-')}", *(value if isinstance(value, tuple) else (value,))]
     return _job(args, name, words, (*held, *tests), TEACHER if role == "teacher" else STUDENT, rows, *needs)
@@ -145,22 +155,13 @@ def _student(
 def _paper(args: argparse.Namespace, name: str, streets: str, seed: int, policy: str, *scenes: str) -> Job:
     words: list[object] = ["benchmarks.comparison", "--train", *_banks([streets]), "--test", *_banks(BENCHMARKS)]
     words += ["--scenes", *scenes] if scenes else []
-    words += ["--steps", args.paper_steps, "--seed", seed, "--num-envs", 1024]
+    words += ["--steps", args.paper_steps, "--seed", seed, "--num-envs", 1024, "--env", *_conditions()]
     return _job(args, name, words, (streets, *BENCHMARKS), PAPER, [Row("paper", policy, seed=seed)])
 
 
 def _halves(args: argparse.Namespace, name: str) -> pathlib.Path:
     """The bank of the halves of a set, which this campaign cuts for itself."""
     return args.out / f"{name}_halves" / library.BANK
-
-
-@functools.cache
-def _conditions() -> tuple[str, ...]:
-    """Environment options of the conditions that CraftBench was frozen with."""
-    from urbanverse_mjx.evaluation.frozen import Protocol
-
-    found = Protocol.load(settings.protocol_root() / "craftbench.json").conditions
-    return tuple(f"{key}={json.dumps(value)}" for key, value in found.items())
 
 
 def _fast(args: argparse.Namespace, row: Row, trained: pathlib.Path, tests: Sequence[pathlib.Path]) -> Job:

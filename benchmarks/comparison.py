@@ -70,6 +70,7 @@ def main() -> int:
     overrides = {"preset": args.preset, "impl": args.impl, "scenes": ",".join(chosen)}
     overrides |= {name: json.loads(value) for name, value in (text.split("=") for text in args.env)}
     env = registry.load(args.environment, config_overrides=overrides, bank=streets.bank)
+    streets.suite.check(env)
     log(environment=args.preset, scenes=len(chosen))
     folder = trained(args, env)
     log(policy=folder.name)

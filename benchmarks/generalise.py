@@ -270,6 +270,7 @@ def main() -> int:
     }
     overrides |= {name: json.loads(value) for name, value in (text.split("=") for text in args.env)}
     env = registry.load(args.environment, config_overrides=overrides, bank=bank)
+    suite.check(env)
     log(environment=args.role)
     result: dict[str, Any] = {}
     if args.role == "teacher":

@@ -87,7 +87,8 @@ def test_a_training_that_ends_while_it_scores_is_not_done(
 
     for name in ("tables_as_arguments", "keep_compiled"):
         monkeypatch.setattr(generalise, name, lambda: None)
-    monkeypatch.setattr(generalise, "load", lambda *given: (None, ["s"], types.SimpleNamespace(score=score)))
+    suite = types.SimpleNamespace(score=score, check=lambda env: None)
+    monkeypatch.setattr(generalise, "load", lambda *given: (None, ["s"], suite))
     monkeypatch.setattr(generalise.registry, "load", lambda *given, **named: None)
     monkeypatch.setattr(generalise, "StudentTraining", Training)
     monkeypatch.setattr(sys, "argv", ["generalise", "student", "--train", "bank.npz", "--out", str(tmp_path)])
@@ -184,6 +185,7 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
     light = ['vision_config.light="direct"', 'friction="uniform"']  # of version 1 of CraftBench
     assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
+    assert all(args.env[-2:] == light for args in parsed if "env" in args)
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
     assert go2.start.name == "finetuned"

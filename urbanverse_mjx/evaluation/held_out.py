@@ -12,6 +12,7 @@ from ml_collections import ConfigDict
 
 from .. import settings
 from ..datatypes import SceneBank
+from ..datatypes import validation as v
 from ..envs.navigation.draws import OFF, Randomization
 from ..envs.types import Result
 from . import benchmark
@@ -43,19 +44,26 @@ class Suite:
       bank: all scenes, with the episode tables of frozen benchmarks.
       scenes: scenes of each set by its name.
       episodes: episodes of each set.
+      friction: of the ground with which its benchmarks were frozen; None if it has none.
     """
 
     bank: SceneBank
     scenes: Mapping[str, frozenset[str]]
     episodes: Mapping[str, EpisodeSet]
+    friction: str | None = None
 
     @staticmethod
     def of(bank: SceneBank, held: Mapping[str, Sequence[str]], count: int, frozen: Sequence[str]) -> "Suite":
         """Makes a suite of `count` evenly spaced episodes of each set of scenes `held`, and of benchmarks (protocol
-        full)."""
-        scenes, episodes = {}, {}
+        full).
+
+        Raises:
+          ValidationError: the benchmarks were frozen with different friction, so no environment serves them all.
+        """
+        scenes, episodes, friction = {}, {}, {}
         for name in frozen:
             runs = Protocol.load(settings.protocol_root() / f"{name}.json").on(bank, "full")
+            friction[name] = runs.protocol.conditions["friction"]
             bank, scenes[name], episodes[name] = runs.bank, frozenset(runs.scenes), runs.episodes
         for name, ids in held.items():
             rows = np.array([bank.scene_ids.index(k) for k in ids], np.int32)
@@ -64,10 +72,31 @@ class Suite:
             seeds = np.arange(each * len(rows), dtype=np.uint32)
             scenes[name] = frozenset(ids)
             episodes[name] = EpisodeSet(np.repeat(rows, each), np.concatenate(places), 0, seeds)
-        return Suite(bank, scenes, episodes)
+        if len(set(friction.values())) > 1:
+            found = ", ".join(f"{name}: {value}" for name, value in friction.items())
+            raise v.fail("frozen benchmarks", f"friction of {found}", "one for all", "score them in separate runs")
+        return Suite(bank, scenes, episodes, next(iter(friction.values()), None))
+
+    def check(self, env: Any) -> None:
+        """Checks that an environment has the friction with which the benchmarks were frozen; `score` does it too.
+
+        Raises:
+          ValidationError: it has another, so its scores would be those of another task.
+        """
+        found = env.config.get("friction", "uniform")
+        if self.friction not in (None, found):
+            raise v.fail(
+                "friction", repr(found), f"{self.friction!r}, with which the benchmarks were frozen",
+                f'pass the environment option friction="{self.friction}"',
+            )  # fmt: skip
 
     def score(self, env: Any, name: str, agent: Any) -> dict[str, Any]:
-        """The benchmark scores of one agent for each set."""
+        """The benchmark scores of one agent for each set.
+
+        Raises:
+          ValidationError: see `check`.
+        """
+        self.check(env)
         episodes = _joined(list(self.episodes.values()))
         run = benchmark.drive(for_scoring(env, self.bank), name, agent, episodes, False, len(episodes))
         parts = {k: [r for r in run.results if r.scene in ids] for k, ids in self.scenes.items()}
