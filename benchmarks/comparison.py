@@ -10,13 +10,12 @@ Writes log.jsonl, result.json and the policy to `--out`.
 """
 
 import argparse
-import json
 import pathlib
 import sys
 from typing import Any
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, Streets, brief, load, save_result
+from benchmarks.lib.unseen import Log, Streets, brief, load, parsed_options, save_result
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
@@ -68,7 +67,7 @@ def main() -> int:
         raise SystemExit(f"error: --scenes: found {unknown[0]!r}, needed ids of scenes in the banks to train on.")
     chosen = args.scenes or streets.train
     overrides = {"preset": args.preset, "impl": args.impl, "scenes": ",".join(chosen)}
-    overrides |= {name: json.loads(value) for name, value in (text.split("=") for text in args.env)}
+    overrides |= parsed_options(args.env)
     env = registry.load(args.environment, config_overrides=overrides, bank=streets.bank)
     streets.suite.check(env)
     log(environment=args.preset, scenes=len(chosen))

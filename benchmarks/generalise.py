@@ -22,7 +22,7 @@ import jax
 from ml_collections import ConfigDict
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, brief, load, save_result
+from benchmarks.lib.unseen import Log, brief, load, parsed_options, save_result
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
@@ -92,9 +92,7 @@ class StudentTraining:
         self.finetune_config = finetune.default_finetune_config()
         self.finetune_config.update({"num_envs": args.num_envs, "seed": args.seed + 1})
         for config, options in ((self.dagger_config, args.set), (self.finetune_config, args.set_finetune)):
-            for text in options:
-                name, value = text.split("=")
-                config.update_from_flattened_dict({name: json.loads(value)})
+            config.update_from_flattened_dict(parsed_options(options))
         sizes = {name: tuple(shape) for name, shape in env.observation_size.items()}
         teacher = teacher_config(args)
         from brax.training.agents.ppo import networks as ppo_networks
@@ -268,7 +266,7 @@ def main() -> int:
         "vision_config.height": height,
         "vision_config.width": width,
     }
-    overrides |= {name: json.loads(value) for name, value in (text.split("=") for text in args.env)}
+    overrides |= parsed_options(args.env)
     env = registry.load(args.environment, config_overrides=overrides, bank=bank)
     suite.check(env)
     log(environment=args.role)

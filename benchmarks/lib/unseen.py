@@ -5,7 +5,7 @@ import json
 import pathlib
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from urbanverse_mjx import settings
@@ -65,6 +65,11 @@ def load(
     held |= {name: list(part.scene_ids) for name, part in by_name.items() if name not in frozen}
     log(loaded=bank.num_scenes, trained=len(chosen), held={k: len(x) for k, x in held.items()}, frozen=frozen)
     return Streets(bank, chosen, Suite.of(bank, held, episodes, frozen))
+
+
+def parsed_options(texts: Iterable[str]) -> dict[str, Any]:
+    """Returns options given on the command line as NAME=VALUE, with values in JSON."""
+    return {name: json.loads(value) for name, value in (text.split("=") for text in texts)}
 
 
 def brief(scores: dict[str, Any]) -> dict[str, Any]:
