@@ -4,7 +4,7 @@
     python -m benchmarks.halves craftbench --out runs/craftbench_halves
 
 The halves are those of `urbanverse scene compile --half`, with routes planned and driven in each. An interrupted build
-continues. A half without room for routes is left out and named in left_out.json. Writes scenes, left_out.json and then
+continues. A half without space for routes is left out and named in left_out.json. Writes scenes, left_out.json and then
 bank.npz to `--out`.
 """
 
@@ -52,7 +52,7 @@ def build(name: str, out: pathlib.Path, workers: int) -> None:
     """Writes the bank of the halves of a set.
 
     Raises:
-      ValidationError: the set is not built, or no half has room for routes.
+      ValidationError: the set is not built, or no half has space for routes.
     """
     from urbanverse_mjx.datatypes import SceneBank
     from urbanverse_mjx.scene import pack_bank
@@ -67,7 +67,7 @@ def build(name: str, out: pathlib.Path, workers: int) -> None:
     halves = [f"{scene}_Half_{number:02d}" for scene in ids for number in (1, 2)]
     folders = [scenes / half for half in halves if half not in left_out]
     if not folders:
-        raise v.fail(f"set {name!r}", "no half with room for routes", "at least one")
+        raise v.fail(f"set {name!r}", "no half with space for routes", "at least one")
     v.write_json(out / "left_out.json", left_out)
     pack_bank(folders, [library.scene_set(name).split] * len(folders)).save(out / library.BANK)
 
