@@ -290,9 +290,15 @@ def _gaps(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
     return (points @ planes[:, :3].T + planes[:, 3]).max(1)
 
 
+def is_flush(mesh: AssetMesh) -> bool:
+    """Whether an asset is flush with the ground, so that its hull is moved below it."""
+    return bool(mesh.extent[2] <= OPTIONS.flush_height)
+
+
 def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = None) -> tuple[np.ndarray, ...]:
     """At most `budget` convex hulls of a mesh, each (n, 3) int32 in whole millimetres with n <= 32."""
-    if mesh.extent[2] <= OPTIONS.flush_height:
+    flush = is_flush(mesh)
+    if flush:
         flat = np.unique(np.round(mesh.vertices[:, :2], 3), axis=0)
         layers = [np.column_stack([flat, np.full(len(flat), z)]) for z in (OPTIONS.flush_bottom, OPTIONS.flush_top)]
         pieces = [convex_piece(np.concatenate(layers))]
@@ -305,7 +311,6 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
         pieces = merge_pieces(parts, budget)
     # CoACD decomposes a voxel copy of the mesh, which exceeds it by up to a voxel. Hulls are therefore limited to the
     # mesh's box, except for the corners of coarse circles.
-    flush = mesh.extent[2] <= OPTIONS.flush_height
     slack = np.inf if flush else np.array([OPTIONS.max_protrusion, OPTIONS.max_protrusion, 0.0]) * mesh.extent
     low, high = mesh.vertices.min(0) - slack, mesh.vertices.max(0) + slack
     rounded = [np.round(np.clip(simplified(p.corners), low, high) / MILLIMETRE).astype(np.int32) for p in pieces]

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
 
-from .decompose import OPTIONS
+from .decompose import is_flush
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,7 +64,7 @@ def even_body(mass: float, mesh: AssetMesh, hulls: Sequence[np.ndarray]) -> Rigi
 
     The hull of an object flush with the ground is moved below it; such an object is represented by its mesh's box.
     """
-    if mesh.extent[2] <= OPTIONS.flush_height:
+    if is_flush(mesh):
         box = np.array([mesh.vertices.min(0), mesh.vertices.max(0)])
         hulls = [np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])]
     solids = [convex_surface(h) for h in hulls]
