@@ -67,6 +67,7 @@ format: setup-dev ## format the code and fix what ruff can fix
 results: setup-dev ## draw the tables and figures of docs/results.md anew from their rows
 	@$(BIN)/python -m benchmarks.results
 	@$(BIN)/python -m benchmarks.scaling
+	@$(BIN)/python -m benchmarks.transfer_page
 
 streets: setup ## compile the six shipped streets into a scene bank in the cache, where they changed
 	@$(BIN)/urbanverse scene bank

@@ -20,6 +20,7 @@ Rows, of which `--rows` names patterns:
     goes-on-BENCHMARK-POLICY  contact does not end an episode
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
+    transfer                the shipped policies in the places of benchmarks.transfer, on all cores
 
 OUT gets a folder and a log for each job, and campaign.log.
 """
@@ -38,7 +39,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import results, scaling
+from benchmarks import results, scaling, transfer
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -61,6 +62,8 @@ ENDLESS = 86_400
 #: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240), a benchmark;
 #: of the preset `fast` at 54x96, not measured: it takes 7 GiB at 135x240, without the scores of 768 episodes at once.
 TEACHER, STUDENT, PAPER, DRIVE, FAST = 10, 34, 28, 14, 14
+#: GiB for the OpenGL contexts of the processes of `transfer`; not measured.
+DRAW = 16
 
 
 @dataclasses.dataclass(frozen=True)
@@ -234,6 +237,9 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
         for policy in GOES_ON:
             yield _goes_on(args, name, policy)
     yield from _studies(args)
+    command = ("-m", "benchmarks.transfer", "--out", str(args.out / "transfer"))
+    row = Row("transfer", study="transfer")
+    yield Job("transfer", command, (), args.out / "transfer" / "result.json", DRAW, (row,))
 
 
 def chosen(args: argparse.Namespace) -> list[Job]:
@@ -348,13 +354,15 @@ def add_rows(args: argparse.Namespace) -> int:
     """Writes the rows of all results that are there into benchmarks/scores."""
     for job in trainings(args):
         for row in job.rows if job.gives.is_file() else ():
-            if row.study:
+            if row.study == "transfer":
+                transfer.add(job.gives.parent)
+            elif row.study:
                 scaling.add(results.SCORES, job.gives, row.study, row.size, row.seed)
             elif row.streets:
                 results.add_streets(results.SCORES, job.gives, row.agent, row.streets, row.seed)
             else:
                 results.add(results.SCORES, job.gives, row.agent, row.policy, row.robot, row.seed)
-            print(f"{job.name}: {f'{row.study} {row.size}' if row.study else row.streets or row.policy}")
+            print(f"{job.name}: {f'{row.study} {row.size or ""}' if row.study else row.streets or row.policy}")
     return 0
 
 

@@ -41,13 +41,16 @@ class Errors:
 _FIELD = (6, 10)  # rows and columns of the coarse noise that the depth field is drawn from
 
 
-def inject(recording: Recording, folder: pathlib.Path, seed: int, errors: Errors | None = None) -> Recording:
-    """A copy of a recording with errors; RGB is black, tracks are gone.
+def inject(
+    recording: Recording, folder: pathlib.Path, seed: int, errors: Errors | None = None, images: bool = False
+) -> Recording:
+    """A copy of a recording with errors; tracks are gone.
 
     Args:
       recording: with depth, masks and surfaces in every frame.
       folder: of the copy.
       seed: of everything random.
+      images: whether the copy has the recording's images; otherwise they are black.
     """
     errors = errors or Errors()
     rng = np.random.default_rng([seed, 17])
@@ -64,7 +67,8 @@ def inject(recording: Recording, folder: pathlib.Path, seed: int, errors: Errors
         masks = _resized(masks, len(frame.detections), errors.mask, rng)
         masks, found = _detected(masks, frame.detections, names, errors, rng)
         surfaces = recording.surfaces(int(number))
-        writer.add(frame.time_s, black, depth * np.maximum(factor, 0.2), masks, surfaces, poses[i], found)
+        rgb = recording.rgb(int(number)) if images else black
+        writer.add(frame.time_s, rgb, depth * np.maximum(factor, 0.2), masks, surfaces, poses[i], found)
     return writer.close()
 
 
