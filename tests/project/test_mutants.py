@@ -7,7 +7,7 @@ import pathlib
 import pytest
 
 from tests.support.mutants import __main__ as mutants
-from tests.support.mutants.operators import places_of, plant
+from tests.support.mutants.operators import Mutant, places_of, plant
 
 MODULE = '''
 """Text of 1 + 1."""
@@ -50,7 +50,8 @@ def project(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.
     (tmp_path / "tests").mkdir()
     (tmp_path / "tests" / "test_half.py").write_text(
         "from urbanverse_mjx.half import half\n\ndef test_positive():\n    assert half(4) == 2\n\n"
-        "def test_negative():\n    half(-4)\n\ndef test_other():\n    assert True\n"
+        "def test_negative():\n    half(-4)\n\ndef test_other():\n    assert True\n\n"
+        "def test_that_fails_already():\n    assert half(-4) == half(2) == 3\n"
     )
     return tmp_path
 
@@ -66,13 +67,23 @@ def test_a_fault_is_judged_by_the_tests_of_its_line(project: pathlib.Path) -> No
     found = {m.after: m for m in (plant(file, source, place) for place in places_of(source))}
     rows = {after: mutants.judge(found[after], covered, project) for after in ("x * 2", "+x")}
     assert {after: (row["outcome"], row["tests"]) for after, row in rows.items()} == {
-        "x * 2": ("killed", 1),
-        "+x": ("survived", 1),
+        "x * 2": ("killed", 3),
+        "+x": ("survived", 3),
     }
     assert (project / file).read_text() == source
     text = mutants.summary(list(rows.values()))
     assert "1 of 2 faults noticed (50.0 %)" in text
-    assert "| urbanverse_mjx/half.py:3 | `-x` | `+x` | 1 |" in text
+    assert "| urbanverse_mjx/half.py:3 | `-x` | `+x` | 3 |" in text
+
+
+def test_tests_of_a_line_come_first_then_the_others_of_their_files() -> None:
+    seconds = {"a.py::x": 5.0, "a.py::y": 1.0, "a.py::z": 2.0, "b.py::x": 0.1, "c.py::x": 9.0, "c.py::y": 3.0}
+    covered = {"lines": {"m.py:1": ["a.py::x", "c.py::y"], "m.py:2": ["b.py::x"]}, "seconds": seconds}
+    fault = Mutant("m.py", 1, 1, "", "", "")
+    assert mutants.chosen_tests(fault, covered, 99.0) == ["c.py::y", "a.py::x", "a.py::y", "a.py::z", "c.py::x"]
+    assert mutants.chosen_tests(fault, covered, 9.5) == ["c.py::y", "a.py::x", "a.py::y"]
+    assert mutants.chosen_tests(fault, covered, 0.1) == ["c.py::y"], "one at least"
+    assert mutants.chosen_tests(Mutant("n.py", 1, 1, "", "", ""), covered, 99.0) == []
 
 
 def test_the_sample_is_the_same_for_a_seed_and_goes_on(project: pathlib.Path, tmp_path: pathlib.Path) -> None:

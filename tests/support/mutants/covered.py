@@ -24,8 +24,9 @@ class Lines:
     def __init__(self, root: pathlib.Path) -> None:
         self._prefix = f"{root}/"
         self._now: set[tuple[str, int]] = set()
-        self.tests: dict[str, list[list[object]]] = collections.defaultdict(list)
+        self.tests: dict[str, dict[str, list[int]]] = {}
         self.seconds: dict[str, float] = collections.defaultdict(float)
+        self.failed: set[str] = set()
 
     def seen(self, code: CodeType, line: int) -> object:
         name = code.co_filename.removeprefix(self._prefix)
@@ -38,7 +39,10 @@ class Lines:
         sys.monitoring.restart_events()
 
     def end(self, test: str) -> None:
-        self.tests[test] = [list(place) for place in sorted(self._now)]
+        found = collections.defaultdict[str, list[int]](list)
+        for file, line in sorted(self._now):
+            found[file].append(line)
+        self.tests[test] = found
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -62,8 +66,14 @@ class _Recorder:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         self._lines.seconds[report.nodeid] += report.duration
+        if report.failed:
+            self._lines.failed.add(report.nodeid)
+
+    def pytest_unconfigure(self) -> None:
+        sys.monitoring.set_events(_TOOL, sys.monitoring.events.NO_EVENTS)  # modules are about to be emptied
 
     def pytest_sessionfinish(self) -> None:
         if self._lines.tests:
             path = pathlib.Path(os.environ[OUT]) / f"{os.getpid()}.json"
-            path.write_text(json.dumps({"tests": self._lines.tests, "seconds": self._lines.seconds}))
+            found = {"tests": self._lines.tests, "seconds": self._lines.seconds, "failed": sorted(self._lines.failed)}
+            path.write_text(json.dumps(found))
