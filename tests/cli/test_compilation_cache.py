@@ -91,3 +91,31 @@ def test_a_file_that_is_being_written_is_not_noted(folder: pathlib.Path) -> None
     entry.write_bytes(b"other")
     os.utime(entry, (OLD, OLD))
     assert compilation_cache._changed(folder) == [entry]
+
+
+def test_the_programs_used_last_are_compared_and_the_others_stay_known(
+    folder: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also those whose last use JAX did not note."""
+    monkeypatch.setattr(compilation_cache, "_COMPARED", 20)
+    names = ("a", "b", "c")
+    entries = {name: folder / f"jit_f-{name}-cache" for name in names}
+
+    def use(name: str, at: float) -> None:
+        if name == "c":
+            os.utime(entries[name], (at, at))
+        else:
+            (folder / f"jit_f-{name}-atime").write_bytes(int(at * 1e9).to_bytes(8, "little"))
+
+    for k, name in enumerate(names):
+        entries[name].write_bytes(b"program 10")
+        os.utime(entries[name], (OLD, OLD))
+        use(name, OLD + k)
+    assert compilation_cache._changed(folder) == []  # notes b and c
+    use("a", OLD + 100.0)
+    assert compilation_cache._changed(folder) == []  # and a, besides c
+    entries["b"].write_bytes(b"changed ..")
+    os.utime(entries["b"], (OLD, OLD))
+    assert compilation_cache._changed(folder) == []
+    use("b", OLD + 200.0)
+    assert compilation_cache._changed(folder) == [entries["b"]]

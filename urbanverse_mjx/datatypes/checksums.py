@@ -3,13 +3,16 @@
 import contextlib
 import hashlib
 import pathlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from . import validation as v
 
 
 def changed_groups(
-    folder: pathlib.Path, groups: Mapping[pathlib.Path, Sequence[pathlib.Path]], record: pathlib.Path
+    folder: pathlib.Path,
+    groups: Mapping[pathlib.Path, Sequence[pathlib.Path]],
+    record: pathlib.Path,
+    unchecked: Collection[pathlib.Path] = (),
 ) -> dict[pathlib.Path, pathlib.Path]:
     """Groups of files below a folder with a file that is empty or changed since it was first seen.
 
@@ -19,12 +22,14 @@ def changed_groups(
     Args:
       groups: name of a group -> its files.
       record: JSON file with the checksums; if it cannot be read or written, no checksum is known.
+      unchecked: files whose checksums are kept for another time.
 
     Returns:
       group -> its first such file.
     """
     known, found = _known(record), {}
-    noted = {path: digest for path, digest in known.items() if not path.startswith(f"{folder}/")}
+    kept = set(map(str, unchecked))
+    noted = {path: digest for path, digest in known.items() if path in kept or not path.startswith(f"{folder}/")}
     for group, files in groups.items():
         try:
             digests = {path: _digest(path) for path in files}
