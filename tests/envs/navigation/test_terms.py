@@ -91,6 +91,8 @@ def test_result_precedence() -> None:
     # Touching something on arrival is no success (paper: "reaches the goal without collision").
     assert code(at_goal=True, hit=True) == Result.HIT
     assert code(off_traversable=True, at_goal=True) == Result.OFF_TRAVERSABLE
+    assert code(fallen=True, off_traversable=True) == Result.FALL
+    assert code(hit=True, fallen=True) == Result.HIT
     assert code(finite=False, hit=True) == Result.NON_FINITE
     assert code(out_of_time=True) == Result.TIMEOUT
     assert code(hit=True, hit_agent=True, fallen=True) == Result.HIT_AGENT
