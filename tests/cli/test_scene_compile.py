@@ -140,7 +140,7 @@ def test_a_long_compilation_says_that_it_goes_on(
     def compiles(*arguments: Any) -> Any:
         time.sleep(0.2)
         layout = types.SimpleNamespace(id="street")
-        return types.SimpleNamespace(left_out=()), types.SimpleNamespace(
+        return types.SimpleNamespace(left_out=(), raised=()), types.SimpleNamespace(
             layout=layout, metadata={"counts": {}, "bodies": {}}
         )
 
@@ -150,6 +150,24 @@ def test_a_long_compilation_says_that_it_goes_on(
     said = capsys.readouterr()
     assert said.err.startswith("compiling scenes: 0/1")
     assert json.loads(said.out)["id"] == "street"
+
+
+def test_a_street_without_kerbs_gets_some_and_says_so(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The written heights are not those of the compiled ground, which nobody would notice otherwise."""
+    graph = _good()
+    graph["ground"] = [
+        {"id": name, "kind": kind, "polygon": [[0, a], [30, a], [30, b], [0, b]], "plane": [0, 0, z]}
+        for name, kind, a, b, z in (("lane", "road", 0, 4, 0.0), ("path", "sidewalk", 4, 9, 0.02))
+    ]
+    (tmp_path / "graph.json").write_text(json.dumps(graph))
+    assert main(["scene", "compile", str(tmp_path / "graph.json"), "--out", str(tmp_path / "street")]) == 0
+    said = capsys.readouterr()
+    assert "raised path to a kerb of 15 cm, because no step from there to the road is 5 cm or more\n" in said.err
+    assert json.loads(said.out)["raised"] == ["path"]
+    layout = json.loads((tmp_path / "street" / "layout.json").read_text())
+    assert {g["id"]: g["plane"][2] for g in layout["ground"]} == pytest.approx({"lane": 0.0, "path": 0.15})
 
 
 def test_as_a_process_without_a_traceback(tmp_path: pathlib.Path) -> None:

@@ -38,7 +38,7 @@ class Streets:
         return self.machine.env.bank.scene_ids
 
     def cousins(self, scene: str) -> int:
-        return 1
+        return 3
 
     def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
         if policy not in self.policies:
@@ -132,6 +132,21 @@ def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Street
     wait(lambda: page.session is not session)
     assert served[1].opened[-1] == (served[1].scenes[0], 0, "go_to_goal", False)
     assert page.session.rows == (0, 1)
+
+
+def test_cousins_are_numbered_as_by_the_commands(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    """From 0; a larger number than there are takes the last one."""
+    page, streets = served[0], served[1]
+    field = tab.get_by_label("cousin", exact=True)
+    assert field.input_value() == "0"
+    for entered, opened in (("1", 1), ("63", 2), ("0", 0)):
+        session = page.session
+        field.fill(entered)
+        field.press("Enter")
+        wait(lambda entered=entered: page._cousin.value == int(entered))
+        tab.get_by_role("button", name="Open").click()
+        wait(lambda session=session: page.session is not session)
+        assert streets.opened[-1][1] == opened
 
 
 def test_a_scene_is_opened_from_elsewhere(tab: Any, served: tuple[Page, Streets, str]) -> None:

@@ -1,6 +1,7 @@
 """Teleoperation without a browser: commands, taking over and giving back, the deadman's switch, latency, the socket."""
 
 import json
+import re
 import time
 import urllib.error
 import urllib.request
@@ -308,6 +309,16 @@ def test_inputs_come_through_the_socket_and_states_go_back(front: tuple[viser.Vi
         socket.send("no")
         with pytest.raises(ConnectionClosed, match="found no JSON"):
             list(socket)
+
+
+def test_a_page_that_shows_no_street_yet_says_so() -> None:
+    """A first start compiles streets for minutes, while the port already answers."""
+    with served("127.0.0.1", 0, Teleop()) as (_, front):
+        with connect(f"ws://127.0.0.1:{front.port}/drive", proxy=None) as socket:
+            state = json.loads(socket.recv(5.0))
+        shown = set(re.findall(r"\bstate\.(\w+)", urllib.request.urlopen(front.address).read().decode()))
+    assert state["who"] == "loading"
+    assert shown <= set(state)  # otherwise the page's script fails
 
 
 def test_the_page_and_visers_own_come_from_one_port(front: tuple[viser.ViserServer, Front, Teleop]) -> None:

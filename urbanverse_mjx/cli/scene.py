@@ -118,8 +118,15 @@ def _compile(args: CompileArgs) -> int:
         )
     for gone in cousin.left_out:
         sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")
+    if cousin.raised:
+        from ..materialisation import kerbs
+
+        sys.stderr.write(
+            f"raised {', '.join(cousin.raised)} to a kerb of {100 * kerbs.KERB:.0f} cm, because no step from there to "
+            f"the road is {100 * kerbs.MIN_OBSERVED_STEP:.0f} cm or more\n"
+        )
     counts = compiled.metadata["counts"] | compiled.metadata["bodies"]
-    print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **counts}))
+    print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, "raised": list(cousin.raised), **counts}))
     return 0
 
 

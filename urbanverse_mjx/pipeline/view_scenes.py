@@ -56,7 +56,7 @@ class ViewScenes:
         if name not in self.names:
             raise ValidationError(self._unknown(name))
         if not 0 <= cousin < self.cousins(name):
-            raise ValidationError(f"cousin: found {cousin + 1}, needed one of 1 to {self.cousins(name)} of {name!r}.")
+            raise ValidationError(f"cousin: found {cousin}, needed one of 0 to {self.cousins(name) - 1} of {name!r}.")
         key = name, cousin
         if key not in self._opened:
             while len(self._opened) >= _KEPT:

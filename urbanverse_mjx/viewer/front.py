@@ -41,6 +41,15 @@ FRAME, DRIVE, LIBRARY = "/viser", "/drive", "/library"
 Library = Callable[[str, Mapping[str, str]], tuple[str, bytes]]
 #: In the page, the link to the library.
 _LINK = (b"<!-- library -->", b'<a href="library">Library</a>')
+#: State of the page, see `teleop.html`, until a street is shown on it.
+LOADING = {
+    "mode": "policy",
+    "who": "loading",
+    "note": "a first start compiles streets for minutes; the terminal shows its progress",
+    "interventions": 0,
+    "seconds": 0.0,
+    "latency": None,
+}
 _PAGE = pathlib.Path(__file__).with_name("teleop.html")
 _MAX_BODY = 50 * 2**20  # bytes of a message; viser's own limit
 #: s between two states sent to a browser, and between two measurements of its delay.
@@ -55,7 +64,7 @@ class Front:
       host, port: 0 takes a free one.
       behind: viser's port on this machine.
       teleop: receives the inputs.
-      state: function that returns the shown state as a JSON object; called often, from a thread.
+      state: function that returns the shown state as a JSON object; called often, from a thread; default: `LOADING`.
 
     Attributes:
       library: answers the requests below `LIBRARY`, from several threads; None: there is no such page.
@@ -65,7 +74,7 @@ class Front:
     """
 
     def __init__(
-        self, host: str, port: int, behind: int, teleop: Teleop, state: Callable[[], dict[str, Any]] = dict
+        self, host: str, port: int, behind: int, teleop: Teleop, state: Callable[[], dict[str, Any]] = lambda: LOADING
     ) -> None:
         self.port = free_port(host, port)
         self.state = state

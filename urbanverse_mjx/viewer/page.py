@@ -70,7 +70,7 @@ class Page(DrivePage):
         """Opens a scene with the chosen policy, as its button does; from any thread."""
 
         def order() -> None:
-            self._scene.value, self._cousin.value = name, 1
+            self._scene.value, self._cousin.value = name, 0
             self._open()
 
         self._orders.put(order)
@@ -97,7 +97,7 @@ class Page(DrivePage):
         self._pause()
         scene, policy = self._scene.value, self._path.value.strip() or self._policy.value
         self._say(f"opening {scene}, driven by {policy}")
-        cousin = min(int(self._cousin.value), self._choices.cousins(scene)) - 1
+        cousin = min(int(self._cousin.value), self._choices.cousins(scene) - 1)
         self._machine, self._row = self._choices.open(scene, cousin, policy, self._people.value)
         self._begin()
 
@@ -105,7 +105,7 @@ class Page(DrivePage):
         choices, (scene, policy, robots, people) = self._choices, self._first
         with gui.add_folder("Choose"):
             self._scene = gui.add_dropdown("scene", list(choices.scenes), initial_value=scene)
-            self._cousin = gui.add_number("cousin", 1, min=1, max=64, step=1, hint="Same places, other assets and sky.")
+            self._cousin = gui.add_number("cousin", 0, min=0, max=63, step=1, hint="Same places, other assets and sky.")
             self._episode = gui.add_slider("episode", 0, 1, 1, 0)
             names = list(dict.fromkeys([*choices.policies, policy]))
             self._policy = gui.add_dropdown("policy", names, initial_value=policy)

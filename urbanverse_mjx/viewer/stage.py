@@ -14,7 +14,7 @@ from .session import Session
 from .street import Light, StreetMeshes
 
 #: Layers that can be switched, with their initial visibility.
-LAYERS = {"goal": True, "route": True, "path": True, "contacts": True, "hulls": False, "crowd": True}
+LAYERS = {"goal": True, "route": True, "path": True, "contacts": True, "hulls": False, "people": True}
 _COLOURS = {
     "goal": (30, 160, 70),
     "route": (40, 110, 220),
@@ -180,7 +180,7 @@ class Stage:
     def _show_agents(self, index: int) -> None:
         if not self._agents:
             return
-        agents = self.session.agents(index) if self._shown["crowd"] else None
+        agents = self.session.agents(index) if self._shown["people"] else None
         for i, node in enumerate(self._agents):
             there = agents is not None and bool(agents.present[i])
             if there and agents is not None:
