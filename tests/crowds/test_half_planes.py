@@ -181,6 +181,21 @@ def test_a_pair_shares_the_change_it_needs() -> None:
         assert share[0] * yields[1] == pytest.approx(share[1] * yields[0], abs=1e-5)
 
 
+@pytest.mark.parametrize(("towards", "able"), [(1.3, 0.05), (-1.3, 1.0)])
+def test_a_walker_steps_aside_for_a_standing_scooter_but_leaves_it_its_room(towards: float, able: float) -> None:
+    """On the way into it the walker takes nearly all of the change; away from it, room is shared as people share it."""
+    bodies, traits = two(("pedestrian", "scooter"), 3.0, (towards, 0.0))
+    traits = traits._replace(yielding=jnp.array([0.5, 0.8])[:, None])
+    options = Options(discs_only=True, num_wheeled=1)
+    near = orca.look_around(bodies, traits, 2, options)
+    lines, _ = orca.permitted(bodies, traits, 2, near, options)
+    velocity = np.stack([bodies.vx[:, 0], bodies.vy[:, 0]])
+    normal, offset = np.stack([lines.x[0, :, 0], lines.y[0, :, 0]]), np.asarray(lines.offset[0, :, 0])
+    change = offset - (normal * velocity).sum(0)
+    assert (np.sign(change) == np.sign(towards)).all()
+    assert change[0] * 0.8 * able == pytest.approx(change[1] * 0.5, abs=1e-5)
+
+
 def test_walkers_come_before_vehicles() -> None:
     kinds = [KINDS[name] for name in ("pedestrian", "car", "scooter")]
     with pytest.raises(ValidationError, match="found a scooter after a car, needed walkers before wheeled kinds"):

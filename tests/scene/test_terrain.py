@@ -35,6 +35,15 @@ def test_scenes_are_full_squares(kind: str, level: int) -> None:
     assert area == pytest.approx(terrain.SCENE_SIDE**2)
 
 
+def test_the_only_path_leads_a_metre_ahead_on_the_ground() -> None:
+    scene = terrain.region_scene("kerbs-3", terrain.terrain_regions("kerbs", 3))
+    start = scene.episodes.start
+    assert start.shape == (1, 4)
+    np.testing.assert_allclose(scene.episodes.goal - start[:, :3], [[1.0, 0.0, 0.0]])
+    i, j = scene.map.grid.cell(start[0, :2])
+    assert start[0, 2] == scene.map.height[i, j]
+
+
 def test_kerbs_grow_with_the_level_and_leave_the_tests_heights_out() -> None:
     steps = {level: np.abs(np.concatenate([_edges("kerbs", level, seed) for seed in range(6)])) for level in range(10)}
     for level, found in steps.items():

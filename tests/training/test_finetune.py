@@ -45,6 +45,15 @@ def test_the_ratio_is_that_of_two_normal_densities() -> None:
     np.testing.assert_allclose(found, log_density(new) - log_density(old), rtol=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("ratio", "advantage", "gain"),
+    [(1.0, 2.0, 2.0), (1.1, 2.0, 2.2), (1.5, 2.0, 2.4), (0.5, 2.0, 1.0), (0.5, -2.0, -1.6), (1.5, -2.0, -3.0)],
+)
+def test_a_gain_is_clipped_and_a_loss_is_not(ratio: float, advantage: float, gain: float) -> None:
+    """By hand, with a clip of 0.2."""
+    assert finetune.clipped_gain(jnp.float32(ratio), jnp.float32(advantage), 0.2) == pytest.approx(gain)
+
+
 def test_the_actor_waits_for_the_critic_and_then_earns_more(small_bank: SceneBank) -> None:
     """From a random student, without the imitation term, with progress towards the goal as the only reward."""
     env = seeing_env(small_bank)

@@ -4,6 +4,7 @@ import pathlib
 from typing import Any
 
 import pytest
+from tensorboardX.proto.event_pb2 import Event
 
 from urbanverse_mjx.training import progress
 
@@ -38,3 +39,19 @@ def test_the_line_says_what_was_measured_and_no_more(metrics, end, tmp_path: pat
     log.close()
     assert len(notes) == 1
     assert notes[0].endswith(end)
+
+
+def test_the_event_file_has_each_value_at_its_step(tmp_path: pathlib.Path) -> None:
+    log = progress.TrainingLog(tmp_path, total=100, start=7, quiet=True)
+    for step, value in ((10, 0.25), (20, 0.5)):
+        log(step, {"episode/success": value})
+    log.close()
+    (path,) = tmp_path.glob("events.out.tfevents.*")
+    body, found = path.read_bytes(), []
+    while body:  # records of TensorFlow: length, its checksum, the event, its checksum
+        length = int.from_bytes(body[:8], "little")
+        event = Event.FromString(body[12 : 12 + length])
+        found += [(event.step, value.tag, value.simple_value) for value in event.summary.value]
+        body = body[16 + length :]
+    success = [(step, value) for step, tag, value in found if tag == "episode/success"]
+    assert success == [(17, 0.25), (27, 0.5)]

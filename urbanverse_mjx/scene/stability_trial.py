@@ -31,11 +31,6 @@ class StabilityTrial:
     hanging: tuple[str, ...]
     moved: tuple[Displacement, ...]
 
-    @property
-    def still_percent(self) -> float:
-        """Percentage of the standing objects that do not move."""
-        return 100.0 * (1.0 - len(self.moved) / max(self.standing, 1))
-
 
 def let_go(scene: SceneGeometry) -> StabilityTrial:
     """Releases all objects that are not fixed and simulates them; takes some seconds for 300 objects."""

@@ -89,6 +89,16 @@ def advantages(
     return jax.lax.scan(back, start, (reward, done, value), reverse=True)[1]
 
 
+def clipped_gain(ratio: jax.Array, advantage: jax.Array, clip: float) -> jax.Array:
+    """PPO's objective of each action (Schulman et al., "Proximal policy optimization", 2017, equation 7).
+
+    Args:
+      ratio: likelihood of the action now, divided by that when it was taken.
+      clip: ratios farther from 1 than this gain nothing more.
+    """
+    return jnp.minimum(ratio * advantage, jnp.clip(ratio, 1.0 - clip, 1.0 + clip) * advantage)
+
+
 def log_ratio(action: jax.Array, new: jax.Array, old: jax.Array, noise: float) -> jax.Array:
     """log p_new(action) - log p_old(action) of two normal distributions (..., k) with the same standard deviation."""
     return ((jnp.square(action - old) - jnp.square(action - new)) / (2.0 * noise**2)).sum(-1)
@@ -163,8 +173,7 @@ class Finetune(StudentLearner):
         mean, _, predicted = self.student.apply(params["actor"], batch.obs, memory, batch.begins)  # type: ignore[misc]
         moved = log_ratio(batch.action, mean, batch.mean, config.noise)
         ratio = jnp.exp(jnp.clip(moved, -20.0, 20.0))
-        clipped = jnp.clip(ratio, 1.0 - config.clip, 1.0 + config.clip)
-        actor = -jnp.minimum(ratio * batch.advantage, clipped * batch.advantage).mean()
+        actor = -clipped_gain(ratio, batch.advantage, config.clip).mean()
         critic = jnp.square(self._value(params["critic"], batch.privileged) - batch.returns).mean()
         imitation = optax.huber_loss(mean, batch.label, delta=0.5).sum(-1).mean()
         auxiliary = jnp.square(predicted - batch.target).mean()
