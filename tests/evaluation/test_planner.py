@@ -1,5 +1,7 @@
 """The privileged planner: its model of COCO against C MuJoCo, its waypoints, its maps, and that it arrives."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import mujoco
@@ -12,7 +14,7 @@ from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
-from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, footprint, waypoint_of
+from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, _Field, footprint, waypoint_of
 from urbanverse_mjx.robots import make_coco, make_go2
 from urbanverse_mjx.robots.go2 import load_gait
 from urbanverse_mjx.robots.waypoint import pd_velocity
@@ -103,6 +105,46 @@ def test_clearance_maps_hold_where_hulls_stand(small_bank: SceneBank) -> None:
     i, j = np.floor((starts - maps.origin[0]) / 0.05).astype(int).T
     assert maps.to_hull[0, i, j].min() > 0.3
     assert maps.to_edge[0, i, j].min() > 0.3
+
+
+def test_padding_a_bank_changes_no_clearance(small_bank: SceneBank) -> None:
+    """A bank's maps are padded to those of its largest scene."""
+    alone = build_clearance_maps(small_bank, [0], 1.0)
+    kinds = np.pad(small_bank.map_kind, ((0, 0), (0, 90), (0, 70)))
+    joined = build_clearance_maps(dataclasses.replace(small_bank, map_kind=kinds), [0], 1.0)
+    x, y = alone.to_edge.shape[1:]
+    assert joined.to_edge.shape[1:] > (x, y)
+    for name in ("to_hull", "to_edge"):
+        np.testing.assert_array_equal(getattr(joined, name)[0, :x, :y], getattr(alone, name)[0])
+    assert (joined.to_edge[0, x + 20 :] == -1.0).all()
+    assert (joined.to_edge[0, :, y + 20 :] == -1.0).all()
+    assert (joined.to_edge[0] > 0.0).any()
+
+
+def test_a_field_without_its_padding_has_the_same_values_everywhere() -> None:
+    """Two scenes of different size, padded to the larger; inside, in the padding and outside the map."""
+    rng = np.random.default_rng(0)
+    padded = np.full((3, 40, 30), 1.0, np.float16)
+    for scene, (x, y) in {0: (40, 12), 2: (9, 30)}.items():
+        padded[scene, :x, :y] = rng.uniform(-0.5, 1.0, (x, y))
+    origin = np.array([(-3.0, 2.0), (0.0, 0.0), (1.0, 1.0)])
+    field = _Field.of(padded, [0, 2], origin, 1.0)
+    assert field.values.size < padded[[0, 2]].size * 4 // 2  # half cells
+    whole = _Field.of(padded, [0, 2], origin, np.nan)
+    assert whole.values.size == padded[[0, 2]].size * 4
+    xy = rng.uniform(-1.0, 4.0, (5000, 2)) + origin[0]
+    for scene in (0, 2):
+        x, y = (xy - origin[0] + origin[scene]).T.astype(np.float32)
+        np.testing.assert_array_equal(field.at(scene, x, y), whole.at(scene, x, y))
+        # Against the cells themselves, from which the interpolation differs by less than two neighbours do.
+        inside = (x > origin[scene, 0] + 0.1) & (y > origin[scene, 1] + 0.1)
+        i, j = ((np.stack([x, y], -1)[inside] - origin[scene]) / 0.05).astype(int).T
+        seen = (i < 39) & (j < 29)
+        around = np.stack([padded[scene, i[seen] + a, j[seen] + b] for a in (-1, 0, 1) for b in (-1, 0, 1)])
+        found = np.asarray(field.at(scene, x, y))[inside][seen]
+        assert (found >= around.min(0) - 1e-3).all()
+        assert (found <= around.max(0) + 1e-3).all()
+        assert seen.sum() > 400
 
 
 def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:

@@ -26,7 +26,7 @@ import numpy as np
 from ..datatypes import RobotSpec
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
-from ..envs.navigation.clearance_maps import CELL, build_clearance_maps
+from ..envs.navigation.clearance_maps import CELL, MAX_DISTANCE, build_clearance_maps
 from ..geometry import rotations
 from ..robots.waypoint import WAYPOINT_REACH
 from .planner_options import PlannerOptions
@@ -166,7 +166,8 @@ class Planner:
         scenes = [int(s) for s in env.scenes]
         self._maps = build_clearance_maps(env.bank, scenes, robot.planner_height)
         self._to_hull, self._to_edge = (
-            _Field.of(x, scenes, self._maps.origin) for x in (self._maps.to_hull, self._maps.to_edge)
+            _Field.of(x, scenes, self._maps.origin, far)
+            for x, far in ((self._maps.to_hull, MAX_DISTANCE), (self._maps.to_edge, -MAX_DISTANCE))
         )
         self.first = jnp.asarray(_commands(robot, self._motion, _OPTIONS.speeds, _OPTIONS.turns), jnp.float32)
         self._after = jnp.asarray(
@@ -335,35 +336,50 @@ def _field_at(route: RouteField, pose: Any, ahead: float, side: float = 0.0) -> 
 class _Field(NamedTuple):
     """Fields of scenes in half cells of the clearance maps, looked up without interpolation with an error of 1 cm.
 
+    Each scene has a size of its own: those of a bank are padded to the largest, which is far more memory.
+
     Attributes:
       values: (n,) i16 mm, scene after scene.
-      row: (Z,) index of a scene among them.
-      shape: (X, Y).
+      start: (Z,) index of a scene's first value.
+      shape: (Z, 2) half cells of a scene.
       origin: (Z, 2) m.
     """
 
     values: Any
-    row: Any
-    shape: tuple[int, int]
+    start: Any
+    shape: Any
     origin: Any
 
     @staticmethod
-    def of(field: np.ndarray, scenes: Sequence[int], origin: np.ndarray) -> "_Field":
-        x, y = 2 * field.shape[1], 2 * field.shape[2]
-        values = np.zeros((len(scenes), x, y), np.int16)
-        row = np.zeros(len(field), np.int32)
-        at = [(np.arange(n) + 0.5) / 2 - 0.5 for n in (x, y)]
-        for k, scene in enumerate(scenes):
-            row[scene] = k
-            values[k] = np.rint(1000.0 * _stretched(_stretched(field[scene].astype(np.float32), at[0]).T, at[1]).T)
-        return _Field(jnp.asarray(values.reshape(-1)), jnp.asarray(row), (x, y), jnp.asarray(origin, jnp.float32))
+    def of(field: np.ndarray, scenes: Sequence[int], origin: np.ndarray, far: float) -> "_Field":
+        """Field (Z, X, Y) m of some scenes; far: its value far from everything, such as in the padding."""
+        parts: list[np.ndarray] = []
+        start, shape = np.zeros(len(field), np.int32), np.ones((len(field), 2), np.int32)
+        length = 0
+        for scene in scenes:
+            cells = _without_padding(field[scene], far).astype(np.float32)
+            at = [(np.arange(2 * n) + 0.5) / 2 - 0.5 for n in cells.shape]
+            fine = np.rint(1000.0 * _stretched(_stretched(cells, at[0]).T, at[1]).T).astype(np.int16)
+            start[scene], shape[scene] = length, fine.shape
+            parts.append(fine.ravel())
+            length += fine.size
+        values = np.concatenate(parts)
+        return _Field(jnp.asarray(values), jnp.asarray(start), jnp.asarray(shape), jnp.asarray(origin, jnp.float32))
 
     def at(self, scene: Any, x: Any, y: Any) -> Any:
         """(...) m, values at world positions x, y (...) m."""
-        i = jnp.clip(((x - self.origin[scene, 0]) * (2 / CELL)).astype(jnp.int32), 0, self.shape[0] - 1)
-        j = jnp.clip(((y - self.origin[scene, 1]) * (2 / CELL)).astype(jnp.int32), 0, self.shape[1] - 1)
-        flat = (self.row[scene] * self.shape[0] + i) * self.shape[1] + j
+        shape = self.shape[scene]
+        i = jnp.clip(((x - self.origin[scene, 0]) * (2 / CELL)).astype(jnp.int32), 0, shape[0] - 1)
+        j = jnp.clip(((y - self.origin[scene, 1]) * (2 / CELL)).astype(jnp.int32), 0, shape[1] - 1)
+        flat = self.start[scene] + i * shape[1] + j
         return self.values.at[flat].get(mode="promise_in_bounds").astype(jnp.float32) * 1e-3
+
+
+def _without_padding(field: np.ndarray, far: float) -> np.ndarray:
+    """A field (X, Y) up to its last values that are not `far`, and two cells more, so that its border is `far`."""
+    near = field != np.asarray(far, field.dtype)
+    sizes = [np.flatnonzero(near.any(1 - axis)).max(initial=-1) + 3 for axis in (0, 1)]
+    return field[: sizes[0], : sizes[1]]
 
 
 def _stretched(rows: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -60,7 +60,10 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
         ground = _finer(free_space.ground_height(bank, scene), round(free_space.CELL / CELL), shape)
         grid = Grid(origin[scene], CELL, shape)
         to_hull[scene] = nearest(grid, _outlines(bank, scene, grid, ground, height), MAX_DISTANCE)
-        to_edge[scene] = _to_edge(np.kron(bank.map_kind[scene], np.ones((cells, cells), np.uint8)), ground)
+        walkable = np.kron(traversable(bank.map_kind[scene]), np.ones((cells, cells), bool))
+        to_edge[scene] = -MAX_DISTANCE
+        near = _up_to_its_ground(walkable)
+        to_edge[scene][near] = _to_edge(walkable[near], ground[near])
     return ClearanceMaps(origin, to_hull, to_edge)
 
 
@@ -81,8 +84,17 @@ def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, heigh
         yield flat.min(0), flat.max(0), functools.partial(to_outline, outline(flat))
 
 
-def _to_edge(kind: np.ndarray, ground: np.ndarray) -> np.ndarray:
-    walkable = traversable(kind)
+def _up_to_its_ground(walkable: np.ndarray) -> tuple[slice, slice]:
+    """The cells (X, Y) up to `MAX_DISTANCE` behind the last walkable ones: a bank's maps are padded to the largest."""
+    margin = round(MAX_DISTANCE / CELL) + 1
+    x, y = (int(np.flatnonzero(walkable.any(1 - axis)).max(initial=0)) + 1 + margin for axis in (0, 1))
+    return slice(x), slice(y)
+
+
+def _to_edge(walkable: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """(X, Y) m from each cell to the nearest that is not walkable or has a step, negative there. The outside
+    is not walkable."""
+    walkable = walkable.copy()
     for axis in (0, 1):
         step = np.abs(np.diff(ground, axis=axis)) > MIN_EDGE_STEP
         step &= np.take(walkable, range(1, walkable.shape[axis]), axis) & np.take(
