@@ -21,6 +21,7 @@ Rows, of which `--rows` names patterns:
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
     transfer                the shipped policies in the places of benchmarks.transfer, on all cores
+    missions                the shipped policies on the missions of benchmarks.missions, on all cores
 
 OUT gets a folder and a log for each job, and campaign.log.
 """
@@ -39,7 +40,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import results, scaling, transfer
+from benchmarks import missions, results, scaling, transfer
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -62,8 +63,8 @@ ENDLESS = 86_400
 #: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240), a benchmark;
 #: of the preset `fast` at 54x96, not measured: it takes 7 GiB at 135x240, without the scores of 768 episodes at once.
 TEACHER, STUDENT, PAPER, DRIVE, FAST = 10, 34, 28, 14, 14
-#: GiB for the OpenGL contexts of the processes of `transfer`; not measured.
-DRAW = 16
+#: Studies that drive on all cores -> what writes their rows.
+OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -237,9 +238,10 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
         for policy in GOES_ON:
             yield _goes_on(args, name, policy)
     yield from _studies(args)
-    command = ("-m", "benchmarks.transfer", "--out", str(args.out / "transfer"))
-    row = Row("transfer", study="transfer")
-    yield Job("transfer", command, (), args.out / "transfer" / "result.json", DRAW, (row,))
+    for name in OF_ALL_CORES:
+        command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
+        # A GPU of its own each, because trainings beside them would want for processors.
+        yield Job(name, command, (), args.out / name / "result.json", args.gpu_memory, (Row(name, study=name),))
 
 
 def chosen(args: argparse.Namespace) -> list[Job]:
@@ -354,8 +356,8 @@ def add_rows(args: argparse.Namespace) -> int:
     """Writes the rows of all results that are there into benchmarks/scores."""
     for job in trainings(args):
         for row in job.rows if job.gives.is_file() else ():
-            if row.study == "transfer":
-                transfer.add(job.gives.parent)
+            if row.study in OF_ALL_CORES:
+                OF_ALL_CORES[row.study](job.gives.parent)
             elif row.study:
                 scaling.add(results.SCORES, job.gives, row.study, row.size, row.seed)
             elif row.streets:

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from benchmarks.lib import shifts as s
-from urbanverse_mjx.datatypes import RobotSpec, traversable
+from urbanverse_mjx.datatypes import AgentMotion, AgentShapes, RobotSpec, traversable
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots.gait import Gait, sensor_frame
@@ -29,7 +29,8 @@ FINE_STEP = 0.004
 GRAVITY = 9.81  # m/s2
 #: cos of the tilt at which a robot counts as fallen, as in `envs.navigation`.
 MIN_UP = 0.5
-_ROBOT, _GROUND = "robot/", "ground/"
+_ROBOT, _GROUND, _AGENT = "robot/", "ground/", "agent_"
+_AWAY = -50.0  # m, height of agents that are absent
 #: m: MuJoCo's renderer: nearest and farthest surface drawn, where fog begins and where it hides everything.
 _NEAR, _FAR, _FOG = 0.03, 250.0, (25.0, 160.0)
 _FOG_COLOUR = (0.78, 0.81, 0.84, 1.0)
@@ -57,6 +58,8 @@ class World:
       size: (height, width) of the images; None for a robot without camera.
       vision: of the environment's config, for our renderer: shading, sky, shadows.
       folder: of the compiled scene, for images.
+      agents: collision bodies of people and vehicles, which `place_agents` moves; None for none.
+      appearances: row of the bank's agents for each of them, for our renderer.
 
     Attributes:
       model, data: of MuJoCo; qpos[:7] is the robot's body.
@@ -72,6 +75,8 @@ class World:
         size: tuple[int, int] | None = None,
         vision: dict[str, Any] | None = None,
         folder: pathlib.Path | None = None,
+        agents: AgentShapes | None = None,
+        appearances: tuple[int, ...] = (),
     ) -> None:
         import jax
 
@@ -81,6 +86,9 @@ class World:
             spec = mujoco.MjSpec.from_file(str(folder / "scene.xml"))
         else:
             spec = scene_spec(geometry)
+        self.agents, self.appearances = agents, appearances
+        self.people: AgentMotion | None = None
+        _add_agents(spec, agents)
         self.model = reference_model(spec, self.robot)
         if shifts.contact:
             _other_contact(self.model)
@@ -105,9 +113,9 @@ class World:
             self._renderer = _OpenGl(self, size) if shifts.renderer else _Ours(self, size, vision or {}, folder)
 
     @staticmethod
-    def load(folder: pathlib.Path, *args: Any) -> "World":
+    def load(folder: pathlib.Path, *args: Any, **more: Any) -> "World":
         """The world of a compiled scene; the other arguments from `robot` on."""
-        return World(CompiledScene.load(folder).geometry, *args, folder=folder)
+        return World(CompiledScene.load(folder).geometry, *args, folder=folder, **more)
 
     def _kinds(self) -> None:
         """What each geom is in a contact."""
@@ -132,7 +140,8 @@ class World:
         self.data.qpos[:3] = start[0], start[1], start[2] + self.robot.spawn_height
         self.data.qpos[3:7] = rotations.from_yaw(np.float64(start[3]))
         mujoco.mj_forward(self.model, self.data)
-        self.hit, self.time = None, 0.0
+        self.hit, self.time, self.people = None, 0.0, None
+        self.data.mocap_pos[:] = 0.0, 0.0, _AWAY
         self._action, self._history = np.zeros(self.model.nu), None
 
     def _grip(self, share: float) -> None:
@@ -197,6 +206,12 @@ class World:
             self.hit = "ground" if self._ground[other] else self._names[other].rsplit("/", 1)[0]
             return
 
+    def place_agents(self, people: AgentMotion) -> None:
+        """Moves people and vehicles to their poses at the beginning of a step; absent ones are far below."""
+        self.people = people
+        self.data.mocap_pos[:] = np.where(people.present[:, None], people.position, [0.0, 0.0, _AWAY])
+        self.data.mocap_quat[:] = rotations.from_yaw(np.asarray(people.heading, np.float64))
+
     # State.
 
     @property
@@ -243,6 +258,25 @@ class World:
 _CHANGED = (
     "geom_friction", "geom_priority", "actuator_forcerange", "actuator_gainprm", "dof_damping",
 )  # fmt: skip
+
+
+def _add_agents(spec: mujoco.MjSpec, agents: AgentShapes | None) -> None:
+    """A body for each agent, that is placed and not pushed: an upright prism over a disc extended along the heading."""
+    for k in range(0 if agents is None else len(agents.radius)):
+        assert agents is not None
+        radius, half, height = (float(getattr(agents, f)[k]) for f in ("radius", "half_length", "height"))
+        body = spec.worldbody.add_body(name=f"{_AGENT}{k}", mocap=True, pos=[0.0, 0.0, _AWAY])
+        middle = [0.0, 0.0, height / 2]
+        for number, x in enumerate((-half, half) if half > 0.0 else (0.0,)):
+            body.add_geom(
+                name=f"{_AGENT}{k}/end_{number}",
+                type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+                size=[radius, height / 2, 0.0],
+                pos=[x, 0.0, height / 2],
+            )
+        if half > 0.0:
+            size = [half, radius, height / 2]
+            body.add_geom(name=f"{_AGENT}{k}/middle", type=mujoco.mjtGeom.mjGEOM_BOX, size=size, pos=middle)
 
 
 def _other_contact(model: mujoco.MjModel) -> None:
@@ -344,8 +378,8 @@ class _Ours(_Camera):
         for view in self.views:
             key = view.height, view.width
             if key not in self._draw:
-                renderer = Renderer(bank, world.robot, *key, threads=1, **chosen)
-                self._draw[key] = jax.jit(lambda *a, r=renderer: r.view(0, *a)["rgb"])
+                renderer = Renderer(bank, world.robot, *key, threads=1, agents=world.appearances, **chosen)
+                self._draw[key] = jax.jit(lambda a, people, r=renderer: r.view(0, *a, agents=people)["rgb"])
         own = mujoco.MjModel.from_xml_string(world.robot.mjcf)
         names = [own.body(b).name for b in range(1, own.nbody)]
         self._bodies = np.array([0, *(world.model.body(_ROBOT + name).id for name in names)])
@@ -358,4 +392,5 @@ class _Ours(_Camera):
         half = view.yaw / 2.0
         turn = rotations.product(turn, np.array([math.cos(half), 0.0, math.sin(half), 0.0]))
         places = [data.cam_xpos[self.camera], turn, view.fovy, data.xpos[self._bodies], data.xquat[self._bodies]]
-        return np.asarray(self._draw[view.height, view.width](*(np.asarray(x, np.float32) for x in places)))
+        arrays = tuple(np.asarray(x, np.float32) for x in places)
+        return np.asarray(self._draw[view.height, view.width](arrays, self.world.people))

@@ -167,11 +167,12 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
 
 
 def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from benchmarks import comparison, halves, transfer
+    from benchmarks import comparison, halves, missions, transfer
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
     scripts |= {"benchmarks.halves": halves.arguments, "benchmarks.transfer": transfer.arguments}
+    scripts["benchmarks.missions"] = missions.arguments
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
@@ -179,7 +180,7 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
             parsed.append(scripts[job.command[1]]())
             wanted = job.gives.parent if job.command[1] == "benchmarks.halves" else tmp_path / "out" / job.name
             assert parsed[-1].out == wanted
-    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * (12 + 2) + 3
+    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * (12 + 2) + 4
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
