@@ -15,7 +15,7 @@ def rolling(heading: float, speed: float) -> Bodies:
     return Bodies(f(2.0), f(-1.0), f(speed * math.cos(heading)), f(speed * math.sin(heading)), f(heading))
 
 
-def preferred(x: float, y: float, face: float) -> PreferredVelocity:
+def to(x: float, y: float, face: float) -> PreferredVelocity:
     return PreferredVelocity(*(jnp.full((1, 1), v, jnp.float32) for v in (x, y, face)))
 
 
@@ -23,11 +23,11 @@ def preferred(x: float, y: float, face: float) -> PreferredVelocity:
 def test_a_vehicle_rolls_along_its_arc(turn: float) -> None:
     heading, speed, dt = 0.7, 6.0, 0.5
     bodies, traits = rolling(heading, speed), traits_of([KINDS["car"]])
-    wanted = preferred(speed * math.cos(heading), speed * math.sin(heading), heading)
-    after = motion.roll(jnp.zeros((1, 1)), jnp.full((1, 1), turn), wanted, bodies, traits, dt)
+    preferred_velocity = to(speed * math.cos(heading), speed * math.sin(heading), heading)
+    after = motion.roll(jnp.zeros((1, 1)), jnp.full((1, 1), turn), preferred_velocity, bodies, traits, dt)
     angles = heading + turn * np.linspace(0.0, dt, 20_001)
-    way = speed * dt * np.array([np.cos(angles).mean(), np.sin(angles).mean()])
-    np.testing.assert_allclose([after.x[0, 0] - 2.0, after.y[0, 0] + 1.0], way, atol=1e-4)
+    offset = speed * dt * np.array([np.cos(angles).mean(), np.sin(angles).mean()])
+    np.testing.assert_allclose([after.x[0, 0] - 2.0, after.y[0, 0] + 1.0], offset, atol=1e-4)
     assert float(after.heading[0, 0]) == pytest.approx(heading + turn * dt, abs=1e-5)
     assert float(jnp.arctan2(after.vy, after.vx)[0, 0]) == pytest.approx(heading + turn * dt, abs=1e-5)
 
@@ -35,10 +35,10 @@ def test_a_vehicle_rolls_along_its_arc(turn: float) -> None:
 def test_a_vehicle_backs_up_as_fast_as_it_wants_in_any_direction() -> None:
     traits = traits_of([KINDS["car"]])
     for heading in (0.0, math.pi / 2, 2.4):
-        wanted = preferred(-0.8 * math.cos(heading), -0.8 * math.sin(heading), heading)
+        preferred_velocity = to(-0.8 * math.cos(heading), -0.8 * math.sin(heading), heading)
         bodies = rolling(heading, -0.7)
         for _ in range(5):
-            bodies = motion.roll(jnp.full((1, 1), -1.0), jnp.zeros((1, 1)), wanted, bodies, traits, 0.2)
+            bodies = motion.roll(jnp.full((1, 1), -1.0), jnp.zeros((1, 1)), preferred_velocity, bodies, traits, 0.2)
         speed = bodies.vx * math.cos(heading) + bodies.vy * math.sin(heading)
         assert float(speed[0, 0]) == pytest.approx(-0.8, abs=1e-4)
 
