@@ -2,6 +2,7 @@
 
 import dataclasses
 import pathlib
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -66,6 +67,42 @@ def test_a_changed_bit_is_refused_or_changes_nothing(body: bytes, tmp_path: path
             np.testing.assert_array_equal(bank.arrays()[name], array, err_msg=f"{name}, byte {place}")
         assert bank.meta == whole.meta
     assert found >= 55, "what holds the arrays is nearly all of the file"
+
+
+def test_arrays_of_every_kind_come_back(tmp_path: pathlib.Path) -> None:
+    rng = np.random.default_rng(0)
+    arrays = {
+        "single": np.array(3.5),
+        "none": np.zeros((0, 3), np.int32),
+        "columns": np.asfortranarray(rng.random((70, 5))),
+        "flags": rng.random(9) < 0.5,
+        "words": np.array(["a", "kerb"]),
+        "large": rng.integers(0, 255, (3, 200_001), np.uint8),
+    }
+    array_file.save(tmp_path / "a.npz", arrays)
+    np.savez_compressed(tmp_path / "b.npz", **arrays)  # pyright: ignore[reportArgumentType]
+    for name in ("a.npz", "b.npz"):
+        found = array_file.load(tmp_path / name, "arrays", "")
+        assert list(found) == list(arrays)
+        for key, array in arrays.items():
+            np.testing.assert_array_equal(found[key], array)
+            assert (found[key].dtype, found[key].flags.writeable) == (array.dtype, True)
+            assert found[key].flags.f_contiguous == array.flags.f_contiguous
+    with np.load(tmp_path / "a.npz") as others:
+        np.testing.assert_array_equal(others["columns"], arrays["columns"])
+
+
+@pytest.mark.parametrize("write", [np.savez_compressed, lambda path, **arrays: array_file.save(path, arrays)])
+def test_every_changed_byte_of_an_array_is_noticed(tmp_path: pathlib.Path, write: Callable[..., object]) -> None:
+    """Also in files of NumPy, which have no checksum over the whole file."""
+    path = tmp_path / "x.npz"
+    write(path, x=np.arange(40))
+    body = path.read_bytes()
+    start = body.index(b"x.npy") + 5
+    for place in range(start + 20, body.index(b"PK\x01\x02"), 3):
+        path.write_bytes(body[:place] + bytes([body[place] ^ 4]) + body[place + 1 :])
+        with pytest.raises(ValidationError, match="damaged"):
+            array_file.load(path, "an array", "")
 
 
 def test_a_shape_that_asks_for_more_memory_than_there_is_costs_none(tmp_path: pathlib.Path) -> None:

@@ -1,17 +1,21 @@
 """Reads and writes named arrays in a compressed `.npz` with complete integrity checks.
 
-The archive holds a CRC-32 of each array. `zipfile` compares it only when an array is read to its end, and NumPy trusts
-the shape in an array's header before that. Here every array is read to its end, and its header must match its size.
+The archive's comment holds a CRC-32 of the whole file. `zipfile` also keeps one of each array, which takes a fifth of
+the time of reading: it is of the uncompressed bytes, nine times as many in a bank. It is compared only in files without
+the comment, as NumPy writes them. NumPy trusts the shape in an array's header; here it must match the array's size.
 """
 
 import contextlib
 import math
+import mmap
 import os
 import pathlib
+import re
 import sys
 import zipfile
+import zlib
 from collections.abc import Collection, Mapping
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -21,6 +25,10 @@ _SUFFIX = ".npy"
 _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 
+#: Begins the archive's comment; the CRC-32 of all bytes before it follows, as hexadecimal digits.
+_SEAL, _DIGITS = b"crc32 ", 8
+#: Bytes that are read at once: a part of a processor's cache.
+_PIECE = 2**18
 #: Of zlib. A bank is written 3.6 times as fast as with NumPy's 6, and is 8 % larger; reading takes as long.
 _LEVEL = 1
 
@@ -36,6 +44,34 @@ def _write(path: pathlib.Path, arrays: Mapping[str, np.ndarray]) -> None:
         for name, array in arrays.items():
             with archive.open(name + _SUFFIX, "w", force_zip64=True) as file:
                 np.lib.format.write_array(file, np.asanyarray(array), allow_pickle=False)
+        archive.comment = _SEAL + bytes(_DIGITS)
+    with path.open("r+b") as file:
+        crc = _crc(file)
+        file.seek(-_DIGITS, os.SEEK_END)
+        file.write(b"%0*x" % (_DIGITS, crc))
+
+
+def _crc(file: BinaryIO) -> int:
+    """CRC-32 of a file without its last digits."""
+    with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as body, memoryview(body) as view:
+        return zlib.crc32(view[:-_DIGITS])
+
+
+def _is_sealed(path: str | os.PathLike[str]) -> bool:
+    """Whether a file has a checksum over all of it.
+
+    Raises:
+      ValueError: it does not match.
+    """
+    with open(path, "rb") as file:
+        size, length = file.seek(0, os.SEEK_END), len(_SEAL) + _DIGITS
+        file.seek(max(size - length, 0))
+        seal = file.read(length)
+        if not re.fullmatch(re.escape(_SEAL) + rb"[0-9a-f]{%d}" % _DIGITS, seal):
+            return False
+        if _crc(file) != int(seal.removeprefix(_SEAL), 16):
+            raise ValueError("its checksum is another one")
+        return True
 
 
 def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
@@ -49,8 +85,13 @@ def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
       ValidationError: the file cannot be read, is truncated, or any of its bytes changed.
     """
     try:
+        sealed = _is_sealed(path)
         with zipfile.ZipFile(path) as archive:
-            return {entry.filename.removesuffix(_SUFFIX): _array(archive, entry) for entry in archive.infolist()}
+            entries = archive.infolist()
+            if sealed:
+                for entry in entries:
+                    del entry.CRC  # `zipfile` computes none where there is none to compare
+            return {entry.filename.removesuffix(_SUFFIX): _array(archive, entry) for entry in entries}
     except MemoryError:
         raise
     except Exception as error:
@@ -60,13 +101,16 @@ def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
     with archive.open(entry) as file:
-        shape, _, dtype = _HEADERS[np.lib.format.read_magic(file)](file)
-        if math.prod(shape) * dtype.itemsize != entry.file_size - file.tell():
+        shape, by_columns, dtype = _HEADERS[np.lib.format.read_magic(file)](file)
+        if dtype.hasobject or math.prod(shape) * dtype.itemsize > entry.file_size:
             raise ValueError(f"{entry.filename} does not have the size that its header gives")
-        file.seek(0)
-        array = np.lib.format.read_array(file, allow_pickle=False)
-        if file.read():
-            raise ValueError(f"{entry.filename} has data after its end")
+        array = np.empty(shape, dtype, "F" if by_columns else "C")
+        left = memoryview(array.reshape(-1, order="A").view(np.uint8))
+        while left and (part := file.read(min(len(left), _PIECE))):
+            left[: len(part)] = part
+            left = left[len(part) :]
+        if left or file.read(1):
+            raise ValueError(f"{entry.filename} does not have the size that its header gives")
     return array
 
 

@@ -70,7 +70,8 @@ def _check_range(name: str, array: np.ndarray, low: int, high: int) -> None:
     """Checks that every value of an index array lies in [low, high)."""
     if array.dtype.kind not in "iu":
         raise v.fail(f"bank.{name}", f"numbers of type {array.dtype}", "whole numbers", _HINT)
-    if array.size and (int(array.max()) >= high or int(array.min()) < low):
+    below = array.dtype.kind == "i" or low > 0  # the least of unsigned numbers is no index before 0
+    if array.size and (int(array.max()) >= high or (below and int(array.min()) < low)):
         raise v.fail(f"bank.{name}", "an index outside its table", f"[{low}, {high})", _HINT)
 
 
@@ -90,7 +91,8 @@ def _check_starts(arrays: Mapping[str, np.ndarray]) -> None:
         raise v.fail("bank.texture_shape", "a size that is not its texture's", "height x width x 3", _HINT)
     # Seen as unsigned, a negative index is too large as well.
     faces = np.ascontiguousarray(arrays["mesh_faces"], np.int32).view(np.uint32)
-    corners = np.diff(arrays["mesh_vertex_start"]).astype(np.uint32)
-    most = np.maximum(np.maximum(faces[:, 0], faces[:, 1]), faces[:, 2])
-    if (most >= np.repeat(corners, np.diff(arrays["mesh_face_start"]))).any():
+    some = np.flatnonzero(np.diff(arrays["mesh_face_start"]))
+    first = arrays["mesh_face_start"][some].astype(np.int64) * faces.shape[1]
+    corners = np.diff(arrays["mesh_vertex_start"])[some]
+    if len(some) and (np.maximum.reduceat(faces.reshape(-1), first) >= corners).any():
         raise v.fail("bank.mesh_faces", "an index outside its mesh", "corners of the face's own mesh", _HINT)
