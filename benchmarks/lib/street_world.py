@@ -5,6 +5,7 @@ velocity for one tick, and `World.image` is what its camera sees. The scene is t
 count are those that count in `envs.navigation`.
 """
 
+import atexit
 import math
 import pathlib
 from typing import Any
@@ -337,6 +338,8 @@ class _OpenGl(_Camera):
         self._options.geomgroup[2] = 1
         self._quat, self._fovy = model.cam_quat[self.camera].copy(), float(model.cam_fovy[self.camera])
         self._contexts: dict[tuple[int, int], mujoco.Renderer] = {}
+        # Freed by Python's own end they would be too late: EGL is gone by then, and says so.
+        atexit.register(self.close)
 
     def draw(self, view: s.View) -> np.ndarray:
         model, data = self.world.model, self.world.data
