@@ -83,7 +83,13 @@ def test_tests_of_a_line_come_first_then_the_others_of_their_files() -> None:
     assert mutants.chosen_tests(fault, covered, 99.0) == ["c.py::y", "a.py::x", "a.py::y", "a.py::z", "c.py::x"]
     assert mutants.chosen_tests(fault, covered, 9.5) == ["c.py::y", "a.py::x", "a.py::y"]
     assert mutants.chosen_tests(fault, covered, 0.1) == ["c.py::y"], "one at least"
-    assert mutants.chosen_tests(Mutant("n.py", 1, 1, "", "", ""), covered, 99.0) == []
+    assert mutants.chosen_tests(Mutant("n/n.py", 1, 1, "", "", ""), covered, 99.0) == []
+
+
+def test_tests_of_a_kernel_are_those_that_ran_its_folder() -> None:
+    lines = {"a/engine.py:3": ["x"], "a/kernels.py:1": ["y"], "b/engine.py:3": ["z"]}
+    tests = {f: mutants.tests_of(Mutant(f, 9, 9, "", "", ""), lines) for f in ("a/bodies.py", "a/kernels.py", "c/d.py")}
+    assert tests == {"a/bodies.py": {"x", "y"}, "a/kernels.py": {"y"}, "c/d.py": set()}
 
 
 def test_the_sample_is_the_same_for_a_seed_and_goes_on(project: pathlib.Path, tmp_path: pathlib.Path) -> None:

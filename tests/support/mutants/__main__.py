@@ -128,11 +128,15 @@ def _run_with_coverage(path: str, workers: str, root: pathlib.Path) -> dict[str,
 
 
 def tests_of(mutant: Mutant, lines: Mapping[str, Sequence[str]]) -> set[str]:
-    """The tests that ran a mutant's line; of one that runs when its module is imported, all that ran the module."""
+    """The tests that ran a mutant's line; of one that runs when its module is imported, all that ran the module; of
+    kernels, which Warp compiles, all that ran its folder."""
+
+    def of(start: str) -> set[str]:
+        return {test for place, tests in lines.items() if place.startswith(start) for test in tests}
+
     places = [f"{mutant.file}:{line}" for line in (mutant.line, mutant.statement)]
     found = {test for place in places for test in lines.get(place, ())}
-    of_module = (tests for place, tests in lines.items() if place.startswith(f"{mutant.file}:"))
-    return found or {test for tests in of_module for test in tests}
+    return found or of(f"{mutant.file}:") or of(f"{mutant.file.rpartition('/')[0]}/")
 
 
 def chosen_tests(mutant: Mutant, covered: Mapping[str, Any], limit: float) -> list[str]:
