@@ -14,7 +14,7 @@ from tests.support.unsound import float_leaves, spoil, unsound
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import JoystickEnv, Result, State, check_env, joystick_config, registry
 from urbanverse_mjx.envs.joystick import terms
-from urbanverse_mjx.envs.joystick.draws import draw_command, draw_push
+from urbanverse_mjx.envs.joystick.draws import draw_body, draw_command, draw_push
 from urbanverse_mjx.envs.joystick.schedule import TerrainLevels
 from urbanverse_mjx.robots.gait import sensor_frame
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
@@ -71,6 +71,19 @@ def test_standing_still_earns_more_than_falling(two_calm: Compiled) -> None:
     assert 0.25 < now[0, 2] < 0.33
     # The four feet carry the robot: 15.2 kg.
     assert float(state.data.sim.contacts.foot_force[0].sum()) == pytest.approx(15.206 * 9.81, rel=0.1)
+
+
+def test_an_episode_begins_at_nothing_and_counts_the_asked_distance(two_calm: Compiled) -> None:
+    """A turn on the spot asks for no distance."""
+    reset, step = two_calm
+    state = reset(jax.random.split(jax.random.key(0), 2))
+    for name in ("distance", "distance_asked", "steps", "air_time", "action", "joint_speed"):
+        np.testing.assert_array_equal(np.asarray(getattr(state.data, name)), 0.0, err_msg=name)
+    command = jnp.array([[0.3, -0.4, 1.0], [0.0, 0.0, 1.0]])
+    given = dataclasses.replace(state, data=state.data._replace(command=command))
+    after = step(given, jnp.zeros((2, 12)))
+    ctrl_dt = joystick_config().ctrl_dt
+    np.testing.assert_allclose(after.data.distance_asked, [0.5 * ctrl_dt, 0.0], atol=1e-6)
 
 
 def test_nothing_leaves_a_step_that_is_no_number(two_calm: Compiled) -> None:
@@ -155,6 +168,20 @@ def test_commands_are_what_the_config_says() -> None:
     assert (np.abs(command).max(0) <= [1.0, 0.5, 1.0]).all()
     assert (np.abs(command).max(0) > [0.98, 0.48, 0.98]).all()
     assert 3.0 <= float(hold.min()) < float(hold.max()) <= 8.0
+
+
+def test_bodies_differ_by_what_the_config_says() -> None:
+    config = joystick_config().randomization
+    found = jax.vmap(lambda key: draw_body(key, config, 12))(jax.random.split(jax.random.key(0), 2000))
+    for name in ("friction_scale", "mass_scale", "strength"):
+        low, high = config[name]
+        np.testing.assert_allclose(
+            np.percentile(getattr(found, name), [0, 50, 100]), [low, (low + high) / 2, high], 0.03
+        )
+    bias = np.asarray(found.joint_bias)
+    np.testing.assert_allclose([bias.min(), bias.max()], [-config.joint_bias, config.joint_bias], rtol=0.01)
+    assert np.abs(bias.mean(0)).max() < 0.06 * config.joint_bias
+    assert np.asarray(found.delay).mean() == pytest.approx(config.delay_share, abs=0.05)
 
 
 def test_pushes_come_as_often_and_as_hard_as_asked() -> None:
