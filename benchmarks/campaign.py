@@ -17,6 +17,8 @@ Rows, of which `--rows` names patterns:
     paper-SET-SEED          preset `paper` on procedural or urbanverse160, equal steps
     one-street              preset `paper` on a single street
     streets-SET-SEED        teachers that differ in their training streets alone: procedural, urbanverse160, both
+    teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
+    student-arm-ARM-SEED    students of teacher-0 (its seed is `--seeds`' first) as they are, and without one part
     goes-on-BENCHMARK-POLICY  contact does not end an episode
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
@@ -55,28 +57,48 @@ STREETS = {
 }
 PAPER_ROWS = {"procedural": "paper, procedural-160", "urbanverse160": "paper, UrbanVerse-160"}
 #: Training streets -> their name in the table.
-STREET_NAMES = {"procedural": results.REFERENCE, "urbanverse160": "140 of UrbanVerse-160", "both": "both"}
+STREET_NAMES = {"procedural": "144 procedural", "urbanverse160": "140 of UrbanVerse-160", "both": "both"}
+#: Name of a row -> name in the table, and environment options.
+TEACHER_ARMS = {
+    "base": ("as it is", ()),
+    "clutter": ("8 objects of clutter", ("randomization.clutter=8",)),
+    "starts": ("half of the starts anywhere", ("randomization.starts=0.5",)),
+    "learnable": ("half of the episodes by p (1 - p)", ("schedule.learnable=0.5",)),
+}
+CAMERA = ("camera_position=0.03", "camera_angle=3.0", "camera_fovy=0.1")
+#: The same, and options of the student.
+STUDENT_ARMS: dict[str, tuple[str, tuple[str, ...], dict[str, object]]] = {
+    "base": ("as it is", (), {}),
+    "proprio": ("without proprioception", (), {"set": ("network.proprio=false",)}),
+    "memory": ("without memory", (), {"memory": 0}),
+    "auxiliary": ("without auxiliary head", (), {"set": ("auxiliary=0.0",)}),
+    "camera": ("with camera randomisation", tuple(f"randomization.{x}" for x in CAMERA), {"set": ("blur=1.0",)}),
+}
 BENCHMARKS = tuple(results.BENCHMARKS)
 GOES_ON = ("go_to_goal", "planner", "benchmarks/policies/coco_best", "benchmarks/policies/go2_best")
+#: Env-steps of an iteration of imitation.
+STEPS = 4096 * 16
 #: s; trainings end by their steps.
 ENDLESS = 86_400
-#: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240), a benchmark;
-#: of the preset `fast` at 54x96, not measured: it takes 7 GiB at 135x240, without the scores of 768 episodes at once.
-TEACHER, STUDENT, PAPER, DRIVE, FAST = 10, 34, 28, 14, 14
+#: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240: 22 in training, 38 in
+#: the episodes of its scores), a benchmark; of the preset `fast` at 54x96, not measured: it takes 7 GiB at
+#: 135x240, without the scores of 768 episodes at once.
+TEACHER, STUDENT, PAPER, DRIVE, FAST = 12, 34, 38, 14, 14
 #: Studies that drive on all cores -> what writes their rows.
 OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """Arguments of `benchmarks.results --add`: agent in result.json, and the place of its rows; of `scaling.add` if
-    there is a study."""
+    """Arguments of `benchmarks.results --add`: agent in result.json, and the place of its rows (with a comparison, its
+    arm); of `scaling.add` if there is a study."""
 
     agent: str
     policy: str = ""
     robot: str = "COCO"
     seed: int = 0
-    streets: str = ""
+    comparison: str = ""
+    arm: str = ""
     study: str = ""
     size: int = 0
 
@@ -130,30 +152,38 @@ def _conditions() -> tuple[str, ...]:
 
 def _generalise(
     args: argparse.Namespace, name: str, role: str, held: dict[str, int], seed: int, own: dict[str, object],
-    rows: Sequence[Row], *needs: pathlib.Path,
+    rows: Sequence[Row], *needs: pathlib.Path, env: Sequence[str] = (),
 ) -> Job:  # fmt: skip
-    """A job of `benchmarks.generalise` on the sets `held`, without their last scenes, with options of its `own`."""
-    tests = ("validation", *BENCHMARKS)
+    """A job of `benchmarks.generalise` on the sets `held`, without their last scenes, with options of its `own`.
+
+    Arms (rows of a comparison of validation sets) are not driven on benchmarks.
+    """
+    sets = {
+        kept for row in rows for kept in (results.COMPARISONS[row.comparison].sets if row.comparison else BENCHMARKS)
+    }
+    tests = ("validation", *(x for x in BENCHMARKS if x in sets))
     words: list[object] = ["benchmarks.generalise", role, "--no-map", "--train", *_banks(held)]
-    words += ["--holdout", *held.values(), "--test", *_banks(tests), "--seed", seed, "--env", *_conditions()]
+    words += ["--holdout", *held.values(), "--test", *_banks(tests), "--seed", seed, "--env", *env, *_conditions()]
     for key, value in own.items():
         words += [f"--{key.replace('_', '-')}", *(value if isinstance(value, tuple) else (value,))]
     return _job(args, name, words, (*held, *tests), TEACHER if role == "teacher" else STUDENT, rows, *needs)
 
 
 def _teacher(
-    args: argparse.Namespace, name: str, held: dict[str, int], seed: int, steps: int, row: Row, robot: str = "CocoNav"
-) -> Job:
+    args: argparse.Namespace, name: str, held: dict[str, int], seed: int, steps: int, row: Row, robot: str = "CocoNav",
+    env: Sequence[str] = (),
+) -> Job:  # fmt: skip
     own = {"steps": steps, "seconds": ENDLESS, "checkpoints": max(8, steps // 300_000), "environment": robot}
-    return _generalise(args, name, "teacher", held, seed, own, [row])
+    return _generalise(args, name, "teacher", held, seed, own, [row], env=env)
 
 
 def _student(
-    args: argparse.Namespace, name: str, seed: int, own: dict[str, object], rows: Sequence[Row], *needs: pathlib.Path
-) -> Job:
-    teacher = args.out / f"teacher-{seed}"
-    own = {"memory": 256, "covered": (), "teacher": teacher, **own}
-    return _generalise(args, name, "student", HELD_OUT, seed, own, rows, teacher / "result.json", *needs)
+    args: argparse.Namespace, name: str, seed: int, own: dict[str, object], rows: Sequence[Row], *needs: pathlib.Path,
+    env: Sequence[str] = (), teacher: int | None = None,
+) -> Job:  # fmt: skip
+    folder = args.out / f"teacher-{seed if teacher is None else teacher}"
+    own = {"memory": 256, "teacher": folder, **own}
+    return _generalise(args, name, "student", HELD_OUT, seed, own, rows, folder / "result.json", *needs, env=env)
 
 
 def _paper(args: argparse.Namespace, name: str, streets: str, seed: int, policy: str, *scenes: str) -> Job:
@@ -208,16 +238,30 @@ def _best(args: argparse.Namespace) -> Iterator[Job]:
     for seed in args.seeds:
         rows = [Row("student", "student", seed=seed), Row("finetuned", "best", seed=seed)]
         rows.append(Row("covered", "best, camera covered", seed=seed))
-        own = {"steps": args.imitation, "seconds": ENDLESS, "validate_every": 80}
+        own = {"steps": args.imitation, "seconds": ENDLESS, "validate_every": 80, "covered": ()}
         own |= {"finetune_steps": args.ppo, "finetune_seconds": ENDLESS}
         own |= {"set_finetune": ("imitation=0.0", "final_imitation=0.0")}
         yield _student(args, f"student-{seed}", seed, own, rows)
     start = args.out / f"student-{args.ship}"
-    own = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20}
+    own = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20, "covered": ()}
     own |= {"environment": "Go2Nav", "start": start / "finetuned"}
     yield _student(args, "go2", args.ship, own, [Row("student", "go2_best", "Go2", args.ship)], start / "result.json")
     row = Row("teacher", "teacher", "Go2", args.ship)
     yield _teacher(args, "go2-teacher", HELD_OUT, args.ship, args.teacher_steps, row, "Go2Nav")
+
+
+def _arms(args: argparse.Namespace) -> Iterator[Job]:
+    """Ablations, judged on validation streets."""
+    for seed in args.seeds:
+        for arm, (called, env) in TEACHER_ARMS.items():
+            row = Row("teacher", seed=seed, comparison="teacher_arms", arm=called)
+            yield _teacher(args, f"teacher-arm-{arm}-{seed}", HELD_OUT, seed, args.arm_steps, row, env=env)
+    for seed in args.seeds[:2]:
+        for arm, (called, env, options) in STUDENT_ARMS.items():
+            row = Row("student", seed=seed, comparison="student_arms", arm=called)
+            iterations = -(-args.arm_steps // STEPS)
+            own = {"steps": iterations, "seconds": ENDLESS, "validate_every": iterations, **options}
+            yield _student(args, f"student-arm-{arm}-{seed}", seed, own, [row], env=env, teacher=args.seeds[0])
 
 
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
@@ -230,13 +274,14 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
             yield _paper(args, f"paper-{streets}-{seed}", streets, seed, policy)
     for seed in args.seeds:
         for name, held in STREETS.items():
-            row = Row("teacher", seed=seed, streets=STREET_NAMES[name])
+            row = Row("teacher", seed=seed, comparison="training_streets", arm=STREET_NAMES[name])
             yield _teacher(args, f"streets-{name}-{seed}", held, seed, args.street_steps, row)
     yield from _best(args)
     yield _paper(args, "one-street", "procedural", args.ship, "one street", "procedural_000")
     for name in BENCHMARKS:
         for policy in GOES_ON:
             yield _goes_on(args, name, policy)
+    yield from _arms(args)
     yield from _studies(args)
     for name in OF_ALL_CORES:
         command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
@@ -360,11 +405,11 @@ def add_rows(args: argparse.Namespace) -> int:
                 OF_ALL_CORES[row.study](job.gives.parent)
             elif row.study:
                 scaling.add(results.SCORES, job.gives, row.study, row.size, row.seed)
-            elif row.streets:
-                results.add_streets(results.SCORES, job.gives, row.agent, row.streets, row.seed)
+            elif row.comparison:
+                results.add_arm(results.SCORES, job.gives, row.agent, row.comparison, row.arm, row.seed)
             else:
                 results.add(results.SCORES, job.gives, row.agent, row.policy, row.robot, row.seed)
-            print(f"{job.name}: {f'{row.study} {row.size or ""}' if row.study else row.streets or row.policy}")
+            print(f"{job.name}: {f'{row.study} {row.size or ""}' if row.study else row.arm or row.policy}")
     return 0
 
 
@@ -379,6 +424,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--until", type=float, help="s from now after which no job begins")
     cli.add_argument("--teacher-steps", type=int, default=12_000_000, help="env-steps")
     cli.add_argument("--street-steps", type=int, default=6_000_000, help="env-steps of the teachers of streets-*")
+    cli.add_argument("--arm-steps", type=int, default=10_000_000, help="env-steps of teacher-arm-* and student-arm-*")
     cli.add_argument("--paper-steps", type=int, default=4_587_520, help="env-steps; a multiple of 131,072")
     cli.add_argument("--scaling-steps", type=int, default=6_000_000, help="env-steps, rounded up to rollouts")
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")

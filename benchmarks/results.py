@@ -2,14 +2,14 @@
 
     python -m benchmarks.results
     python -m benchmarks.results --add runs/student/result.json --agent student --policy student --robot COCO --seed 0
-    python -m benchmarks.results --add runs/teacher/result.json --agent teacher --streets procedural --seed 0
+    python -m benchmarks.results --add runs/teacher/result.json --agent teacher --arm training_streets both --seed 0
 
 The second command first adds the rows of an agent in a result.json of `benchmarks.generalise` or
 `benchmarks.comparison`, replacing those of the same policy, robot and seed. `by_scene.csv` has a row per policy,
 training seed and scene; `totals.csv` policies whose scenes are not kept, with the standard error over scenes. The
-third command adds to `training_streets.csv`, which has teachers that differ in the streets they trained on alone, and
-also scores the composed validation streets. Writes the tables between the marks in docs/results.md, and
-docs/results.png. Intervals come from a bootstrap that samples seeds (if there are several) and scenes.
+third command adds to the table of a comparison (`COMPARISONS`): policies that differ in one part of their training
+alone, also scored on validation streets. Writes the tables between the marks in docs/results.md, and docs/results.png.
+Intervals come from a bootstrap that samples seeds (if there are several) and scenes.
 """
 
 import argparse
@@ -26,16 +26,43 @@ ROOT = pathlib.Path(__file__).parents[1]
 SCORES = ROOT / "benchmarks" / "scores"
 PAGE, FIGURE = ROOT / "docs" / "results.md", ROOT / "docs" / "results.png"
 MARKS = "<!-- table: python -m benchmarks.results -->", "<!-- end of table -->"
-STREET_MARKS = "<!-- table of training streets: python -m benchmarks.results -->", "<!-- end of training streets -->"
 BENCHMARKS = {"craftbench": "CraftBench", "autobench": "AutoBench"}
-#: Sets that teachers on other training streets are compared on; the first decides.
-COMPARED = {"validation_composed": "composed"} | BENCHMARKS
-#: The training streets that others are compared with.
-REFERENCE = "144 procedural"
 #: Number of bootstrap samples, and their seed.
 DRAWS, SEED = 10_000, 0
 #: Standard errors from the mean to the end of a 95 % interval.
 NORMAL = 1.96
+
+
+class Comparison(NamedTuple):
+    """Policies (arms) that differ in one part of their training alone.
+
+    Attributes:
+      title: head of the arms' column.
+      sets: name in result.json -> head of its column; those whose rows are kept.
+      reference: the arm that others are compared with.
+      rows: patterns of the campaign's rows.
+    """
+
+    title: str
+    sets: dict[str, str]
+    reference: str
+    rows: str
+
+
+#: Held-out scenes of the training sets, and the composed validation streets.
+VALIDATION = {
+    "validation_procedural": "procedural, held out",
+    "validation_places": "places, held out",
+    "validation_composed": "composed",
+}
+#: Name of the table in benchmarks/scores, and of its marks in docs/results.md -> what it compares.
+COMPARISONS = {
+    "training_streets": Comparison(
+        "trained on", {"validation_composed": "composed"} | BENCHMARKS, "144 procedural", "streets-*"
+    ),
+    "teacher_arms": Comparison("teacher", VALIDATION, "as it is", "teacher-arm-*"),
+    "student_arms": Comparison("student", VALIDATION, "as it is", "student-arm-*"),
+}
 
 
 class Score(NamedTuple):
@@ -103,32 +130,40 @@ def difference(a: np.ndarray, b: np.ndarray) -> Score:
     return Score(float(a.mean() - b.mean()), float(low), float(high), len(a))
 
 
-def read_streets(folder: pathlib.Path) -> dict[str, dict[str, np.ndarray]]:
-    """Returns training streets -> compared set -> success rates (seeds, scenes), in percent."""
+def read_arms(folder: pathlib.Path, name: str) -> dict[str, dict[str, np.ndarray]]:
+    """Returns arm -> set -> success rates (seeds, scenes) of a comparison, in percent."""
     rates: dict[tuple[str, str], dict[tuple[str, str], float]] = collections.defaultdict(dict)
-    with (folder / "training_streets.csv").open(encoding="utf-8") as file:
+    with (folder / f"{name}.csv").open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            rates[row["streets"], row["set"]][row["seed"], row["scene"]] = float(row["SR"])
+            rates[row["arm"], row["set"]][row["seed"], row["scene"]] = float(row["SR"])
     found: dict[str, dict[str, np.ndarray]] = collections.defaultdict(dict)
-    for (streets, name), values in rates.items():
-        found[streets][name] = by_seed_and_scene(values, f"training_streets.csv: {streets}, {name}")
+    for (arm, kept), values in rates.items():
+        found[arm][kept] = by_seed_and_scene(values, f"{name}.csv: {arm}, {kept}")
     return dict(found)
 
 
-def street_table(rates: dict[str, dict[str, np.ndarray]]) -> str:
-    """Markdown: the mean over seeds for each set of streets, and the differences from the reference."""
-    names = sorted(rates, key=lambda name: (name != REFERENCE, name))
-    rows = [(name, {k: over_seeds_and_scenes(rates[name][k]) for k in COMPARED}) for name in names]
-    rows += [
-        (f"{name} - {names[0]}", {k: difference(rates[name][k], rates[names[0]][k]) for k in COMPARED})
-        for name in names[1:]
-    ]
-    head = ["trained on", "seeds", *COMPARED.values()]
+def arm_table(comparison: Comparison, rates: dict[str, dict[str, np.ndarray]]) -> str:
+    """Markdown: the mean over seeds for each arm, and the differences from the reference if that has rows."""
+    if not rates:
+        return f'Not run yet: `python -m benchmarks.campaign --out OUT --gpus 2 --rows "{comparison.rows}"`.'
+    names = sorted(rates, key=lambda name: (name != comparison.reference, name))
+    rows = [(name, {k: over_seeds_and_scenes(rates[name][k]) for k in comparison.sets}) for name in names]
+    if names[0] == comparison.reference:
+        rows += [
+            (f"{name} - {names[0]}", {k: difference(rates[name][k], rates[names[0]][k]) for k in comparison.sets})
+            for name in names[1:]
+        ]
+    head = [comparison.title, "seeds", *comparison.sets.values()]
     lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
     for name, scores in rows:
         cells = [f"{s.mean:.1f} [{s.low:.1f}, {s.high:.1f}]" for s in scores.values()]
-        lines.append(f"| {name} | {scores['craftbench'].seeds} | {' | '.join(cells)} |")
+        lines.append(f"| {name} | {next(iter(scores.values())).seeds} | {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def arm_marks(name: str) -> tuple[str, str]:
+    """Marks of a comparison's table in docs/results.md."""
+    return f"<!-- table of {name}: python -m benchmarks.results -->", f"<!-- end of {name} -->"
 
 
 def with_table(page: str, text: str, marks: tuple[str, str] = MARKS) -> str:
@@ -159,13 +194,12 @@ def draw(scores: dict[tuple[str, str], dict[str, Score]], path: pathlib.Path) ->
     plt.close(figure)
 
 
-def agent_in(result: pathlib.Path, agent: str) -> tuple[dict[str, Any], Any]:
-    """Returns the scores of an agent in a result.json by set, and its env-steps if they are there."""
-    body = json.loads(result.read_text(encoding="utf-8"))
+def agent_in(body: dict[str, Any], agent: str, result: pathlib.Path) -> dict[str, Any]:
+    """Returns the scores of an agent by set, from what is written in a result.json."""
     if agent not in body:
         known = sorted(name for name, value in body.items() if isinstance(value, dict))
         raise SystemExit(f"error: {result}: found no agent {agent!r}, needed one of {known}.")
-    return body[agent], body.get("steps", "")
+    return body[agent]
 
 
 def replace_rows(path: pathlib.Path, about: dict[str, Any], rows: list[dict[str, Any]]) -> None:
@@ -182,10 +216,11 @@ def replace_rows(path: pathlib.Path, about: dict[str, Any], rows: list[dict[str,
 
 def add(folder: pathlib.Path, result: pathlib.Path, agent: str, policy: str, robot: str, seed: int) -> None:
     """Writes an agent's rows of result.json into by_scene.csv, replacing those of this policy, robot and seed."""
-    scores, steps = agent_in(result, agent)
+    body = json.loads(result.read_text(encoding="utf-8"))
+    scores = agent_in(body, agent, result)
     about = {"policy": policy, "robot": robot, "seed": seed}
     rows = [
-        {**about, "env_steps": steps, "benchmark": benchmark, "scene": scene}
+        {**about, "env_steps": body.get("steps", ""), "benchmark": benchmark, "scene": scene}
         | {k: round(score[k], 6) for k in ("SR", "RC", "hit_episodes")}
         for benchmark in BENCHMARKS
         for scene, score in sorted(scores[benchmark]["by_scene"].items())
@@ -193,16 +228,16 @@ def add(folder: pathlib.Path, result: pathlib.Path, agent: str, policy: str, rob
     replace_rows(folder / "by_scene.csv", about, rows)
 
 
-def add_streets(folder: pathlib.Path, result: pathlib.Path, agent: str, streets: str, seed: int) -> None:
-    """Writes an agent's rows of result.json into training_streets.csv, replacing those of these streets and seed."""
-    scores, _ = agent_in(result, agent)
-    about = {"streets": streets, "seed": seed}
+def add_arm(folder: pathlib.Path, result: pathlib.Path, agent: str, name: str, arm: str, seed: int) -> None:
+    """Writes an agent's rows of result.json into the table of a comparison, replacing those of this arm and seed."""
+    scores = agent_in(json.loads(result.read_text(encoding="utf-8")), agent, result)
+    about = {"arm": arm, "seed": seed}
     rows = [
-        {**about, "set": name, "scene": scene, "SR": round(score["SR"], 6)}
-        for name in COMPARED
-        for scene, score in sorted(scores[name]["by_scene"].items())
+        {**about, "set": kept, "scene": scene, "SR": round(score["SR"], 6)}
+        for kept in COMPARISONS[name].sets
+        for scene, score in sorted(scores[kept]["by_scene"].items())
     ]
-    replace_rows(folder / "training_streets.csv", about, rows)
+    replace_rows(folder / f"{name}.csv", about, rows)
 
 
 def main() -> int:
@@ -211,16 +246,21 @@ def main() -> int:
     cli.add_argument("--agent", default="student", help="its key there")
     cli.add_argument("--policy", help="name in the table; default: that of the agent")
     cli.add_argument("--robot", default="COCO")
-    cli.add_argument("--streets", help="what a teacher trained on: adds to training_streets.csv instead")
+    cli.add_argument(
+        "--arm", nargs=2, metavar=("COMPARISON", "ARM"), help=f"adds to one of {', '.join(COMPARISONS)} instead"
+    )
     cli.add_argument("--seed", type=int, default=0)
     args = cli.parse_args()
-    if args.add is not None and args.streets:
-        add_streets(SCORES, args.add, args.agent, args.streets, args.seed)
+    if args.arm is not None and args.arm[0] not in COMPARISONS:
+        cli.error(f"--arm: found {args.arm[0]!r}, needed one of {', '.join(COMPARISONS)}.")
+    if args.add is not None and args.arm is not None:
+        add_arm(SCORES, args.add, args.agent, args.arm[0], args.arm[1], args.seed)
     elif args.add is not None:
         add(SCORES, args.add, args.agent, args.policy or args.agent, args.robot, args.seed)
     scores = read(SCORES)
     page = with_table(PAGE.read_text(encoding="utf-8"), table(scores))
-    page = with_table(page, street_table(read_streets(SCORES)), STREET_MARKS)
+    for name, comparison in COMPARISONS.items():
+        page = with_table(page, arm_table(comparison, read_arms(SCORES, name)), arm_marks(name))
     PAGE.write_text(page, encoding="utf-8")
     draw(scores, FIGURE)
     return 0

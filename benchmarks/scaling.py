@@ -74,15 +74,15 @@ def add(folder: pathlib.Path, result: pathlib.Path, study: str, size: int, seed:
     Raises:
       SystemExit: it trained on other scenes than those of the point.
     """
-    scores, steps = results.agent_in(result, "fast")
-    trained_on = json.loads(result.read_text(encoding="utf-8"))["trained_on"]
+    body = json.loads(result.read_text(encoding="utf-8"))
+    scores, trained_on = results.agent_in(body, "fast", result), body["trained_on"]
     if study in SIZES and trained_on != subset(study, size, seed):
         raise SystemExit(
             f"error: {result}: found a training on {len(trained_on)} scenes that are not those of {study}, {size}, "
             f"seed {seed}; needed the scenes of `scaling.subset`; move the folder away and run the row again."
         )
     about = {"study": study, "size": size, "seed": seed}
-    made = {"env_steps": steps, "scenes": len(trained_on), "subset": digest(trained_on)}
+    made = {"env_steps": body["steps"], "scenes": len(trained_on), "subset": digest(trained_on)}
     rows = [
         {**about, **made, "set": name, "scene": scene, "SR": round(score["SR"], 6)}
         for name in scores

@@ -180,13 +180,20 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
             parsed.append(scripts[job.command[1]]())
             wanted = job.gives.parent if job.command[1] == "benchmarks.halves" else tmp_path / "out" / job.name
             assert parsed[-1].out == wanted
-    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * (12 + 2) + 4
+    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
     light = ['vision_config.light="direct"', 'friction="uniform"']  # of version 1 of CraftBench
     assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
     assert all(args.env[-2:] == light for args in parsed if "env" in args)
+    arms = {args.out.name: args for args in parsed if "-arm-" in args.out.name}
+    assert all([path.parent.name for path in args.test] == ["validation"] for args in arms.values())
+    assert arms["teacher-arm-clutter-2"].env == ["randomization.clutter=8", *light]
+    assert arms["student-arm-proprio-1"].set == ["network.proprio=false"]
+    assert [arms[f"student-arm-{arm}-1"].memory for arm in ("memory", "base")] == [0, 256]
+    assert {args.teacher.name for name, args in arms.items() if name.startswith("student")} == {"teacher-0"}
+    assert arms["student-arm-base-0"].steps * 65_536 == pytest.approx(10_000_000, rel=0.01)
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
     assert go2.start.name == "finetuned"
@@ -199,12 +206,17 @@ def test_results_become_rows_of_scores(
 ) -> None:
     monkeypatch.setattr(campaign.results, "SCORES", tmp_path)
     (tmp_path / "by_scene.csv").write_text("policy,robot,seed,env_steps,benchmark,scene,SR,RC,hit_episodes\n")
-    (tmp_path / "training_streets.csv").write_text("streets,seed,set,scene,SR\n")
+    (tmp_path / "training_streets.csv").write_text("arm,seed,set,scene,SR\n")
+    (tmp_path / "student_arms.csv").write_text("arm,seed,set,scene,SR\n")
     (tmp_path / "scaling.csv").write_text("study,size,seed,env_steps,scenes,subset,set,scene,SR\n")
     score = {"summary": {}, "by_scene": {"s": {"SR": 50.0, "RC": 60.0, "hit_episodes": 10.0}}}
-    sets = dict.fromkeys(("craftbench", "autobench", "validation_composed"), score)
+    sets = dict.fromkeys(("craftbench", "autobench", *campaign.results.VALIDATION), score)
     args = _args(tmp_path)
-    for job, agent in (("paper-urbanverse160-2", "paper"), ("streets-both-1", "teacher")):
+    for job, agent in (
+        ("paper-urbanverse160-2", "paper"),
+        ("streets-both-1", "teacher"),
+        ("student-arm-memory-1", "student"),
+    ):
         (args.out / job).mkdir()
         (args.out / job / "result.json").write_text(json.dumps({"steps": 9, agent: sets}))
     (args.out / "scaling-cousins-1-2").mkdir()
@@ -214,6 +226,7 @@ def test_results_become_rows_of_scores(
     assert capsys.readouterr().out.splitlines() == [
         "paper-urbanverse160-2: paper, UrbanVerse-160",
         "streets-both-1: both",
+        "student-arm-memory-1: without memory",
         "scaling-cousins-1-2: cousins 1",
     ]
     rows = (tmp_path / "by_scene.csv").read_text().splitlines()
@@ -222,4 +235,7 @@ def test_results_become_rows_of_scores(
     ]
     digest = scaling.digest(point["trained_on"])
     assert (tmp_path / "scaling.csv").read_text().splitlines()[1:] == [f"cousins,1,2,9,32,{digest},craftbench,s,50.0"]
+    assert (tmp_path / "student_arms.csv").read_text().splitlines()[1:] == [
+        f"without memory,1,{name},s,50.0" for name in campaign.results.VALIDATION
+    ]
     assert "both,1,validation_composed,s,50.0" in (tmp_path / "training_streets.csv").read_text()

@@ -16,10 +16,23 @@ def test_the_page_holds_the_table_of_the_rows() -> None:
     assert results.with_table(page, results.table(results.read(results.SCORES))) == page, "run make results"
 
 
-def test_the_page_holds_the_table_of_the_training_streets() -> None:
+@pytest.mark.parametrize("name", results.COMPARISONS)
+def test_the_page_holds_the_table_of_a_comparison(name: str) -> None:
     page = results.PAGE.read_text(encoding="utf-8")
-    text = results.street_table(results.read_streets(results.SCORES))
-    assert results.with_table(page, text, results.STREET_MARKS) == page, "run make results"
+    text = results.arm_table(results.COMPARISONS[name], results.read_arms(results.SCORES, name))
+    assert results.with_table(page, text, results.arm_marks(name)) == page, "run make results"
+
+
+def test_arms_are_compared_with_the_reference_alone_if_that_has_rows() -> None:
+    comparison = results.Comparison("student", {"a": "A"}, "as it is", "student-arm-*")
+    rates = {"as it is": {"a": np.full((2, 3), 80.0)}, "blind": {"a": np.full((2, 3), 30.0)}}
+    assert results.arm_table(comparison, rates).splitlines()[2:] == [
+        "| as it is | 2 | 80.0 [80.0, 80.0] |",
+        "| blind | 2 | 30.0 [30.0, 30.0] |",
+        "| blind - as it is | 2 | -50.0 [-50.0, -50.0] |",
+    ]
+    assert results.arm_table(comparison, {"blind": rates["blind"]}).count("blind") == 1
+    assert results.arm_table(comparison, {}).startswith("Not run yet")
 
 
 def test_a_difference_pairs_scenes_and_draws_seeds_of_each() -> None:
@@ -33,16 +46,19 @@ def test_a_difference_pairs_scenes_and_draws_seeds_of_each() -> None:
     assert apart.high - apart.low == pytest.approx(3.92 * np.std([-9.0, 0.0, 9.0]) / np.sqrt(3), rel=0.15)
 
 
-def test_added_streets_stand_in_place_of_those_of_the_same_seed(tmp_path: pathlib.Path) -> None:
+def test_added_arms_stand_in_place_of_those_of_the_same_seed(tmp_path: pathlib.Path) -> None:
     shutil.copy(results.SCORES / "training_streets.csv", tmp_path)
-    before = results.read_streets(tmp_path)
+    before = results.read_arms(tmp_path, "training_streets")
     with (tmp_path / "training_streets.csv").open(encoding="utf-8", newline="") as file:
-        rows = [row for row in csv.DictReader(file) if (row["streets"], row["seed"]) == ("144 procedural", "1")]
-    by_set = {name: {r["scene"]: {"SR": 50.0} for r in rows if r["set"] == name} for name in results.COMPARED}
+        rows = [row for row in csv.DictReader(file) if (row["arm"], row["seed"]) == ("144 procedural", "1")]
+    by_set = {
+        name: {r["scene"]: {"SR": 50.0} for r in rows if r["set"] == name}
+        for name in results.COMPARISONS["training_streets"].sets
+    }
     body = {"teacher": {name: {"by_scene": scores} for name, scores in by_set.items()}}
     (tmp_path / "result.json").write_text(json.dumps(body))
-    results.add_streets(tmp_path, tmp_path / "result.json", "teacher", "144 procedural", 1)
-    after = results.read_streets(tmp_path)
+    results.add_arm(tmp_path, tmp_path / "result.json", "teacher", "training_streets", "144 procedural", 1)
+    after = results.read_arms(tmp_path, "training_streets")
     for streets, sets in before.items():
         for name, rates in sets.items():
             wanted = rates.copy()

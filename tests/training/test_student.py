@@ -49,6 +49,19 @@ def some_observations(steps: int, n: int) -> dict[str, jax.Array]:
     return {PIXELS: jnp.asarray(pixels), **vectors}
 
 
+def test_a_student_without_proprioception_acts_on_image_and_goal_alone() -> None:
+    obs = some_observations(2, 3)
+    begins = jnp.zeros((2, 3), bool)
+    for proprio in (True, False):
+        network = Student(LAYERS, 2, hidden=16, memory=8, proprio=proprio)
+        params = initial_student(network, SHAPES, 0)
+        memory = network.first_memory(3)
+        whole, *_ = applied(network, params, obs, memory, begins)
+        for name in obs:
+            other, *_ = applied(network, params, obs | {name: obs[name][:, ::-1]}, memory, begins)
+            assert (np.abs(np.asarray(other - whole)).max() > 1e-6) == (proprio or name != "proprio"), name
+
+
 def test_a_sequence_at_once_is_the_sequence_step_by_step_and_forgets_at_a_begin() -> None:
     network = Student(LAYERS, 2, hidden=16, memory=8)
     params = initial_student(network, SHAPES, 0)

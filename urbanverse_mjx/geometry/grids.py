@@ -56,10 +56,13 @@ class Grid:
         first, last = (np.floor((corner - self.origin) / self.side).astype(int) for corner in (low, high))
         return np.clip(first, 0, self.shape), np.clip(last + 1, 0, self.shape)
 
+    def along(self, axis: int, cells: np.ndarray) -> np.ndarray:
+        """Returns where the centres of cells with these indices are along an axis, m, in the origin's precision."""
+        return self.origin[axis] + (cells.astype(self.origin.dtype) + 0.5) * self.side
+
     def axes(self, window: tuple[slice, slice]) -> tuple[np.ndarray, np.ndarray]:
         """Returns x (n,) and y (m,) m of the cells' centres in a window, in the origin's precision."""
-        steps = (np.arange(part.start, part.stop).astype(self.origin.dtype) for part in window)
-        x, y = (o + (k + 0.5) * self.side for o, k in zip(self.origin, steps, strict=True))
+        x, y = (self.along(axis, np.arange(part.start, part.stop)) for axis, part in enumerate(window))
         return x, y
 
 

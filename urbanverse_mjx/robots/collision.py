@@ -5,6 +5,7 @@ the fits: `Fit`. When: once, at construction.
 """
 
 import dataclasses
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -85,7 +86,7 @@ def replace_by_spheres(
         made = wheel(points, *axle) if axle else _moved(cover(_into(points, own), options), own)
         if geom.name in feet and not axle:
             made = _standing(made, points, model, int(model.geom_bodyid[geom.id]))
-        names = tuple(f"{geom.name or f'shape_{len(fits)}'}_sphere_{i}" for i in range(len(made.radius)))
+        names = tuple(_sphere_name(geom.name or f"shape_{len(fits)}", i) for i in range(len(made.radius)))
         fits.append(Fit(geom.name, geom.parent.name, _TYPES[geom.type], points, axle is not None, names, made))
     for geom, fit in zip(others, fits, strict=True):
         _put(geom, fit)
@@ -93,6 +94,15 @@ def replace_by_spheres(
         geom.group = geom.group if seen else _VISUAL_GROUP
     named = {fit.geom: fit.spheres for fit in fits}
     return tuple(name for foot in feet for name in named.get(foot, (foot,))), tuple(fits)
+
+
+def _sphere_name(shape: str, number: int) -> str:
+    return f"{shape}_sphere_{number}"
+
+
+def is_fitted_sphere(name: str) -> bool:
+    """Whether a geom of this name is one of the spheres in place of another shape, which keeps its name."""
+    return re.search(r"_sphere_\d+$", name) is not None
 
 
 def _put(geom: Any, fit: Fit) -> None:

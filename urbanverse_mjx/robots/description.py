@@ -9,7 +9,6 @@ docs/tutorials/own_robot.md describes the file and the requirements on the MJCF.
 import functools
 import os
 import pathlib
-import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -18,7 +17,7 @@ import numpy as np
 
 from ..datatypes import RobotSpec
 from ..datatypes import validation as v
-from .collision import Fit, replace_by_spheres
+from .collision import Fit, is_fitted_sphere, replace_by_spheres
 from .model_limits import check_size
 from .sphere_fit import FitOptions
 from .waypoint import gait_command, pd_velocity
@@ -155,8 +154,8 @@ def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) ->
         what = kind.name.removeprefix("mjOBJ_").lower()
         count = {"body": model.nbody, "camera": model.ncam, "geom": model.ngeom, "actuator": model.nu}[what]
         named = filter(None, (mujoco.mj_id2name(model, kind, i) for i in range(count)))
-        # Spheres in place of another shape, which keeps its name, are not of the MJCF.
-        known = [n for n in named if kind != mujoco.mjtObj.mjOBJ_GEOM or not re.search(r"_sphere_\d+$", n)]
+        # Fitted spheres are not of the MJCF.
+        known = [n for n in named if kind != mujoco.mjtObj.mjOBJ_GEOM or not is_fitted_sphere(n)]
         raise v.fail(where, v.show(name), f"a {what} of the MJCF", f"it has {', '.join(known) or 'none'}")
     return number
 

@@ -42,7 +42,8 @@ def make_student(config: ConfigDict, action_size: int) -> Student:
     network = config.network
     layers = tuple((int(a), int(b), int(c)) for a, b, c in network.layers)
     dtype = jnp.bfloat16 if network.bfloat16 else jnp.float32
-    return Student(layers, action_size, int(network.hidden), int(network.memory), dtype, network.convolution)
+    proprio = bool(network.get("proprio", True))  # absent from configurations of older policies
+    return Student(layers, action_size, int(network.hidden), int(network.memory), proprio, dtype, network.convolution)
 
 
 class Batch(NamedTuple):

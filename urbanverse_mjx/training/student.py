@@ -39,6 +39,7 @@ class Student(nn.Module):
       layers: (depth, kernel, stride) of the conv layers.
       hidden: units of the dense layers.
       memory: units of the GRU; 0 = none.
+      proprio: whether the network sees proprioception; without it zeros stand in its place.
       dtype: of the convolutions' arithmetic.
       single_step: whether sequences have one step and need no scan, because ONNX has no scan over a batch of unknown
         size.
@@ -48,6 +49,7 @@ class Student(nn.Module):
     action_size: int
     hidden: int = 256
     memory: int = 256
+    proprio: bool = True
     dtype: Any = jnp.float32
     convolution: str = "auto"
     single_step: bool = False
@@ -69,7 +71,8 @@ class Student(nn.Module):
         """
         seen = Encoder(self.layers, self.dtype, self.convolution, name="encoder")(obs[PIXELS])
         seen = nn.LayerNorm(name="seen_norm")(nn.Dense(self.hidden, name="seen")(seen))
-        x = jnp.concatenate([nn.elu(seen), goal_features(obs["goal"]), obs["proprio"]], axis=-1)
+        proprio = obs["proprio"] if self.proprio else jnp.zeros_like(obs["proprio"])
+        x = jnp.concatenate([nn.elu(seen), goal_features(obs["goal"]), proprio], axis=-1)
         x = nn.elu(nn.Dense(self.hidden, name="joint")(x))
         if self.memory and self.single_step:
             memory, kept = _Memory(self.memory, name="memory")(memory, (x[0], begins[0]))

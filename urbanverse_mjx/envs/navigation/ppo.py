@@ -107,6 +107,7 @@ def imitation_config() -> ConfigDict:
                 "layers": ((32, 4, 2), (64, 4, 2), (64, 4, 2)),
                 "hidden": 256,
                 "memory": 256,
+                "proprio": True,
                 "bfloat16": True,
                 "convolution": "auto",
             },

@@ -89,10 +89,7 @@ class _Boxes(NamedTuple):
 
 def _squares(grid: Grid, boxes: _Boxes, shape: np.ndarray) -> np.ndarray:
     """(n, X, Y) m^2, squared distances from the centres of X x Y cells, the first of which is `first`, to n boxes."""
-    x, y = (
-        grid.origin[k] + ((boxes.first[:, k, None] + np.arange(shape[k])).astype(grid.origin.dtype) + 0.5) * grid.side
-        for k in (0, 1)
-    )
+    x, y = (grid.along(k, boxes.first[:, k, None] + np.arange(shape[k])) for k in (0, 1))
     x, y = x - boxes.position[:, 0, None], y - boxes.position[:, 1, None]
     square = np.zeros((len(x), *shape), np.float32)
     for k in range(3):
