@@ -292,6 +292,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     # Every process computes on one core.
     os.environ |= {"OMP_NUM_THREADS": "1", "URBANVERSE_THREADS": "1", "JAX_PLATFORMS": "cpu"}
+    settings.use_compilation_cache()
     try:
         return _main(args)
     except ValidationError as error:

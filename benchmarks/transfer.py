@@ -506,6 +506,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     # Every process computes on one core; images come from MuJoCo's renderer or from ours on the CPU.
     os.environ |= {"OMP_NUM_THREADS": "1", "URBANVERSE_THREADS": "1", "JAX_PLATFORMS": "cpu"}
+    settings.use_compilation_cache()
     os.environ.setdefault("MUJOCO_GL", "egl")
     try:
         return _main(args)
