@@ -51,7 +51,7 @@ CODE: Mapping[str, Code] = {
         (
             *("assets.categories.physical", "assets.collision.hulls"),
             *_below("assets.meshes", "base_shapes", "glb", "instances", "table_files", "tints"),
-            *_below("assets.records", "catalogue", "index", "record_texts", "store", "user_store"),
+            *_below("assets.records", "catalogue", "index", "record_texts", "regional", "store", "user_store"),
         ),
         ("meshes",),
     ),

@@ -71,6 +71,37 @@ def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
     build_missing(jobs, leaf, again, Console().print)
 
 
+def regional(jobs: int = 2) -> None:
+    """Writes the index and the hulls of the regional buildings, which do not belong to the catalogue.
+
+    Args:
+      jobs: processes at once.
+    """
+    from .collision.hulls import regional_store_path
+    from .collision.regional import build_regional
+    from .records.regional import index_path
+
+    with Progress() as progress:
+        records, store = build_regional(jobs, progress.task("regional buildings"))
+    count, size = sum(len(h) for h in store.hulls.values()), regional_store_path().stat().st_size
+    Console().print(
+        f"{index_path().name}: {len(records.records)} records; {regional_store_path().name}: "
+        f"{len(store.hulls)} meshes, {count} hulls, {size} bytes"
+    )
+
+
+def sign_words(fonts: pathlib.Path) -> None:
+    """Draws the words of regional shop signs anew, after `words.toml` has changed.
+
+    Args:
+      fonts: folder below which the Noto fonts lie (Debian: fonts-noto-core, fonts-noto-cjk).
+    """
+    from .recipes.building.regional.words import draw_words
+
+    path = draw_words(fonts)
+    Console().print(f"{path.name}: {path.stat().st_size} bytes")
+
+
 def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
     """Draws a contact sheet per middle category (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
 
@@ -143,6 +174,8 @@ COMMANDS = {
     "build": build,
     "index": index,
     "hulls": hulls,
+    "regional": regional,
+    "sign-words": sign_words,
     "thumbnails": thumbnails,
     "gallery": gallery,
     "contact-sheet": contact_sheet,

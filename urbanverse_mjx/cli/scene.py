@@ -36,6 +36,8 @@ class CompileArgs:
     """Write movable objects to scene.xml as free bodies at rest; by default all objects are fixed."""
     imported: bool = False
     """Also use the assets that you imported (`urbanverse assets import`)."""
+    facades: bool = False
+    """Replace houses by buildings of the region of the graph's city or country, with signs in its script."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -114,7 +116,15 @@ def _compile(args: CompileArgs) -> int:
     with Progress() as progress:
         progress.task("compiling scenes", total=1)
         cousin, compiled = pipeline.compile_graph(
-            args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half, args.movable, args.imported
+            args.graph,
+            args.out,
+            args.seed,
+            args.cousin,
+            args.skip_unknown,
+            args.half,
+            args.movable,
+            args.imported,
+            args.facades,
         )
     for gone in cousin.left_out:
         sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")

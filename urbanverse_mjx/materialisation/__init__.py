@@ -1,6 +1,16 @@
 """Converts a scene graph to layouts: chooses assets, materials and a sky, and resolves overlaps of objects."""
 
 from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
+from .facades import check_city, dress
 from .shortlists import LeftOut
 
-__all__ = ["Cousin", "LeftOut", "check_labels", "index_of", "materialise_cousin", "materialise_cousins"]
+__all__ = [
+    "Cousin",
+    "LeftOut",
+    "check_city",
+    "check_labels",
+    "dress",
+    "index_of",
+    "materialise_cousin",
+    "materialise_cousins",
+]

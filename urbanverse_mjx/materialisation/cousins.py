@@ -18,6 +18,7 @@ from .. import versions
 from ..assets import AssetIndex, load_hulls, nearest_leaves
 from ..assets.categories.ontology import category_of
 from ..assets.categories.priors import prior
+from ..assets.records import regional as regional_records
 from ..assets.records.store import catalogue_hash, recorded_content
 from ..assets.selection.matching import Matcher
 from ..assets.selection.search import ObjectLibrary, library
@@ -200,7 +201,9 @@ def index_of(layout: SceneLayout, objects: ObjectLibrary | None = None) -> Asset
       ValidationError: the layout uses an asset that the catalogue does not contain.
     """
     uids = sorted({placed.asset_uid for placed in layout.objects})
-    return AssetIndex((objects or library()).records(uids))
+    regional = [uid for uid in uids if regional_records.MARK in uid]
+    own = (objects or library()).records([uid for uid in uids if regional_records.MARK not in uid])
+    return AssetIndex((*own, *(regional_records.records_of(regional) if regional else ())))
 
 
 @functools.lru_cache(maxsize=1)

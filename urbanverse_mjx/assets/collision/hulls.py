@@ -94,9 +94,14 @@ def store_path() -> pathlib.Path:
     return asset_root() / "hulls" / "hulls.npz"
 
 
+def regional_store_path() -> pathlib.Path:
+    """The hulls of regional buildings."""
+    return asset_root() / "hulls" / "regional.npz"
+
+
 @functools.cache
 def _store() -> HullStore:
-    return HullStore.load(store_path())
+    return HullStore({**HullStore.load(regional_store_path()).hulls, **HullStore.load(store_path()).hulls})
 
 
 def hull_budget(mesh: AssetMesh, cap: int | None) -> int:

@@ -50,6 +50,7 @@ class Recipe:
       name: frozen name, independent of the function's name and module.
       physics: physical priors; None to use the leaf's row of `assets_index/priors.csv`.
       hulls: largest number of hulls of the convex decomposition (None: chosen by size).
+      catalogue: whether its variants are base shapes of the catalogue; regional buildings are not.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Recipe:
     physics: Physics | None
     function: RecipeFunction
     hulls: int | None = None
+    catalogue: bool = True
 
     def build(self, variant: int) -> BuiltAsset:
         """Builds one variant, 0 <= variant, deterministically."""
@@ -69,7 +71,13 @@ _REGISTER: dict[tuple[str, str], Recipe] = {}
 
 
 def recipe(
-    leaf: str, variants: int, physics: Physics | None = None, hulls: int | None = None, *, name: str
+    leaf: str,
+    variants: int,
+    physics: Physics | None = None,
+    hulls: int | None = None,
+    *,
+    name: str,
+    catalogue: bool = True,
 ) -> Callable[[RecipeFunction], RecipeFunction]:
     """Decorator: registers the function for an ontology leaf. One function may serve several leaves (stack decorators).
 
@@ -81,6 +89,7 @@ def recipe(
       physics: the recipe's physical priors; None to use the leaf's row of `assets_index/priors.csv`.
       hulls: largest number of convex hulls of the decomposition, 1 to 16; None to choose it by size; 1 for the convex
         hull.
+      catalogue: see `Recipe`.
 
     Raises:
       ValidationError: the leaf does not exist, or the recipe is already registered for it.
@@ -92,7 +101,7 @@ def recipe(
             raise ValidationError(
                 f"recipe {name!r}: found it registered twice for {leaf!r}, needed one; give one another name."
             )
-        _REGISTER[name, leaf] = Recipe(name, leaf, variants, physics, function, hulls)
+        _REGISTER[name, leaf] = Recipe(name, leaf, variants, physics, function, hulls, catalogue)
         return function
 
     return register
@@ -106,8 +115,18 @@ def _load_all() -> None:
 
 
 def all_recipes() -> list[Recipe]:
-    """Every registered recipe, by leaf and name."""
+    """Every recipe of the catalogue, by leaf and name."""
     _load_all()
+    return [r for r in _sorted() if r.catalogue]
+
+
+def regional_recipes() -> list[Recipe]:
+    """Every recipe outside the catalogue, by leaf and name."""
+    _load_all()
+    return [r for r in _sorted() if not r.catalogue]
+
+
+def _sorted() -> list[Recipe]:
     return sorted(_REGISTER.values(), key=lambda r: (r.leaf, r.name))
 
 

@@ -1,0 +1,162 @@
+"""Façades of a region on a cousin: the same street, other houses."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from urbanverse_mjx import materialisation
+from urbanverse_mjx.assets import load_hulls, load_index
+from urbanverse_mjx.assets.records import regional
+from urbanverse_mjx.datatypes import (
+    GroundRegion,
+    PlacedGround,
+    PlacedObject,
+    SceneGraph,
+    SceneLayout,
+    Source,
+    ValidationError,
+)
+from urbanverse_mjx.materialisation import Cousin, check_city, dress, facades
+from urbanverse_mjx.materialisation.facades import Block, block_of
+from urbanverse_mjx.pipeline.library import building
+from urbanverse_mjx.scene import library
+
+INDEX = load_index()
+
+
+def graph(city: str, country: str) -> SceneGraph:
+    square = ((0.0, -5.0), (60.0, -5.0), (60.0, 5.0), (0.0, 5.0))
+    ground = GroundRegion(id="walk", kind="sidewalk", polygon=square, plane=(0.0, 0.0, 0.1))
+    return SceneGraph(id="street", source=Source("hand", "CC0-1.0", city, country), objects=(), ground=(ground,))
+
+
+def placed(name: str, leaf: str, at: tuple[float, float, float], yaw: float, number: int = 0) -> PlacedObject:
+    record = INDEX.by_leaf(leaf)[number]
+    return PlacedObject(
+        id=name,
+        label=leaf,
+        category=leaf,
+        asset_uid=record.uid,
+        position=at,
+        yaw=yaw,
+        scale=(1.0, 1.0, 1.0),
+        mass=record.mass,
+        friction=record.friction_coefficient,
+        movable=record.movable,
+    )
+
+
+OBJECTS = (
+    placed("bakery_0", "bakery", (8.0, 8.5, 0.1), -math.pi / 2),
+    placed("bench_0", "bench", (8.0, 3.0, 0.1), -math.pi / 2),
+    placed("block_0", "apartment building", (22.0, 9.0, 0.1), -math.pi / 2, 1),
+    placed("board_0", "banner", (8.0, 4.4, 4.0), 0.0),
+    placed("church_0", "church", (45.0, 20.0, 0.1), -math.pi / 2),
+    placed("flag_0", "banner", (40.0, -4.0, 4.0), 0.0),
+    placed("house_0", "house", (34.0, 8.7, 0.1), -math.pi / 2),
+)
+
+
+def cousin(number: int = 0, objects: tuple[PlacedObject, ...] = OBJECTS) -> Cousin:
+    layout = SceneLayout(
+        id="street",
+        graph_id="street",
+        graph_hash="0",
+        seed=0,
+        cousin=number,
+        objects=objects,
+        ground=(PlacedGround(id="walk", kind="sidewalk", polygon=graph("x", "y").ground[0].polygon,
+                             plane=(0.0, 0.0, 0.1), material="concrete"),),
+        sky="clear",
+        sky_yaw=0.0,
+        hashes={"assets": "a"},
+    )  # fmt: skip
+    return Cousin(layout, (), (), (("bakery_0", "bench_0"),), {}, (), (), None)  # type: ignore[arg-type]
+
+
+def dressed(city: str, country: str, number: int = 0) -> Cousin:
+    return dress(cousin(number), graph(city, country), INDEX)
+
+
+def by_id(made: Cousin) -> dict[str, PlacedObject]:
+    return {p.id: p for p in made.layout.objects}
+
+
+def world_front(p: PlacedObject, block: Block) -> tuple[np.ndarray, float]:
+    """Middle of the foot of a house's front in the scene, and the front's width."""
+    own = block.scaled(p.scale)
+    turn = np.array([[math.cos(p.yaw), -math.sin(p.yaw)], [math.sin(p.yaw), math.cos(p.yaw)]])
+    return np.array(p.position[:2]) + turn @ [own.front, own.middle], own.width
+
+
+def test_the_new_front_stands_in_the_plane_of_the_old_one_and_is_as_wide() -> None:
+    old, new = by_id(cousin()), by_id(dressed("Tokyo", "Japan"))
+    for name in ("bakery_0", "block_0", "house_0"):
+        before = world_front(old[name], block_of(load_hulls(INDEX.get(old[name].asset_uid))))
+        record = regional.load_regional().get(new[name].asset_uid)
+        after = world_front(new[name], Block(*record.params["block"]))
+        assert after[0] == pytest.approx(before[0], abs=2e-3), name
+        assert after[1] == pytest.approx(before[1], rel=1e-3), name
+        # The walls, not what the record says of them: the largest hull in reach has its front there.
+        block = block_of(load_hulls(record))
+        assert world_front(new[name], block)[0] == pytest.approx(before[0], abs=0.06), name
+
+
+def test_all_else_stays() -> None:
+    made = dressed("Tokyo", "Japan")
+    old, new = by_id(cousin()), by_id(made)
+    assert new["bench_0"] == old["bench_0"]
+    assert new["church_0"] == old["church_0"], "a leaf that no tradition replaces"
+    assert new["flag_0"] == old["flag_0"], "it hangs on no house"
+    for name in ("bakery_0", "block_0", "house_0"):
+        a, b = old[name], new[name]
+        assert (a.label, a.category, a.yaw, a.position[2]) == (b.label, b.category, b.yaw, b.position[2])
+        assert not b.movable
+    assert [(g.id, g.reason) for g in made.left_out] == [("board_0", facades.WITH_FACADE)]
+    assert list(new) == sorted(new)
+    assert made.layout.hashes == {"assets": "a", "facades": regional.regional_hash()}
+
+
+def test_houses_are_of_the_citys_tradition_and_cousins_differ() -> None:
+    for city, country, name in (
+        ("Tokyo", "Japan", "tokyo"),
+        ("Lagos", "Nigeria", "lagos"),
+        ("Nice", "France", "paris"),
+    ):
+        made = by_id(dressed(city, country))
+        houses = [made[key].asset_uid for key in ("bakery_0", "block_0", "house_0")]
+        assert all(f"/regional-{name}/" in uid for uid in houses)
+        assert len(set(houses)) == 3
+    looks = {tuple(p.asset_uid for p in dressed("Tokyo", "Japan", k).layout.objects) for k in range(4)}
+    assert len(looks) >= 3
+    assert dressed("Tokyo", "Japan") == dressed("Tokyo", "Japan")
+
+
+def test_a_street_of_no_known_city_is_not_touched() -> None:
+    plain = cousin()
+    assert dress(plain, graph("Testville", "nowhere"), INDEX) is plain
+    with pytest.raises(ValidationError, match=r"found 'Testville' in 'nowhere', needed one of Algeria, Almaty"):
+        check_city(graph("Testville", "nowhere"))
+    check_city(graph("Osaka", "Japan"))
+
+
+def test_a_chair_that_a_new_house_penetrates_is_left_out_and_listed() -> None:
+    inside = dataclasses.replace(placed("chair_0", "chair", (8.0, 8.0, 0.1), 0.0), movable=True)
+    objects = tuple(sorted((*OBJECTS, inside), key=lambda p: p.id))
+    made = dress(cousin(objects=objects), graph("Tokyo", "Japan"), INDEX)
+    assert "chair_0" not in by_id(made)
+    assert any(g.id == "chair_0" and "bakery_0" in g.reason for g in made.left_out)
+
+
+def test_a_set_of_the_library_asks_for_facades_by_a_field(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(building, "graph_of", lambda scenes, layout: graph("Tokyo", "Japan"))
+    monkeypatch.setattr(materialisation, "materialise_cousins", lambda *_: [cousin()])
+    monkeypatch.setattr(facades, "index_of", lambda layout: INDEX)
+    plain = library.scene_set("autobench")
+    made = [next(building.cousins_of(dataclasses.replace(plain, facades=on), "street")) for on in (False, True)]
+    assert made[0].layout.objects == cousin().layout.objects
+    assert made[1].layout.objects == dressed("Tokyo", "Japan").layout.objects
+    frozen = ("autobench", "craftbench", "validation", "procedural")
+    assert not any(library.scene_set(name).facades for name in frozen)
