@@ -242,6 +242,7 @@ def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path
     drawing = tmp_path / "fit.png"
     assert cli.main(["robot", str(folder), "--picture", str(drawing)]) == 0
     *lines, clearance, stability, start, last = capsys.readouterr().out.splitlines()
+    lines = [line for line in lines if "fit.tolerance" not in line]
     assert [line.split()[0] for line in lines] == ["chassis", "bumper", "battery", "caster", "left_tyre", "right_tyre"]
     said = json.loads(last)
     assert clearance == f"lowest part that is no foot: {said['clearance']:.3f} m above the ground"
@@ -255,6 +256,26 @@ def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path
     with Image.open(drawing) as image:
         assert image.size == (1260, 420)
         assert len(image.convert("RGB").getcolors(100_000) or []) > 10
+
+
+@pytest.mark.parametrize(
+    ("fit", "missed", "remedy"),
+    [
+        ({"tolerance": 0.001, "spheres": 4}, ["chassis", "bumper", "battery"], '"fit": {"spheres": 64}'),
+        ({"tolerance": 0.001, "spheres": 64}, ["chassis"], "to come closer, make it of several smaller shapes"),
+        ({"tolerance": 0.5}, [], ""),
+    ],
+)
+def test_a_fit_worse_than_the_tolerance_says_what_to_do(
+    fit: dict[str, float], missed: list[str], remedy: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Not of wheels, whose spheres protrude to their sides by design."""
+    write(tmp_path, fit=fit)
+    assert cli.main(["robot", str(tmp_path)]) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if "fit.tolerance" in line]
+    assert set(missed) <= {line.partition(":")[0] for line in said} <= {"chassis", "bumper", "battery", "caster"}
+    assert all(remedy in line for line in said)
+    assert bool(said) == bool(missed)
 
 
 def test_names_in_errors_are_those_of_the_file(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -37,6 +37,9 @@ def main(argv: Sequence[str]) -> int:
         number = f"{len(fit.spheres):>3} {'sphere' if len(fit.spheres) == 1 else 'spheres'},"
         errors = f"largest protrusion {fit.cover.protrudes:.3f} m, largest gap {fit.cover.falls_short:.3f} m"
         sys.stdout.write(f"{name:<24} {what:<16} {number:<12} {errors}\n")
+    for fit in fits:
+        if fit.misses:
+            sys.stdout.write(f"{fit.geom or f'(a geom of {fit.body})'}: {_remedy(fit)}\n")
     stands = stance(robot)
     if stands.clearance is not None:
         sys.stdout.write(f"lowest part that is no foot: {stands.clearance:.3f} m above the ground\n")
@@ -60,6 +63,16 @@ def main(argv: Sequence[str]) -> int:
         said |= {"start_speed": round(starts.speed, 3), "start_gain": weaker and weaker.share}
     print(json.dumps(said | {"feet": list(robot.foot_geoms)}))
     return 0
+
+
+def _remedy(fit: Any) -> str:
+    from ..robots.sphere_fit import MOST_SPHERES
+
+    options = fit.options
+    found = f"the error is above fit.tolerance ({options.tolerance:g} m) with at most {options.spheres} spheres"
+    if options.spheres >= MOST_SPHERES:
+        return f"{found}; to come closer, make it of several smaller shapes"
+    return f'{found}; to come closer, write "fit": {{"spheres": {MOST_SPHERES}}} or make it of several smaller shapes'
 
 
 def _outcome(starts: Any, weaker: Any, margin: float) -> str:

@@ -40,6 +40,7 @@ class Fit:
       rolls: a wheel, see `sphere_fit.wheel`.
       spheres: names of the geoms in its place.
       cover: those spheres in the body's frame, and their error.
+      options: of the fit.
     """
 
     geom: str
@@ -49,6 +50,12 @@ class Fit:
     rolls: bool
     spheres: tuple[str, ...]
     cover: Cover
+    options: FitOptions
+
+    @property
+    def misses(self) -> bool:
+        """Whether the error of a shape that is no wheel is above the tolerance."""
+        return not self.rolls and self.cover.error > self.options.tolerance
 
 
 def replace_by_spheres(
@@ -87,7 +94,8 @@ def replace_by_spheres(
         if geom.name in feet and not axle:
             made = _standing(made, points, model, int(model.geom_bodyid[geom.id]))
         names = tuple(_sphere_name(geom.name or f"shape_{len(fits)}", i) for i in range(len(made.radius)))
-        fits.append(Fit(geom.name, geom.parent.name, _TYPES[geom.type], points, axle is not None, names, made))
+        kind = _TYPES[geom.type]
+        fits.append(Fit(geom.name, geom.parent.name, kind, points, axle is not None, names, made, options))
     for geom, fit in zip(others, fits, strict=True):
         _put(geom, fit)
         geom.contype = geom.conaffinity = 0

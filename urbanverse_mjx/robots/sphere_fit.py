@@ -22,6 +22,8 @@ _CENTRES_PER_SIDE, _SAMPLES_PER_SIDE = 13, 20
 #: Samples along the longest side on which the error of a finished cover is measured.
 _ERROR_SAMPLES = 80
 _HALVINGS = 7
+#: Largest number of spheres that may replace one shape.
+MOST_SPHERES = 64
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,7 +35,7 @@ class FitOptions:
 
     def __post_init__(self) -> None:
         v.number(self.tolerance, "fit.tolerance", above=0.0, maximum=1.0)
-        v.integer(self.spheres, "fit.spheres", 1, 64)
+        v.integer(self.spheres, "fit.spheres", 1, MOST_SPHERES)
 
 
 @dataclasses.dataclass(frozen=True)
