@@ -193,6 +193,9 @@ def test_the_supervisor_waits_for_a_person_and_nobody_is_touched() -> None:
     assert done["interventions"]["contact"] == 0
     assert done["end"] == "arrived"
     assert done["seconds"] > 25.0
+    # The same mission again.
+    person = _Crossing((0.0, 0.0), 25.0)
+    assert _driven(FLAT, _GoTo(), ((-8.0, 0.0), (8.0, 0.0)), person, agents=person.shapes) == done
 
 
 def test_touching_a_person_is_a_contact() -> None:
