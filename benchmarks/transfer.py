@@ -17,10 +17,11 @@ benchmarks; episodes, start and draws are the same for all policies.
 POLICY: go_to_goal, a policy folder (exported as ONNX into OUT), FILE.onnx, or module:callable (see
 `evaluation.external.load_callable`), with the robot of its training or `--robot`.
 
-Places are compiled into OUT/places once. Every place of a row is a task of one process, and finished tasks are kept in
-OUT/episodes, so that a stopped run continues. MuJoCo's renderer needs off-screen OpenGL (MUJOCO_GL, by default egl; on
-machines without a GPU Mesa draws on the CPU). OUT/result.json and the last line of stdout have the rates; `--add`
-writes the rows of the two tables into benchmarks/scores/transfer.csv, for `make results`.
+Places are compiled into OUT/places once; those without room for routes are left out (left_out.json there). Every place
+of a row is a task of one process, and finished tasks are kept in OUT/episodes, so that a stopped run continues.
+MuJoCo's renderer needs off-screen OpenGL (MUJOCO_GL, by default egl; on machines without a GPU Mesa draws on the CPU).
+OUT/result.json and the last line of stdout have the rates; `--add` writes the rows of the two tables into
+benchmarks/scores/transfer.csv, for `make results`.
 """
 
 import argparse
@@ -323,20 +324,26 @@ def build_place(place: str, folder: pathlib.Path) -> str:
 
 
 def build_places(places: Sequence[str], out: pathlib.Path, workers: int) -> list[pathlib.Path]:
-    """Compiles places into `out`; returns their folders.
+    """Compiles places into `out`; returns the folders of those that have room for routes.
+
+    The others are named in left_out.json: a distilled graph may have ground that no robot can cross.
 
     Raises:
-      ValidationError: a place cannot be compiled.
+      ValidationError: no place can be compiled.
     """
     from urbanverse_mjx.assets.records.store import ensure_store
 
     ensure_store()
     tasks = [(place, out / place) for place in places]
+    left_out: dict[str, str] = {}
     for number, (task, reason) in enumerate(results_as_completed(build_place, tasks, workers), 1):
-        if reason:
-            raise ValidationError(f"{places[task]}: {reason}")
-        print(f"{number}/{len(places)} places: {places[task]}", file=sys.stderr, flush=True)
-    return [out / place for place in places]
+        left_out |= {places[task]: reason} if reason else {}
+        said = f"left out: {reason}" if reason else "compiled"
+        print(f"{number}/{len(places)} places: {places[task]} {said}", file=sys.stderr, flush=True)
+    v.write_json(out / "left_out.json", left_out)
+    if len(left_out) == len(places):
+        raise ValidationError(f"{places[0]}: {left_out[places[0]]}")
+    return [out / place for place in places if place not in left_out]
 
 
 # Runs.

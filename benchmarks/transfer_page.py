@@ -100,7 +100,10 @@ def text(rows: Rows) -> str:
             "`python -m benchmarks.transfer_recordings --out benchmarks/transfer_graphs` does it."
         )
     if partly:
-        parts.append(f"Rows with fewer than {len(transfer.place_names())} places are not finished; {command}")
+        parts.append(
+            f"Rows with fewer than {len(transfer.place_names())} places are not finished, or a place had no room for "
+            f"routes (left_out.json). {command}"
+        )
     return "\n\n".join(parts)
 
 
