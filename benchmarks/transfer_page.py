@@ -6,7 +6,8 @@
 
 The first command drives what OUT does not have yet (`--rows transfer` of `benchmarks.campaign` does the same), the
 second writes the rows, the third the tables. Rates are over all episodes of the places that a row has, with 95 %
-intervals from a bootstrap over places; places and rows that are missing are named.
+intervals from a bootstrap over places; of fewer than `FEW` places the interval is Wilson's, as if episodes of one place
+were independent. Places and rows that are missing are named.
 """
 
 import collections
@@ -18,8 +19,11 @@ from typing import Any
 
 from benchmarks import results, transfer
 from benchmarks.lib.transfer_places import FILMED
+from urbanverse_mjx.evaluation.metrics import wilson_interval
 
 MARKS = "<!-- transfer: python -m benchmarks.transfer_page -->", "<!-- end of transfer -->"
+#: Number of places below which there is no bootstrap over them.
+FEW = 8
 #: (policy, robot, shift) -> rows of its places.
 Rows = dict[tuple[str, str, str], list[dict[str, str]]]
 
@@ -41,17 +45,17 @@ def wanted() -> list[tuple[str, str, str]]:
 
 def _cells(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     said = transfer.summary(rows)
-
-    def cell(values: Sequence[float], digits: int) -> str:
-        mean, low, high = (f"{x:.{digits}f}" for x in values)
-        return f"{mean} [{low}, {high}]" if len(rows) > 1 else mean
-
+    rate, failures = said["SR"], "{:.2f} [{:.2f}, {:.2f}]".format(*said["failures_per_100m"])
+    if len(rows) < FEW:
+        good = sum(int(r["goal"]) for r in rows)
+        rate = [rate[0], *(100.0 * x for x in wilson_interval(good, said["episodes"]))]
+        failures = f"{said['failures_per_100m'][0]:.2f}"
     ends = [sum(int(r[end]) for r in rows) for end in transfer.ENDS[1:]]
     return [
         str(said["places"]),
         str(said["episodes"]),
-        cell(said["SR"], 1),
-        cell(said["failures_per_100m"], 2),
+        "{:.1f} [{:.1f}, {:.1f}]".format(*rate),
+        failures,
         " / ".join(map(str, ends)),
     ]
 
