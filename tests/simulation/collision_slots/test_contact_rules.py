@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.simulation.collision_slots import body_contact
+from urbanverse_mjx.simulation.collision_slots import body_contact, static_slots
 from urbanverse_mjx.simulation.collision_slots.agent_slots import FIRST_OWNER, noted
 from urbanverse_mjx.simulation.collision_slots.static_slots import Slots
 
@@ -61,3 +61,19 @@ def test_a_body_touches_the_ground_at_its_outermost_points() -> None:
     np.testing.assert_allclose(where[:, 2], -0.0025, atol=1e-6)
     np.testing.assert_allclose(np.asarray(found.distance).reshape(-1)[touching], -0.005, atol=1e-6)
     np.testing.assert_allclose(np.asarray(found.normal).reshape(-1, 3)[touching], [[0.0, 0.0, 1.0]] * len(where))
+
+
+@pytest.mark.parametrize(
+    ("point", "cell"),
+    [
+        ((0.1, 0.1), (0, 0)),
+        ((1.9, 2.1), (0, 1)),
+        ((7.9, 5.9), (3, 2)),
+        ((8.1, 6.1), (3, 2)),
+        ((99.0, -99.0), (3, 0)),
+        ((np.nan, 3.0), (0, 1)),
+    ],
+)
+def test_points_outside_a_grid_are_in_its_nearest_cell(point: tuple[float, float], cell: tuple[int, int]) -> None:
+    found = static_slots.grid_cell(jnp.zeros(2), 2.0, (4, 3), jnp.array([*point, 0.0]))
+    assert found.tolist() == list(cell)
