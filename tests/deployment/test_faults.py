@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -121,9 +122,8 @@ def policy(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     return robot_policy(tmp_path_factory.mktemp("policy") / "policy.onnx")
 
 
-@pytest.fixture
-def deploy(running: Running, policy: pathlib.Path, tmp_path: pathlib.Path) -> Iterator[subprocess.Popen[str]]:
-    """The command, driving the robot to a goal that is far away."""
+def started(running: Running, policy: pathlib.Path, log: pathlib.Path) -> "subprocess.Popen[str]":
+    """The command, on its way to a goal that is far away."""
     running.fault = None
     running.new_master()
     sensors, commands = (endpoint.rpartition(":")[2] for endpoint in running.address)
@@ -132,20 +132,16 @@ def deploy(running: Running, policy: pathlib.Path, tmp_path: pathlib.Path) -> It
         f"loop.Endpoints.of = lambda _: loop.Endpoints('tcp://127.0.0.1:{sensors}', 'tcp://127.0.0.1:{commands}'); "
         "sys.exit(main.main(sys.argv[1:]))"
     )
-    words = [
-        "deploy",
-        str(policy),
-        "--goal",
-        "1e5",
-        "0",
-        "--log",
-        str(tmp_path / "run.log"),
-        "--recovery",
-        str(RECOVERY),
-    ]
-    process = subprocess.Popen(
+    words = ["deploy", str(policy), "--goal", "1e5", "0", "--log", str(log), "--recovery", str(RECOVERY)]
+    return subprocess.Popen(
         [sys.executable, "-c", code, *words], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
+
+
+@pytest.fixture
+def deploy(running: Running, policy: pathlib.Path, tmp_path: pathlib.Path) -> Iterator[subprocess.Popen[str]]:
+    """The command, driving the robot."""
+    process = started(running, policy, tmp_path / "run.log")
     try:
         running.wait_until_it_drives()
         yield process
@@ -181,6 +177,36 @@ def test_a_killed_loop_leaves_a_log_that_replays(
     with pytest.raises(ValidationError, match="found a damaged record at byte"):
         replay(log)
     assert_another_image_gives_another_action(log, body, found["actions"])
+
+
+@pytest.mark.slow
+def test_killed_at_any_moment_the_robot_stands_and_the_next_one_drives(
+    running: Running, policy: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    """At ten moments, from the start of the process to some seconds of driving."""
+    draw, begin = random.Random(0), time.monotonic()
+    process = started(running, policy, tmp_path / "first.log")
+    running.wait_until_it_drives()
+    seconds = time.monotonic() - begin
+    drove = 0
+    for k in range(10):
+        process.kill()
+        process.communicate()
+        log = tmp_path / f"{k}.log"
+        process = started(running, policy, log)
+        time.sleep(draw.uniform(0.0, seconds + 2.0))
+        children = psutil.Process(process.pid).children(recursive=True)
+        assert running.time_to_stand(process.kill) <= LIMIT
+        assert psutil.wait_procs(children, timeout=10.0)[1] == []
+        if log.is_file() and list(read_log(log)):
+            found = replay(log)
+            assert (found["identical"], found["difference"]) == (True, None)
+            drove += found["actions"] > 0
+    assert drove > 0
+    process = started(running, policy, tmp_path / "last.log")
+    running.wait_until_it_drives()
+    process.send_signal(signal.SIGINT)
+    assert json.loads(process.communicate(timeout=20.0)[0])["result"] == "interrupted"
 
 
 def assert_another_image_gives_another_action(log: pathlib.Path, body: bytes, actions: int) -> None:
