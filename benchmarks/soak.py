@@ -1,0 +1,151 @@
+"""Trains for hours in one process and checks that its memory, open files and compiled programs stay as they are.
+
+    python -m benchmarks.soak --minutes 120
+    python -m benchmarks.soak --minutes 9 --options "--preset fast"
+
+The training is `urbanverse train` in a process of its own, which is asked to end (as by Ctrl-C) when the time is over.
+The first quarter, and all before the second checkpoint, does not count: programs compile, allocators fill. After it
+resident memory (on a GPU also that of the device) must stay within 1 %, no program may be compiled, and no more files
+may be open. Prints a log line per tenth on stderr and a JSON line; exits with 1 if a check fails.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import resource
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from benchmarks.lib.memory import device_mib
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.work_folder import work_folder
+
+#: More steps than any run makes, and checkpoints so often (steps).
+STEPS, CHECKPOINT_EVERY = 1_000_000_000, 8_192
+#: Share of the time that does not count, and by how much memory may change (share).
+WARM_UP, TOLERANCE = 0.25, 0.01
+#: What JAX writes to stderr for each program that it compiles or reads from its cache.
+_COMPILED = b"Finished XLA compilation of"
+
+#: Of one moment: s since the start, MiB of memory, files, compiled programs, MiB of the device, checkpoints.
+Sample = tuple[float, float, int, int, float, int]
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    cli = argparse.ArgumentParser(prog="python -m benchmarks.soak", description=__doc__)
+    cli.formatter_class = argparse.RawDescriptionHelpFormatter
+    cli.add_argument("--minutes", type=float, default=120.0)
+    cli.add_argument("--options", type=shlex.split, default=[], help="further ones of `urbanverse train`")
+    args = cli.parse_args(argv)
+    try:
+        result = soak(60.0 * args.minutes, args.options)
+    except ValidationError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    print(json.dumps(result))
+    return 0 if result["ok"] else 1
+
+
+def soak(seconds: float, options: Sequence[str] = (), every: float = 2.0) -> dict[str, Any]:
+    """Trains for a time (s); see `judged` for the result.
+
+    Args:
+      options: further ones of `urbanverse train`.
+      every: s between two samples.
+
+    Raises:
+      ValidationError: the training ends by itself.
+    """
+    with work_folder("urbanverse-soak-") as folder:
+        log = folder / "stderr.txt"
+        command = [sys.executable, "-m", "urbanverse_mjx.cli.main", "train", "--logdir", str(folder), "--quiet"]
+        command += ["--num-timesteps", str(STEPS), "--num-episodes", "0", "--no-video"]
+        command += ["--ppo-overrides", json.dumps({"num_checkpoints": STEPS // CHECKPOINT_EVERY}), *options]
+        with log.open("wb") as file:
+            environment = {**os.environ, "JAX_LOG_COMPILES": "1"}
+            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file, env=environment)
+        try:
+            samples = _samples(process, log, seconds, every)
+        finally:
+            process.send_signal(signal.SIGINT)
+            try:
+                process.wait(60.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+        steps = [int(path.parent.name) for path in folder.glob("*/checkpoints/*/policy.json")]
+        return {"checkpoints": len(steps), "steps": max(steps, default=0), **judged(samples)}
+
+
+def _samples(process: "subprocess.Popen[bytes]", log: pathlib.Path, seconds: float, every: float) -> list[Sample]:
+    samples: list[Sample] = []
+    begin, tenth, on_gpu = time.monotonic(), 0, device_mib() is not None
+    while (now := time.monotonic() - begin) < seconds:
+        if process.poll() is not None:
+            said = log.read_text(errors="replace").strip().splitlines()[-1:]
+            raise ValidationError(f"soak: found that the training ended with status {process.returncode}: {said}.")
+        memory, files = _memory_and_files(process.pid)
+        device = (device_mib() or 0.0) if on_gpu else 0.0
+        checkpoints = len(list(log.parent.glob("*/checkpoints/*/policy.json")))
+        samples.append((now, memory, files, log.read_bytes().count(_COMPILED), device, checkpoints))
+        if now * 10 // seconds > tenth:
+            tenth = int(now * 10 // seconds)
+            print(
+                f"{now / 60.0:6.1f} min  {memory:,.1f} MiB  {files} files  {samples[-1][3]} compiled  "
+                f"{checkpoints} checkpoints",
+                file=sys.stderr,
+                flush=True,
+            )
+        time.sleep(every)
+    return samples
+
+
+def _memory_and_files(pid: int) -> tuple[float, int]:
+    """Resident memory of a process, MiB, and how many files it has open."""
+    proc = pathlib.Path("/proc") / str(pid)
+    pages = int((proc / "statm").read_text(encoding="ascii").split()[1])
+    return pages * resource.getpagesize() / 2**20, len(os.listdir(proc / "fd"))
+
+
+def judged(samples: Sequence[Sample]) -> dict[str, Any]:
+    """What changed after the warm-up, and whether it is `ok`.
+
+    Memory is compared between the medians of the first and the last tenth, files between the largest numbers of the
+    first and second half, since a checkpoint opens some while it is written; `slope_mib_per_hour` is that of a line
+    through all samples.
+    """
+    found = np.array([s for s in samples if s[0] >= WARM_UP * samples[-1][0] and s[5] >= 2])
+    if len(found) < 10:
+        raise ValidationError(
+            f"soak: found {samples[-1][5]} checkpoints in {samples[-1][0]:.0f} s, needed three or more; take more time."
+        )
+    tenth, half = len(found) // 10, len(found) // 2
+    first, last = np.median(found[:tenth], axis=0), np.median(found[-tenth:], axis=0)
+    slope = np.polyfit(found[:, 0] / 3600.0, found[:, 1], 1)[0]
+    growth = (last[1] - first[1]) / first[1]
+    on_device = (last[4] - first[4]) / first[4] if first[4] else 0.0
+    files = int(found[half:, 2].max(initial=0) - found[:half, 2].max())
+    compiled = int(found[-1, 3] - found[0, 3])
+    return {
+        "minutes": round(samples[-1][0] / 60.0, 1),
+        "memory_mib": round(float(first[1]), 1),
+        "memory_growth_percent": round(100.0 * float(growth), 2),
+        "slope_mib_per_hour": round(float(slope), 1),
+        "device_growth_percent": round(100.0 * float(on_device), 2),
+        "files": int(found[0, 2]),
+        "more_files": files,
+        "compiled_before": int(found[0, 3]),
+        "compiled_after": compiled,
+        "ok": bool(growth <= TOLERANCE and on_device <= TOLERANCE and files <= 0 and compiled == 0),
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())
