@@ -8,6 +8,7 @@ count are those that count in `envs.navigation`.
 import atexit
 import math
 import pathlib
+import weakref
 from typing import Any
 
 import mujoco
@@ -338,14 +339,15 @@ class _OpenGl(_Camera):
         self._options.geomgroup[2] = 1
         self._quat, self._fovy = model.cam_quat[self.camera].copy(), float(model.cam_fovy[self.camera])
         self._contexts: dict[tuple[int, int], mujoco.Renderer] = {}
-        # Freed by Python's own end they would be too late: EGL is gone by then, and says so.
-        atexit.register(self.close)
 
     def draw(self, view: s.View) -> np.ndarray:
         model, data = self.world.model, self.world.data
         key = view.height, view.width
         if key not in self._contexts:
             self._contexts[key] = mujoco.Renderer(model, *key, max_geom=20_000)
+            # At Python's own end EGL is gone: MuJoCo ends it by a function that it has registered by now, so this one
+            # is called before. It keeps nothing alive.
+            atexit.register(_close, weakref.ref(self))
         context = self._contexts[key]
         half = view.yaw / 2.0
         turned = np.array([math.cos(half), 0.0, math.sin(half), 0.0])
@@ -363,6 +365,12 @@ class _OpenGl(_Camera):
         for context in self._contexts.values():
             context.close()
         self._contexts.clear()
+
+
+def _close(camera: "weakref.ref[_OpenGl]") -> None:
+    found = camera()
+    if found is not None:
+        found.close()
 
 
 class _Ours(_Camera):
