@@ -1,0 +1,51 @@
+"""What a long training must keep as it is: memory, open files, compiled programs."""
+
+import pytest
+
+from benchmarks import soak
+from urbanverse_mjx.datatypes import ValidationError
+
+
+def samples(**changes: float) -> list[soak.Sample]:
+    """An hour that compiles and fills in its first ten minutes; changes per sample after it, of 40."""
+    found: list[soak.Sample] = []
+    for k in range(240):
+        late = max(k - 100, 0)
+        memory = 1000.0 + 5.0 * min(k, 40) + changes.get("memory", 0.0) * late + (0.4 if k % 2 else -0.4)
+        files = 8 + (k % 10 == 0) + int(changes.get("files", 0.0) * late)
+        compiled = min(k, 40) + int(changes.get("compiled", 0.0) * late)
+        found.append((15.0 * k, memory, files, compiled, 500.0 + changes.get("device", 0.0) * late, k // 20))
+    return found
+
+
+def test_what_settles_is_flat_and_growth_is_measured() -> None:
+    flat = soak.judged(samples())
+    assert flat["ok"]
+    assert flat["memory_mib"] == pytest.approx(1200.0, abs=1.0)
+    assert (flat["more_files"], flat["compiled_before"], flat["compiled_after"]) == (0, 40, 0)
+    assert abs(flat["memory_growth_percent"]) < 0.1
+    growing = soak.judged(samples(memory=0.2))
+    assert not growing["ok"]
+    assert growing["memory_growth_percent"] == pytest.approx(100 * 0.2 * 131 / 1200, abs=0.2)
+    assert growing["slope_mib_per_hour"] == pytest.approx(0.2 * 240, rel=0.25)
+
+
+@pytest.mark.parametrize("what", ["files", "compiled", "device"])
+def test_each_other_growth_is_a_failure(what: str) -> None:
+    assert not soak.judged(samples(**{what: 0.05}))["ok"]
+
+
+def test_too_few_checkpoints_are_said() -> None:
+    with pytest.raises(ValidationError, match="needed three or more"):
+        soak.judged(samples()[:20])
+
+
+def test_a_training_that_ends_by_itself_is_said() -> None:
+    with pytest.raises(ValidationError, match="ended with status 2"):
+        soak.soak(300.0, ["--preset", "none"], every=0.2)
+
+
+@pytest.mark.slow
+def test_a_training_of_twenty_minutes_keeps_memory_files_and_programs() -> None:
+    found = soak.soak(1200.0)
+    assert found["ok"], found
