@@ -37,6 +37,7 @@ from benchmarks.lib import mission_streets as streets
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.evaluation.metrics import wilson_interval
 from urbanverse_mjx.process_pool import results_as_completed
 
 DRIVERS = (("coco_best", "coco"), ("go2_best", "go2"))
@@ -44,6 +45,8 @@ MARKS = "<!-- missions: python -m benchmarks.missions --page -->", "<!-- end of 
 #: Share of the crowd's slots that are filled.
 FILLED = 0.7
 FPS = 10.0
+#: Number of missions below which there is no bootstrap over them: arrivals then have Wilson's interval.
+FEW = 8
 _CAUSES = ("stuck", "near object", "near person", "leaving the pavement", "contact")
 COLUMNS = ("policy", "robot", "blocks", "block", "mission", "end", "metres", "seconds", "waypoints", "of", "supervised")
 
@@ -184,6 +187,11 @@ def page_text(folder: pathlib.Path = results.SCORES) -> str:
         said = summary(missions)
         rate = "{:.1f} [{:.1f}, {:.1f}]".format(*said["interventions_per_km"])
         arrived = "{:.0f} [{:.0f}, {:.0f}]".format(*said["arrived"])
+        if len(missions) < FEW:
+            good = sum(m["end"] == "arrived" for m in missions)
+            low, high = wilson_interval(good, len(missions))
+            arrived = f"{said['arrived'][0]:.0f} [{100 * low:.0f}, {100 * high:.0f}]"
+            rate = f"{said['interventions_per_km'][0]:.1f}"
         causes = " / ".join(str(x) for x in said["causes"].values())
         title = {"coco": "COCO", "go2": "Go2"}[robot]
         cells = [policy, title, size, str(said["missions"]), f"{said['km']:.2f}", arrived, rate, causes]
