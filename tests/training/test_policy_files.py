@@ -12,6 +12,7 @@ from ml_collections import ConfigDict
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.training import run
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_params, save_policy
+from urbanverse_mjx.training.record import RunRecord
 
 
 def spec(steps: int) -> PolicySpec:
@@ -144,3 +145,14 @@ def test_a_policy_json_with_other_types_is_one_sentence(folder: pathlib.Path, fi
     with pytest.raises(ValidationError, match=rf"policy\.json: {field}") as caught:
         PolicySpec.load(latest_policy(newest))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("field", "wrong"),
+    [("env", None), ("ppo", None), ("ppo", [1, 2]), ("segments", 3), ("segments", ["a"]), ("environment", 5)],
+)
+def test_a_run_record_with_other_types_is_one_sentence(tmp_path: pathlib.Path, field: str, wrong: object) -> None:
+    whole = {"environment": "CocoNav", "env": {"a": 1}, "ppo": {"num_timesteps": 9}, "segments": [{"from_steps": 0}]}
+    (tmp_path / "config.json").write_text(json.dumps({**whole, field: wrong}))
+    with pytest.raises(ValidationError, match=rf"run record\.{field}"):
+        RunRecord.load(tmp_path)

@@ -78,9 +78,11 @@ class RunRecord:
                 f"run folder: found no {FILE} in {folder}, needed a folder that `urbanverse train` made."
             )
         body = v.mapping(v.read_json(path, "run record"), "run record", ["environment", "env", "ppo"], ["segments"])
-        ppo = dict(body["ppo"])
+        env, ppo = (_object(body[name], f"run record.{name}") for name in ("env", "ppo"))
         first = {"from_steps": 0, "num_timesteps": ppo.get("num_timesteps")}
-        return RunRecord(body["environment"], dict(body["env"]), ppo, tuple(body.get("segments") or (first,)))
+        segments = v.items(body.get("segments") or (first,), "run record.segments")
+        parts = tuple(_object(part, f"run record.segments[{k}]") for k, part in enumerate(segments))
+        return RunRecord(v.text(body["environment"], "run record.environment"), env, ppo, parts)
 
     def save(self, folder: pathlib.Path) -> None:
         """Writes `config.json` atomically."""
@@ -89,6 +91,12 @@ class RunRecord:
     def configs(self) -> tuple[str, ConfigDict, ConfigDict]:
         """Name of the environment, and new configs of it and of PPO."""
         return self.environment, ConfigDict(self.env), ConfigDict(self.ppo)
+
+
+def _object(value: Any, where: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise v.fail(where, v.show(value), "a JSON object")
+    return value
 
 
 def configs_of(
