@@ -53,19 +53,7 @@ COLUMNS = ("policy", "robot", "blocks", "block", "mission", "end", "metres", "se
 
 def build_street(number: int, size: streets.Size, folder: pathlib.Path) -> str:
     """Compiles a street into a folder, if it is not there; returns why not, or ""."""
-    from urbanverse_mjx.materialisation import index_of, materialise_cousin
-    from urbanverse_mjx.pipeline.scenes import compile_layout
-
-    graph, key = streets.street(number, size).graph(), folder.with_suffix(".key")
-    if key.is_file() and key.read_text("utf-8") == graph.content_hash() and (folder / "metadata.json").is_file():
-        return ""
-    try:
-        layout = materialise_cousin(graph, 0, 0).layout
-        compile_layout(layout, index_of(layout), folder, freeze_unstable=True)
-    except ValidationError as error:
-        return str(error)
-    v.write_atomically(key, lambda p: p.write_text(graph.content_hash(), encoding="utf-8"))
-    return ""
+    return transfer.compile_graph(streets.street(number, size).graph(), folder)
 
 
 @functools.lru_cache(1)

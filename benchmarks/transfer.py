@@ -17,7 +17,7 @@ benchmarks; episodes, start and draws are the same for all policies.
 POLICY: go_to_goal, a policy folder (exported as ONNX into OUT), FILE.onnx, or module:callable (see
 `evaluation.external.load_callable`), with the robot of its training or `--robot`.
 
-Places are compiled into OUT/places once; those without room for routes are left out (left_out.json there). Every place
+Places are compiled into OUT/places once; those without space for routes are left out (left_out.json there). Every place
 of a row is a task of one process, and finished tasks are kept in OUT/episodes, so that a stopped run continues.
 MuJoCo's renderer needs off-screen OpenGL (MUJOCO_GL, by default egl; on machines without a GPU Mesa draws on the CPU).
 OUT/result.json and the last line of stdout have the rates; `--add` writes the rows of the two tables into
@@ -306,12 +306,12 @@ def place_graph(place: str) -> Any:
     return DIRECT[place]().graph() if place in DIRECT else SceneGraph.load(GRAPHS / place / "graph.json.gz")
 
 
-def build_place(place: str, folder: pathlib.Path) -> str:
-    """Compiles a place into a folder, if it is not there; returns why not, or ""."""
+def compile_graph(graph: Any, folder: pathlib.Path) -> str:
+    """Compiles the cousin 0 of a graph into a folder, if it is not there; returns why not, or ""."""
     from urbanverse_mjx.materialisation import index_of, materialise_cousin
     from urbanverse_mjx.pipeline.scenes import compile_layout
 
-    graph, key = place_graph(place), folder.with_suffix(".key")
+    key = folder.with_suffix(".key")
     if key.is_file() and key.read_text("utf-8") == graph.content_hash() and (folder / "metadata.json").is_file():
         return ""
     try:
@@ -323,8 +323,13 @@ def build_place(place: str, folder: pathlib.Path) -> str:
     return ""
 
 
+def build_place(place: str, folder: pathlib.Path) -> str:
+    """Compiles a place into a folder, if it is not there; returns why not, or ""."""
+    return compile_graph(place_graph(place), folder)
+
+
 def build_places(places: Sequence[str], out: pathlib.Path, workers: int) -> list[pathlib.Path]:
-    """Compiles places into `out`; returns the folders of those that have room for routes.
+    """Compiles places into `out`; returns the folders of those that have space for routes.
 
     The others are named in left_out.json: a distilled graph may have ground that no robot can cross.
 

@@ -105,7 +105,7 @@ def text(rows: Rows) -> str:
         )
     if partly:
         parts.append(
-            f"Rows with fewer than {len(transfer.place_names())} places are not finished, or a place had no room for "
+            f"Rows with fewer than {len(transfer.place_names())} places are not finished, or a place had no space for "
             f"routes (left_out.json). {command}"
         )
     return "\n\n".join(parts)

@@ -27,6 +27,16 @@ def _floor(c: Canvas, corners: Sequence[Corner], kind: str = "sidewalk", z: floa
     c.ground("floor", kind, corners, z)
 
 
+def _beside_road(c: Canvas, length: float, width: float, lots: tuple[float, float]) -> Edge:
+    """A pavement of a width along a road, the ground under the fronts between two distances from the kerb, and the
+    other side of the road; returns the kerb."""
+    c.ground("lots", "sidewalk", lay.rectangle(0.0, lots[0], length, lots[1]), KERB)
+    c.ground("road", "road", lay.rectangle(0.0, -6.0, length, 0.0))
+    c.ground("far", "sidewalk", lay.rectangle(0.0, -9.0, length, -6.0), KERB)
+    c.ground("walk", "sidewalk", lay.rectangle(0.0, 0.0, length, width), KERB)
+    return edge((0.0, 0.0), (length, 0.0), 1)
+
+
 def _hedges(c: Canvas, line: Edge, begin: float, end: float, d: float) -> None:
     """A clipped hedge along an edge."""
     count = int((end - begin) / (_HEDGE[1] + 0.1))
@@ -101,14 +111,10 @@ def _hedge_turn(c: Canvas) -> None:
 def _straight_pavement(c: Canvas) -> None:
     """04: a straight residential pavement with front gardens and parked cars."""
     c.ground("gardens", "ground", lay.rectangle(0.0, 3.2, 44.0, 6.4), KERB)
-    c.ground("lots", "sidewalk", lay.rectangle(0.0, 6.4, 44.0, 9.0), KERB)
-    c.ground("road", "road", lay.rectangle(0.0, -6.0, 44.0, 0.0))
-    c.ground("far", "sidewalk", lay.rectangle(0.0, -9.0, 44.0, -6.0), KERB)
-    c.ground("walk", "sidewalk", lay.rectangle(0.0, 0.0, 44.0, 3.2), KERB)
+    kerb = _beside_road(c, 44.0, 3.2, (6.4, 9.0))
     c.wear((10.0, 1.0), "sidewalk/flags_buff")
     c.wear("ground", "grass")
     c.sky("summer_afternoon-few_cumulus")
-    kerb = edge((0.0, 0.0), (44.0, 0.0), 1)
     c.houses(edge((0.0, 6.4), (44.0, 6.4), 1), ("house", "house", "house", "house", "house"), 0.1, 43.9, 0.0)
     c.houses(edge((0.0, -7.6), (44.0, -7.6), -1), ("house", "house", "house", "house", "house"), 0.1, 43.9, 0.0)
     for begin, end in ((0.4, 7.0), (9.6, 16.4), (18.8, 25.2), (28.0, 34.0), (36.6, 43.2)):
@@ -195,13 +201,9 @@ def _campus_walkway(c: Canvas) -> None:
 
 def _bins_on_pavement(c: Canvas) -> None:
     """08: a sidewalk with bins, bags and a delivery on collection day."""
-    c.ground("lots", "sidewalk", lay.rectangle(0.0, 4.0, 42.0, 6.4), KERB)
-    c.ground("road", "road", lay.rectangle(0.0, -6.0, 42.0, 0.0))
-    c.ground("far", "sidewalk", lay.rectangle(0.0, -9.0, 42.0, -6.0), KERB)
-    c.ground("walk", "sidewalk", lay.rectangle(0.0, 0.0, 42.0, 4.0), KERB)
+    kerb = _beside_road(c, 42.0, 4.0, (4.0, 6.4))
     c.wear((10.0, 1.0), "sidewalk/flags_grey")
     c.sky("summer_evening-few_cumulus")
-    kerb = edge((0.0, 0.0), (42.0, 0.0), 1)
     c.houses(
         edge((0.0, 4.0), (42.0, 4.0), 1),
         ("apartment building", "bakery", "house", "apartment building"),
@@ -281,13 +283,9 @@ def _stall_after_turn(c: Canvas) -> None:
 
 def _car_on_pavement(c: Canvas) -> None:
     """11: a sidewalk that a parked car blocks, so that only the strip along the wall is left."""
-    c.ground("lots", "sidewalk", lay.rectangle(0.0, 5.0, 42.0, 7.4), KERB)
-    c.ground("road", "road", lay.rectangle(0.0, -6.0, 42.0, 0.0))
-    c.ground("far", "sidewalk", lay.rectangle(0.0, -9.0, 42.0, -6.0), KERB)
-    c.ground("walk", "sidewalk", lay.rectangle(0.0, 0.0, 42.0, 5.0), KERB)
+    kerb = _beside_road(c, 42.0, 5.0, (5.0, 7.4))
     c.wear((10.0, 1.0), "sidewalk/concrete_grey-stained")
     c.sky("summer_morning-few_cumulus")
-    kerb = edge((0.0, 0.0), (42.0, 0.0), 1)
     c.houses(edge((0.0, 5.0), (42.0, 5.0), 1), ("garage", "house", "supermarket", "house"), 0.1, 41.9, 0.0)
     c.houses(edge((0.0, -7.4), (42.0, -7.4), -1), ("house", "house", "apartment building", "house"), 0.1, 41.9, 0.0)
     c.along(kerb, [("suv", 14.0, 1.4, "+"), ("sedan", 28.6, 2.0, 12.0), ("van", 21.0, -1.4, "+")])

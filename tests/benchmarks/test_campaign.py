@@ -189,6 +189,9 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
     assert all(args.env[-2:] == light for args in parsed if "env" in args)
     arms = {args.out.name: args for args in parsed if "-arm-" in args.out.name}
     assert all([path.parent.name for path in args.test] == ["validation"] for args in arms.values())
+    for name in ("streets-both-0", "teacher-0", "student-0"):
+        judged = next(args for args in parsed if args.out.name == name)
+        assert [path.parent.name for path in judged.test] == ["validation", *campaign.BENCHMARKS]
     assert arms["teacher-arm-clutter-2"].env == ["randomization.clutter=8", *light]
     assert arms["student-arm-proprio-1"].set == ["network.proprio=false"]
     assert [arms[f"student-arm-{arm}-1"].memory for arm in ("memory", "base")] == [0, 256]

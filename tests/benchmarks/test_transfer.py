@@ -181,15 +181,15 @@ def test_a_run_continues_and_drives_again_what_has_changed(
     assert [(r["place"], r["episodes"], r["goal"], r["metres"]) for r in rows] == [("a", 4, 4, 36.0), ("b", 3, 3, 27.0)]
 
 
-def test_a_place_without_room_is_left_out_and_named(
+def test_a_place_without_space_is_left_out_and_named(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("urbanverse_mjx.assets.records.store.ensure_store", lambda: None)
-    monkeypatch.setattr(transfer, "build_place", lambda place, folder: "no room" if place == "b" else "")
+    monkeypatch.setattr(transfer, "build_place", lambda place, folder: "no space" if place == "b" else "")
     assert transfer.build_places(["a", "b", "c"], tmp_path, 1) == [tmp_path / "a", tmp_path / "c"]
-    assert json.loads((tmp_path / "left_out.json").read_text(encoding="utf-8")) == {"b": "no room"}
-    assert "b left out: no room" in capsys.readouterr().err
-    with pytest.raises(ValidationError, match="no room"):
+    assert json.loads((tmp_path / "left_out.json").read_text(encoding="utf-8")) == {"b": "no space"}
+    assert "b left out: no space" in capsys.readouterr().err
+    with pytest.raises(ValidationError, match="no space"):
         transfer.build_places(["b"], tmp_path, 1)
 
 

@@ -182,8 +182,8 @@ def test_a_pair_shares_the_change_it_needs() -> None:
 
 
 @pytest.mark.parametrize(("towards", "able"), [(1.3, 0.05), (-1.3, 1.0)])
-def test_a_walker_steps_aside_for_a_standing_scooter_but_leaves_it_its_room(towards: float, able: float) -> None:
-    """On the way into it the walker takes nearly all of the change; away from it, room is shared as people share it."""
+def test_a_walker_steps_aside_for_a_standing_scooter_but_leaves_it_its_space(towards: float, able: float) -> None:
+    """On the way into it the walker takes nearly all of the change; away from it, space is shared as among people."""
     bodies, traits = two(("pedestrian", "scooter"), 3.0, (towards, 0.0))
     traits = traits._replace(yielding=jnp.array([0.5, 0.8])[:, None])
     options = Options(discs_only=True, num_wheeled=1)

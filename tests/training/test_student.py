@@ -62,6 +62,16 @@ def test_a_student_without_proprioception_acts_on_image_and_goal_alone() -> None
             assert (np.abs(np.asarray(other - whole)).max() > 1e-6) == (proprio or name != "proprio"), name
 
 
+def test_a_policy_from_before_the_choice_sees_proprioception() -> None:
+    config = dagger.default_dagger_config()
+    for proprio in (True, False):
+        config.network.proprio = proprio
+        assert dagger.make_student(config, 2).proprio == proprio
+    with config.unlocked():
+        del config.network["proprio"]
+    assert dagger.make_student(config, 2).proprio
+
+
 def test_a_sequence_at_once_is_the_sequence_step_by_step_and_forgets_at_a_begin() -> None:
     network = Student(LAYERS, 2, hidden=16, memory=8)
     params = initial_student(network, SHAPES, 0)

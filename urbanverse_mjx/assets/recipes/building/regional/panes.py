@@ -89,7 +89,7 @@ def _jalousie(frame: Color, rng: np.random.Generator, size: Size) -> Image.Image
 
 
 def _lattice(frame: Color, rng: np.random.Generator, size: Size) -> Image.Image:
-    """Upright wooden bars before a dim or lit room."""
+    """Upright wooden bars before a dim or lit interior."""
     w, h = paint.smooth(size)
     image, pen = paint.canvas((w, h), mix("black", "lamp", 0.25 if rng.random() < 0.5 else 0.08))
     count = max(6, round(size[0] / 3.2))
