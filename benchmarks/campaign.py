@@ -5,8 +5,9 @@
     python -m benchmarks.campaign --out runs/campaign --rows "teacher-*" "student-*" --list
     python -m benchmarks.campaign --out runs/campaign --add
 
-The first commands run jobs, several on a GPU as its memory allows; a job begins when the files that it needs are there,
-and one whose result is there is not run again, so a campaign continues where it was interrupted. `--list` prints the
+The first commands run jobs, several on a GPU as its memory allows, in the order of the patterns of `--rows`; a job
+begins when the files that it needs are there (a student compiles beside its teacher and waits for it), and one whose
+result is there is not run again, so a campaign continues where it was interrupted. `--list` prints the
 commands in place of running them. `--add` writes the rows of all results into benchmarks/scores, for `make results`.
 Rows, of which `--rows` names patterns:
 
@@ -18,7 +19,7 @@ Rows, of which `--rows` names patterns:
     one-street              preset `paper` on a single street
     streets-SET-SEED        teachers that differ in their training streets alone: procedural, urbanverse160, both
     teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
-    student-arm-ARM-SEED    students of teacher-0 (its seed is `--seeds`' first) as they are, and without one part
+    student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
     goes-on-BENCHMARK-POLICY  contact does not end an episode
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
@@ -109,6 +110,7 @@ class Job:
 
     Attributes:
       needs: files that must be there before it begins.
+      awaits: a file that it waits for by itself, which a job that runs may still be making.
       gives: a file that is there once it is done.
       memory: GiB of GPU memory; 0 for a job on the processor alone.
       rows: of its result.json.
@@ -120,6 +122,7 @@ class Job:
     gives: pathlib.Path
     memory: int = 0
     rows: tuple[Row, ...] = ()
+    awaits: pathlib.Path | None = None
 
 
 def bank(name: str) -> pathlib.Path:
@@ -179,11 +182,12 @@ def _teacher(
 
 def _student(
     args: argparse.Namespace, name: str, seed: int, own: dict[str, object], rows: Sequence[Row], *needs: pathlib.Path,
-    env: Sequence[str] = (), teacher: int | None = None,
+    env: Sequence[str] = (), teacher: str = "",
 ) -> Job:  # fmt: skip
-    folder = args.out / f"teacher-{seed if teacher is None else teacher}"
+    folder = args.out / (teacher or f"teacher-{seed}")
     own = {"memory": 256, "teacher": folder, **own}
-    return _generalise(args, name, "student", HELD_OUT, seed, own, rows, folder / "result.json", *needs, env=env)
+    job = _generalise(args, name, "student", HELD_OUT, seed, own, rows, *needs, env=env)
+    return dataclasses.replace(job, awaits=folder / "result.json")
 
 
 def _paper(args: argparse.Namespace, name: str, streets: str, seed: int, policy: str, *scenes: str) -> Job:
@@ -261,7 +265,8 @@ def _arms(args: argparse.Namespace) -> Iterator[Job]:
             row = Row("student", seed=seed, comparison="student_arms", arm=called)
             iterations = -(-args.arm_steps // STEPS)
             own = {"steps": iterations, "seconds": ENDLESS, "validate_every": iterations, **options}
-            yield _student(args, f"student-arm-{arm}-{seed}", seed, own, [row], env=env, teacher=args.seeds[0])
+            teacher = f"teacher-arm-base-{args.seeds[0]}"
+            yield _student(args, f"student-arm-{arm}-{seed}", seed, own, [row], env=env, teacher=teacher)
 
 
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
@@ -300,7 +305,9 @@ def chosen(args: argparse.Namespace) -> list[Job]:
         if not fnmatch.filter([job.name for job in known], pattern):
             names = ", ".join(job.name for job in known)
             raise SystemExit(f"error: --rows: found {pattern!r}, which names no row, needed a pattern of {names}.")
-    wanted = [job for job in known if any(fnmatch.fnmatch(job.name, pattern) for pattern in args.rows)]
+    # Each in the place of the first pattern that names it.
+    named = {job.name: job for pattern in args.rows for job in known if fnmatch.fnmatch(job.name, pattern)}
+    wanted = list(named.values())
     files = {path for job in wanted for path in job.needs}
     halves = []
     for name in ("urbanverse160", "craftbench"):
@@ -347,6 +354,8 @@ class Campaign:
         unfinished = {other.gives for other in self.running}
         if not all(path.exists() and path not in unfinished for path in job.needs):
             return False
+        if job.awaits and not (job.awaits.exists() or job.awaits in unfinished):
+            return False
         gpu = self.free_gpu(job.memory) if job.memory else -1
         if gpu is None:
             return False
@@ -373,6 +382,9 @@ class Campaign:
             del self.running[job]
             if process.returncode or not job.gives.exists():
                 self.failed.append(job)
+                for other, (waiting, _) in self.running.items():
+                    if other.awaits == job.gives:
+                        waiting.terminate()
                 self.say(f"FAILED {job.name} with status {process.returncode}; see {self.args.out / job.name}.log")
             else:
                 self.say(f"done {job.name}")
@@ -392,7 +404,7 @@ class Campaign:
             for process, _ in self.running.values():
                 process.send_signal(signal.SIGTERM)
         for job in self.waiting:
-            missing = [str(path) for path in job.needs if not path.exists()]
+            missing = [str(path) for path in (*job.needs, job.awaits) if path and not path.exists()]
             self.say(f"not begun: {job.name}" + (f", for want of {missing[0]}" if missing else ""))
         return 1 if self.failed or self.waiting else 0
 

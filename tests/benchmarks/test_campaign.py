@@ -1,6 +1,7 @@
 """A campaign runs jobs in the order of their files, as many on a GPU as its memory holds, and continues."""
 
 import argparse
+import dataclasses
 import json
 import pathlib
 import sys
@@ -63,6 +64,40 @@ def test_a_file_of_a_running_job_does_not_count_yet(tmp_path: pathlib.Path) -> N
     jobs = [_job(tmp_path, "student", 0, "teacher"), _job(tmp_path, "teacher", 0, seconds=2.5, code=early)]
     assert Campaign(_args(tmp_path), jobs).run() == 0
     assert _events(tmp_path) == ["begin teacher", "end teacher", "begin student", "end student"]
+
+
+def _student(tmp_path: pathlib.Path, seconds: float) -> Job:
+    """A job that runs for so long beside its teacher."""
+    return dataclasses.replace(_job(tmp_path, "student", 30, seconds=seconds), awaits=tmp_path / "teacher")
+
+
+def test_a_student_begins_beside_its_teacher(tmp_path: pathlib.Path) -> None:
+    jobs = [_student(tmp_path, 0.1), _job(tmp_path, "teacher", 50, "bank", seconds=4.0), _job(tmp_path, "bank", 0)]
+    assert Campaign(_args(tmp_path), jobs).run() == 0
+    events = _events(tmp_path)
+    assert events.index("begin student") < events.index("end teacher")
+    assert events.index("end bank") < events.index("begin student")
+
+
+def test_a_student_ends_when_its_teacher_fails(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code = "import time; time.sleep(2.5); raise SystemExit(3)"
+    jobs = [_job(tmp_path, "teacher", 0, code=code), _student(tmp_path, 60.0)]
+    begin = time.monotonic()
+    assert Campaign(_args(tmp_path), jobs).run() == 1
+    assert time.monotonic() - begin < 30.0
+    said = capsys.readouterr().err
+    assert "FAILED teacher with status 3" in said
+    assert "FAILED student with status -15" in said
+
+
+def test_rows_begin_in_the_order_of_their_patterns(tmp_path: pathlib.Path) -> None:
+    rows = ("student-arm-memory-1", "teacher-arm-base-*", "student-arm-*")
+    jobs = campaign.chosen(_args(tmp_path, "--seeds", "1", "2", "--rows", *rows))
+    names = [job.name for job in jobs if job.rows]
+    assert names[:4] == ["student-arm-memory-1", "teacher-arm-base-1", "teacher-arm-base-2", "student-arm-base-1"]
+    assert names.count("student-arm-memory-1") == 1
+    students = [job for job in jobs if job.name.startswith("student")]
+    assert {job.awaits for job in students} == {tmp_path / "out" / "teacher-arm-base-1" / "result.json"}
 
 
 def test_a_training_that_ends_while_it_scores_is_not_done(
@@ -195,7 +230,7 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
     assert arms["teacher-arm-clutter-2"].env == ["randomization.clutter=8", *light]
     assert arms["student-arm-proprio-1"].set == ["network.proprio=false"]
     assert [arms[f"student-arm-{arm}-1"].memory for arm in ("memory", "base")] == [0, 256]
-    assert {args.teacher.name for name, args in arms.items() if name.startswith("student")} == {"teacher-0"}
+    assert {args.teacher.name for name, args in arms.items() if name.startswith("student")} == {"teacher-arm-base-0"}
     assert arms["student-arm-base-0"].steps * 65_536 == pytest.approx(10_000_000, rel=0.01)
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
