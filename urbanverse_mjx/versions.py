@@ -36,7 +36,7 @@ CODE: Mapping[str, Code] = {
     "datatypes": Code(1, ("datatypes", "geometry")),
     # Base meshes, by recipe and variant.
     "meshes": Code(
-        1,
+        2,
         (
             "assets.recipes",
             *_below("assets.categories", "materials", "ontology", "priors"),

@@ -98,6 +98,22 @@ def test_images_read_left_to_right_from_the_front() -> None:
     assert v[upper].min() > v[~upper].max()
 
 
+@pytest.mark.parametrize("lettered", [False, True])
+def test_text_on_the_back_of_a_sheet_reads_right_and_a_flags_back_is_mirrored(lettered: bool) -> None:
+    grid = np.array([[(0.0, y, z) for y in (-1.0, 0.0, 1.0)] for z in (0.0, 1.0)])
+    b = MeshBuilder()
+    b.sheet(grid, image=paint.canvas((8, 8), "red")[0], both_sides=True, lettered=lettered)
+    mesh = b.build("a test", recenter=False).mesh
+    corners = mesh.vertices[mesh.faces]
+    front = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 0] > 0
+    assert front.sum() == (~front).sum() == 4
+    for side, right in ((front, 1.0), (~front, -1.0 if lettered else 1.0)):
+        y, u = corners[side][..., 1].ravel(), mesh.uv[mesh.faces[side]][..., 0].ravel()
+        assert np.corrcoef(right * y, u)[0, 1] == pytest.approx(1.0)
+        v = mesh.uv[mesh.faces[side]][..., 1].ravel()
+        assert np.corrcoef(corners[side][..., 2].ravel(), v)[0, 1] == pytest.approx(1.0)
+
+
 def test_the_built_mesh_stands_centred_on_the_ground() -> None:
     b = MeshBuilder()
     b.box((1, 2, 3), (5, -7, 2))

@@ -351,13 +351,26 @@ class MeshBuilder:
         self.sheet(np.asarray(corners, float)[[0, 1, 3, 2]].reshape(2, 2, 3), color, image, both_sides)
 
     def sheet(
-        self, grid: np.ndarray, color: Color | None = None, image: ImageLike | None = None, both_sides: bool = False
+        self,
+        grid: np.ndarray,
+        color: Color | None = None,
+        image: ImageLike | None = None,
+        both_sides: bool = False,
+        lettered: bool = False,
     ) -> None:
-        """A curved surface through (rows, columns, 3) points; see `shapes.sheet`."""
+        """A curved surface through (rows, columns, 3) points; see `shapes.sheet`.
+
+        Args:
+          both_sides: whether the back is visible too; it shows the image as seen through the sheet, like a flag's.
+          lettered: the back shows the image itself, so that its text is not mirrored.
+        """
         surface = shapes.sheet(grid)
         self.add(surface, color, image=image)
         if both_sides:
-            self.add(surface.flipped(), color, image=image)
+            back = surface.flipped()
+            if lettered:
+                back = shapes.Shape(back.vertices, back.faces, np.array([1.0, 0.0]) + back.uv * np.array([-1.0, 1.0]))
+            self.add(back, color, image=image)
 
     # The result -------------------------------------------------------------------------------------------------------
 

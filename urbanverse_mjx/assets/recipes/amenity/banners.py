@@ -44,7 +44,8 @@ def banner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant % 3]
     cloth = lettered(words, back, ink, band, image)
     depth = (0.028, 0.05, 0.09)[variant % 3]
-    b.sheet(ripple(w, h, depth, 2.5 + float(rng.uniform(0, 0.5)), columns=21), image=cloth, both_sides=True)
+    folds = ripple(w, h, depth, 2.5 + float(rng.uniform(0, 0.5)), columns=21)
+    b.sheet(folds, image=cloth, both_sides=True, lettered=True)
     if variant % 3 == 1:
         for z in (0.0, h):
             b.rod((0, -0.06, z), (0, w + 0.06, z), 0.018, "aluminium", sides=10)

@@ -73,7 +73,7 @@ def _feather(b: MeshBuilder, rng: np.random.Generator) -> None:
     for k, letter in enumerate("OPEN"):
         paint.text(draw, letter, (20, 66 + 72 * k, 74, 128 + 72 * k), "white", bold=0.05)
     draw.polygon([(0, 384), (96, 384), (96, 372)], fill=rgb("signal yellow"))
-    b.sheet(np.array(grid), image=paint.shrunk(image, (48, 192)), both_sides=True)
+    b.sheet(np.array(grid), image=paint.shrunk(image, (48, 192)), both_sides=True, lettered=True)
 
 
 @recipe("pennant", 3, name="flags.pennant")
