@@ -73,7 +73,7 @@ CODE: Mapping[str, Code] = {
         ("appearances", "thumbnails"),
     ),
     "scenes": Code(
-        2,
+        3,
         (
             *("scene", "robots", "pipeline.scenes", "pipeline.generation.compiling"),
             *("assets.collision", "assets.exporting.usd_parts", "assets.meshes.agents"),

@@ -61,6 +61,26 @@ def test_what_is_seen_is_not_touched_and_lies_in_the_right_place(scene: SceneGeo
     assert model.light("sun").type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
 
 
+def test_the_sun_shades_the_whole_street_and_near_things_are_drawn(scene: SceneGeometry, loaded) -> None:
+    """MuJoCo draws the shadows of a directional light between the clipping planes in front of its position, within
+    `shadowclip` extents of the line through it."""
+    model, _ = loaded
+    sun, extent = model.light("sun"), model.stat.extent
+    rotation = rotations.matrix(scene.object_quaternion)[scene.inst_object]
+    on_ground = [scene.hulls[h] + p for h, p in zip(scene.prism_hull, scene.prism_position, strict=True)]
+    on_objects = [
+        scene.hulls[h] @ r.T + p
+        for h, r, p in zip(scene.inst_hull, rotation, scene.object_position[scene.inst_object], strict=True)
+    ]
+    corners = np.concatenate(on_ground + on_objects) - sun.pos
+    ahead = corners @ sun.dir
+    aside = np.linalg.norm(corners - ahead[:, None] * sun.dir, axis=1)
+    assert ahead.min() > model.vis.map.znear * extent
+    assert ahead.max() < model.vis.map.zfar * extent
+    assert aside.max() < model.vis.map.shadowclip * extent
+    assert model.vis.map.znear * extent == pytest.approx(0.02, rel=1e-3)
+
+
 def test_map_agrees_with_rays(scene: SceneGeometry, loaded) -> None:
     model, data = loaded
     groups, geom = np.array([0, 0, 0, 1, 0, 0], np.uint8), np.zeros(1, np.int32)

@@ -23,6 +23,11 @@ from .hulls import convex_part
 TIMESTEP = 0.01
 #: Side of a face of the skybox, pixels.
 _SKY_FACE = 64
+#: m, near clipping plane of cameras; MuJoCo's default of 1 % of the scene's extent would be a metre in a street.
+_NEAR = 0.02
+#: The sun's distance from the scene's centre over the scene's extent. MuJoCo draws the shadows of a directional light
+#: within one extent of the line through its position, and of nothing behind it.
+_SUN_DISTANCE = 1.5
 #: Face of MuJoCo's skybox file -> directions of its centre, of the image's right side and of its lower side (z-up
 #: world).
 _SKY_FACES = {
@@ -218,13 +223,15 @@ def _add_sky(
     sun = _display(shade + np.asarray(sky.sun_irradiance) / np.pi) - ambient
     c, s = np.cos(scene.sky_yaw), np.sin(scene.sky_yaw)
     x, y, z = sky.sun_direction
+    to_sun = np.array([c * x - s * y, s * x + c * y, z])
+    center, extent = _extent(scene)
     ET.SubElement(
         world,
         "light",
         name="sun",
         type="directional",
-        dir=_numbers([-(c * x - s * y), -(s * x + c * y), -z]),
-        pos="0 0 50",
+        dir=_numbers(-to_sun),
+        pos=_numbers(center + _SUN_DISTANCE * extent * to_sun),
         diffuse=_numbers(sun),
         ambient="0 0 0",
         specular="0.2 0.2 0.2",
@@ -234,6 +241,7 @@ def _add_sky(
     ET.SubElement(visual, "headlight", ambient=_numbers(ambient), diffuse="0 0 0", specular="0 0 0")
     ET.SubElement(visual, "global", offwidth="1920", offheight="1080")
     ET.SubElement(visual, "quality", shadowsize="8192")
+    ET.SubElement(visual, "map", znear=_numbers([_NEAR / extent]))
     return files
 
 
