@@ -203,6 +203,31 @@ def test_the_same_command_gives_the_same_bytes(
     assert [n for n in names if (recorded[0] / n).read_bytes() != (tmp_path / "again" / n).read_bytes()] == []
 
 
+def test_a_continued_recording_is_that_of_one_command(
+    recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use(env, monkeypatch)
+    folder, more = tmp_path / "new", dataclasses.replace(OPTIONS, resume=True)
+    pipeline.record(folder, dataclasses.replace(more, num_episodes=2))
+    said = pipeline.record(folder, more)
+    assert (said["resumed"], said["episodes"], said["frames"]) == (2, 5, 5 * STEPS)
+    assert said["results"] == {"timeout": 3}
+    names = sorted(p.relative_to(recorded[0]) for p in recorded[0].rglob("*") if p.is_file())
+    assert sorted(p.relative_to(folder) for p in folder.rglob("*") if p.is_file()) == names
+    assert [n for n in names if (recorded[0] / n).read_bytes() != (folder / n).read_bytes()] == []
+    changes: list[tuple[dict[str, Any], str]] = [
+        ({"num_episodes": 4}, "--resume: found 4 episodes without the recorded episode 4"),
+        ({"seed": 1}, "--resume: found seed 1, needed 0 as in"),
+        ({"size": (24, 40)}, "--resume: found another observation.images.depth, .*front"),
+        ({"only_successes": True}, "--resume: found only_successes True, needed None"),
+        ({"format": "kitti", "sensors": ()}, "found no file episodes.json, needed a recording of this --format"),
+    ]
+    for change, message in changes:
+        with pytest.raises(ValidationError, match=message):
+            pipeline.record(folder, dataclasses.replace(more, **change))
+    assert [n for n in names if (recorded[0] / n).read_bytes() != (folder / n).read_bytes()] == []
+
+
 def test_only_successes_leaves_the_others_out(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -217,14 +242,18 @@ def test_only_successes_leaves_the_others_out(
     rows = table_of(tmp_path / "new")
     assert sum(rows["next.success"]) == sum(rows["next.done"]) == said["episodes"]
     assert pipeline.check_dataset(tmp_path / "new").problems == ()
+    # Continued in the middle, after an episode that reached its goal; those that did not are driven again.
+    for count in (5, 9):
+        pipeline.record(tmp_path / "two", dataclasses.replace(options, num_episodes=count, resume=True))
+    assert table_of(tmp_path / "two") == rows
     use(drawn_env(small_bank, {"episode_length": 2}), monkeypatch)
     with pytest.raises(ValidationError, match="--only-successes: found none among 9 episodes"):
         pipeline.record(tmp_path / "none", options)
     assert not (tmp_path / "none").exists()
 
 
-def driven(env: NavEnv, driver: Driver, episodes: EpisodeSet, num_envs: int) -> list[Driven]:
-    return [e for part in BatchDrive(Machine(env, driver)).run(episodes, num_envs) for e in part]
+def driven(env: NavEnv, driver: Driver, episodes: EpisodeSet, num_envs: int, first: int = 0) -> list[Driven]:
+    return [e for part in BatchDrive(Machine(env, driver)).run(episodes, num_envs, first=first) for e in part]
 
 
 class Counting:
@@ -266,6 +295,16 @@ def test_an_env_that_begins_the_next_episode_drives_as_a_new_one(
     for a, b in zip(together, alone, strict=True):
         assert (a.scene, a.row, a.seed, a.result) == (b.scene, b.row, b.seed, b.result)
         jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)
+    # From the third on, and from the last, which the second block has with two others.
+    for first in (2, 6):
+        check_same(driven(env, driver, episodes, 2, first), together[first:])
+
+
+def check_same(found: list[Driven], wanted: list[Driven]) -> None:
+    """Bit by bit."""
+    for a, b in zip(found, wanted, strict=True):
+        assert (a.scene, a.row, a.seed, a.result) == (b.scene, b.row, b.seed, b.result)
+        jax.tree.map(np.testing.assert_array_equal, a.steps, b.steps)
 
 
 class Straight:
@@ -287,6 +326,7 @@ def test_a_policy_outside_jax_drives_as_one_inside(env: NavEnv) -> None:
     outside = driven(env, Driver("own", straight, outside=True), episodes, 2)
     # Two together, then the third, in a batch of the same size.
     assert straight.begun == 4
+    check_same(driven(env, Driver("own", Straight(), outside=True), episodes, 2, 1), outside[1:])
     for a, b in zip(inside, outside, strict=True):
         assert (a.scene, a.row, a.seed, a.result) == (b.scene, b.row, b.seed, b.result)
         jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)

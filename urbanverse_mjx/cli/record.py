@@ -32,7 +32,7 @@ class RecordArgs(RecordOptions):
     """Record episodes of a policy as a dataset in a new folder; prints one JSON line with how they ended."""
 
     out: pathlib.Path
-    """New or empty folder."""
+    """New or empty folder, or with --resume that of a recording."""
     size: ImageSize = (135, 240)
     """Of the images, in pixels, whatever the policy sees."""
     sensors: _Sensors = ()

@@ -4,9 +4,12 @@ Source of the keys: the data format page of cocodataset.org.
 """
 
 import json
+import pathlib
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .frame_files import FrameEpisode, FrameFolder
+from ..datatypes import validation as v
+from .frame_files import EPISODES, FrameEpisode, FrameFolder, Rig, read_list
 
 INSTANCES, CAPTIONS = "annotations/instances.json", "annotations/captions.json"
 
@@ -16,13 +19,23 @@ class CocoWriter(FrameFolder):
 
     image_type = "jpg"
 
-    def __init__(self, *args: Any) -> None:
-        super().__init__(*args)
+    def __init__(self, folder: pathlib.Path, rig: Rig, origin: Mapping[str, Any], resume: bool = False) -> None:
         # As text, because all of it is written again whenever it grows.
         self._images: list[str] = []
         self._instances: list[str] = []
         self._captions: list[str] = []
-        self._category = {name: k + 1 for k, name in enumerate(self.rig.categories)}
+        self._category = {name: k + 1 for k, name in enumerate(rig.categories)}
+        super().__init__(folder, rig, origin, resume)
+
+    def restore(self) -> None:
+        """Takes over images, instances and captions."""
+        instances, captions = self.folder / INSTANCES, self.folder / CAPTIONS
+        self._images = [json.dumps(row) for row in read_list(instances, "images")[: self.num_frames]]
+        self._captions = _lines(read_list(captions, "annotations")[: self.num_frames])
+        own = read_list(instances, "annotations")
+        self._instances = _lines([row for row in own if row.get("image_id", 0) <= self.num_frames])
+        if len(self._images) != self.num_frames or len(self._captions) != self.num_frames:
+            raise v.fail(str(instances), f"{len(self._images)} images", f"{self.num_frames}, as {EPISODES} counts")
 
     def files(self, episode: FrameEpisode) -> dict[str, bytes]:
         """Its images."""
@@ -69,3 +82,7 @@ class CocoWriter(FrameFolder):
             INSTANCES: f'{head}{instances}\n],\n"categories": {categories}}}\n'.encode(),
             CAPTIONS: f"{head}{captions}\n]}}\n".encode(),
         }
+
+
+def _lines(rows: Sequence[Any]) -> list[str]:
+    return [json.dumps(row, ensure_ascii=False) for row in rows]

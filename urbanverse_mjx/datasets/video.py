@@ -102,6 +102,20 @@ def write_mp4(path: pathlib.Path, encoded: Sequence[bytes], frames_per_second: i
         raise ValidationError(f"{path}: found an ffmpeg that failed ({said}), needed one that writes mp4.")
 
 
+def read_encoded(path: pathlib.Path, count: int) -> bytes:
+    """The H.264 bytes of the first `count` frames of a file of `write_mp4`, the same as were written.
+
+    Raises:
+      ValidationError: ffmpeg cannot read it.
+    """
+    form = ("-map", "0:v:0", "-c", "copy", "-frames:v", str(count), "-bsf:v", "h264_mp4toannexb", "-f", "h264")
+    done = subprocess.run(_ffmpeg("-i", str(path), *form, "pipe:1"), capture_output=True, check=False)
+    if done.returncode != 0 or not done.stdout:
+        said = (done.stderr.decode(errors="replace").strip().splitlines() or ["no video in it"])[-1]
+        raise ValidationError(f"{path}: found a file that ffmpeg cannot read ({said}), needed a video.")
+    return done.stdout
+
+
 def count_frames(path: pathlib.Path) -> int:
     """Returns the number of frames of a video.
 

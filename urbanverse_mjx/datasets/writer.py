@@ -8,20 +8,23 @@ which readers ignore.
 import dataclasses
 import json
 import pathlib
-import shutil
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from .. import __version__
 from ..datatypes import validation as v
 from . import features as f
 from . import statistics, video
+from .annotations import SCHEMA as ANNOTATIONS
 from .annotations import annotations_table
+from .claims import Claim, continued, has_episodes
+from .reading import StoredDataset, read_table
 
 #: A new file begins after this many episodes, or bytes of one camera. Each new episode rewrites the current file, so
 #: this bounds the cost per episode.
@@ -29,17 +32,6 @@ _FILE_EPISODES, _FILE_BYTES = 500, 64 * 2**20
 #: s, least time between two writes, longer in proportion where the last one took longer than `_USUAL_WRITE`; episodes
 #: that end within it are written together.
 _WRITE_EVERY, _USUAL_WRITE = 1.0, 0.1
-
-
-def require_new(folder: pathlib.Path) -> None:
-    """Raises an error unless a path is new or an empty folder.
-
-    Raises:
-      ValidationError: the path is a file, or a folder that is not empty.
-    """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        what = "a folder that is not empty" if folder.is_dir() else "a file"
-        raise v.fail(str(folder), what, "a new or empty folder", "choose another one; nothing in it was changed")
 
 
 @dataclasses.dataclass
@@ -54,6 +46,35 @@ class _File:
     videos: dict[str, list[bytes]] = dataclasses.field(default_factory=dict)
     image_bytes: int = 0
 
+    @classmethod
+    def read(
+        cls, folder: pathlib.Path, number: int, rows: list[dict[str, Any]], schema: pa.Schema, cameras: list[str]
+    ) -> "_File":
+        """The complete episodes of a file on disk.
+
+        Args:
+          number: of the file.
+          rows: of these episodes in meta/episodes.
+          schema: of the data, as it was written: files name the items of lists otherwise.
+          cameras: names of the videos.
+        """
+        own = cls(number, rows[0]["dataset_from_index"], rows=rows)
+        data = pq.ParquetFile(folder / f.DATA_PATH.format(**own.place))
+        own.tables = [data.read_row_group(k).cast(schema) for k in range(len(rows))]
+        seen = folder / f.ANNOTATIONS_PATH.format(**own.place)
+        if seen.is_file():
+            stored = pq.ParquetFile(seen)
+            own.annotations = [stored.read_row_group(k).cast(ANNOTATIONS) for k in range(len(rows))]
+        frames = sum(row["length"] for row in rows)
+        for name in cameras:
+            path = folder / f.VIDEO_PATH.format(video_key=name, **own.place)
+            own.videos[name] = [video.read_encoded(path, frames)]
+        for field in schema:
+            if pa.types.is_struct(field.type):
+                sizes = (pc.binary_length(pc.struct_field(table[field.name], "bytes")) for table in own.tables)
+                own.image_bytes += sum(pc.sum(size).as_py() for size in sizes)
+        return own
+
     @property
     def place(self) -> dict[str, int]:
         return {"chunk_index": self.number // f.CHUNK_SIZE, "file_index": self.number % f.CHUNK_SIZE}
@@ -65,7 +86,7 @@ class _File:
 
 
 class DatasetWriter:
-    """Writes a new dataset, episode by episode; as a context manager it writes pending episodes when the block ends.
+    """Writes a dataset, episode by episode; as a context manager it writes pending episodes when the block ends.
 
     Args:
       folder: new or empty.
@@ -73,9 +94,14 @@ class DatasetWriter:
       frames_per_second: of all cameras and rows.
       robot: name of the robot.
       origin: JSON object for meta/urbanverse.json.
+      resume: whether the folder may hold a dataset of this class with the same arguments, to which episodes are added:
+        its files are then those of one uninterrupted writing.
+
+    Attributes:
+      records: of the episodes that a resumed dataset has, their rows in meta/episodes.
 
     Raises:
-      ValidationError: the folder is not empty.
+      ValidationError: the folder is not empty or in use; with `resume`, it holds something else or differs.
     """
 
     def __init__(
@@ -85,8 +111,9 @@ class DatasetWriter:
         frames_per_second: int,
         robot: str,
         origin: Mapping[str, Any] | None = None,
+        resume: bool = False,
     ) -> None:
-        require_new(folder)
+        begun = resume and has_episodes(folder, f.INFO_PATH)
         self.folder, self.features = folder, {**features, **f.INDEX_FEATURES}
         self._rate, self._robot, self._origin = frames_per_second, robot, dict(origin or {})
         self._tasks: dict[str, int] = {}
@@ -94,9 +121,63 @@ class DatasetWriter:
         self._file = _File(0, 0)
         self._unwritten, self._next_write = 0, -np.inf
         self.num_episodes = self.num_frames = 0
-        self._staging = folder / f.UNFINISHED
-        self._made = not folder.exists()
-        self._staging.mkdir(parents=True)
+        self.records: list[dict[str, Any]] = []
+        self._claim = Claim(folder, resume)
+        self._staging = self._claim.staging
+        if begun:
+            try:
+                self._restore(StoredDataset.open(folder))
+            except BaseException:
+                self._claim.release()
+                raise
+
+    def _restore(self, dataset: StoredDataset) -> None:
+        """Takes over the complete episodes of a dataset; what is behind them is removed or written anew."""
+        had = {name: feature.to_json() for name, feature in dataset.features.items()}
+        own = json.loads(json.dumps({name: feature.to_json() for name, feature in self.features.items()}))
+        if had != own:
+            differing = sorted(name for name in {*had, *own} if had.get(name) != own.get(name))
+            raise v.fail(
+                "--resume", f"another {', '.join(differing)}", f"the features of {self.folder}", "repeat its command"
+            )
+        if (dataset.rate, dataset.info.get("robot_type")) != (self._rate, self._robot):
+            said = f"{self._robot} at {self._rate} Hz"
+            raise v.fail("--resume", said, f"{dataset.info.get('robot_type')} at {dataset.rate} Hz")
+        self._origin = continued(self.folder / f.ORIGIN_PATH, self._origin, len(dataset.episodes))
+        tasks = read_table(self.folder / f.TASKS_PATH).to_pylist()
+        self._tasks = {row["task"]: row["task_index"] for row in tasks[: dataset.info["total_tasks"]]}
+        self.records = dataset.episodes
+        rows: list[dict[str, Any]] = []
+        last = 0
+        for path in sorted((self.folder / "meta/episodes").glob("*/*.parquet")):
+            stored = [row for row in read_table(path).to_pylist() if row["episode_index"] < len(dataset.episodes)]
+            for row in stored:
+                self._take_stats(_stats_of(row))
+            if stored:
+                rows = stored
+                last = rows[0]["data/chunk_index"] * f.CHUNK_SIZE + rows[0]["data/file_index"]
+        self.num_episodes, self.num_frames = len(dataset.episodes), dataset.info["total_frames"]
+        if not rows:
+            return
+        try:
+            self._file = _File.read(self.folder, last, rows, self._schema, dataset.cameras)
+        except (OSError, pa.ArrowException) as error:
+            reason = " ".join(str(error).split())
+            raise v.fail(str(self.folder), f"a file that cannot be read ({reason})", "a sound dataset") from error
+        if self._file.full:
+            self._file = _File(last + 1, self.num_frames)
+        else:
+            # Rows of an interrupted write are left out.
+            self._unwritten = 1
+        self._remove_from(last + 1)
+
+    def _remove_from(self, number: int) -> None:
+        """Removes files from a number on, in which no episode is complete."""
+        names = [f.DATA_PATH, f.ANNOTATIONS_PATH, f.EPISODES_PATH]
+        names += [f.VIDEO_PATH.replace("{video_key}", name) for name in self.features]
+        place = _File(number, 0).place
+        for name in names:
+            (self.folder / name.format(**place)).unlink(missing_ok=True)
 
     def __enter__(self) -> "DatasetWriter":
         return self
@@ -107,9 +188,7 @@ class DatasetWriter:
             if not isinstance(error, OSError):
                 self.write()
         finally:
-            shutil.rmtree(self._staging, ignore_errors=True)
-            if self._made and not any(self.folder.iterdir()):
-                self.folder.rmdir()
+            self._claim.release()
 
     def add(self, episode: f.Episode) -> None:
         """Adds an episode. It is on disk when this returns, or with those of the next second if episodes arrive faster
@@ -130,14 +209,18 @@ class DatasetWriter:
         for name, encoded in episode.videos.items():
             file.videos.setdefault(name, []).append(encoded)
         file.image_bytes += sum(len(image) for images in episode.images.values() for image in images)
-        for name, stats in own.items():
-            self._stats[name] = statistics.merged(self._stats[name], stats) if name in self._stats else stats
+        self._take_stats(own)
         self.num_episodes, self.num_frames = self.num_episodes + 1, self.num_frames + length
         self._unwritten += 1
         if file.full or time.monotonic() >= self._next_write:
             self.write()
         if file.full:
             self._file = _File(file.number + 1, self.num_frames)
+
+    def _take_stats(self, own: Mapping[str, statistics.Stats]) -> None:
+        """Merges an episode's statistics into those of the dataset."""
+        for name, stats in own.items():
+            self._stats[name] = statistics.merged(self._stats[name], stats) if name in self._stats else stats
 
     def _columns(self, episode: f.Episode) -> dict[str, np.ndarray]:
         """Returns the episode's numbers by feature, in the features' order."""
@@ -175,21 +258,24 @@ class DatasetWriter:
             raise v.fail("episode", f"{length} rows and images {lengths}", "one image a row, at least one")
         return columns
 
+    @property
+    def _schema(self) -> pa.Schema:
+        """Of the data files."""
+        stored = {name: feature.arrow_type for name, feature in self.features.items() if feature.dtype != "video"}
+        return pa.schema(list(stored.items()))
+
     def _table(self, columns: Mapping[str, np.ndarray], episode: f.Episode) -> pa.Table:
-        arrays, fields = [], []
-        for name, feature in self.features.items():
-            if feature.dtype == "video":
-                continue
-            kind = feature.arrow_type
+        arrays = []
+        for field in self._schema:
+            name, feature = field.name, self.features[field.name]
             if feature.dtype == "image":
                 rows: Any = [{"bytes": image, "path": None} for image in episode.images[name]]
-                arrays.append(pa.array(rows, kind))
+                arrays.append(pa.array(rows, field.type))
             elif feature.shape == (1,):
-                arrays.append(pa.array(columns[name], kind))
+                arrays.append(pa.array(columns[name], field.type))
             else:
                 arrays.append(pa.FixedSizeListArray.from_arrays(pa.array(columns[name].ravel()), feature.shape[0]))
-            fields.append(pa.field(name, kind))
-        return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+        return pa.Table.from_arrays(arrays, schema=self._schema)
 
     def _row(self, episode: f.Episode, stats: Mapping[str, statistics.Stats]) -> dict[str, Any]:
         """Returns the episode's row in meta/episodes."""
@@ -277,6 +363,16 @@ def _write_by_episode(path: pathlib.Path, tables: list[pa.Table]) -> None:
     with pq.ParquetWriter(path, tables[0].schema, compression="snappy", use_dictionary=True) as writer:
         for table in tables:
             writer.write_table(table)
+
+
+def _stats_of(row: Mapping[str, Any]) -> dict[str, statistics.Stats]:
+    """The statistics by feature in a row of meta/episodes."""
+    found: dict[str, statistics.Stats] = {}
+    for column, value in row.items():
+        if column.startswith("stats/"):
+            name, _, key = column.removeprefix("stats/").rpartition("/")
+            found.setdefault(name, {})[key] = np.array(value)
+    return found
 
 
 def _tasks_table(tasks: Mapping[str, int]) -> pa.Table:

@@ -46,8 +46,8 @@ class HandDrive:
         env = machine.env
         self._sensed = jax.jit(jax.vmap(lambda nav: env.named_observations(nav, env.observe(nav))["state"]))
 
-    def run(self, episodes: EpisodeSet, num_envs: int = 1) -> Iterator[list[Driven]]:
-        """Serves the page until all episodes are driven, or the person ends the recording.
+    def run(self, episodes: EpisodeSet, first: int = 0) -> Iterator[list[Driven]]:
+        """Serves the page until all episodes from `first` on are driven, or the person ends the recording.
 
         Yields:
           each episode as soon as it has ended, alone; the page waits meanwhile.
@@ -55,7 +55,6 @@ class HandDrive:
         Raises:
           ValidationError: the port is in use.
         """
-        del num_envs
         # Of all episodes together, so that they have one shape and the policy is compiled once.
         agent: Any = self._machine.driver.agent
         known = () if self._machine.driver.outside else episode_data(agent, episodes.scenes, episodes.episodes)
@@ -63,14 +62,14 @@ class HandDrive:
         with served(self._options.host, self._options.port, teleop) as (server, front):
             page = RecordPage(server, teleop)
             front.state = lambda: page.state
-            first = self._session(episodes, 0, known)
-            page.begin(first)
+            shown = self._session(episodes, first, known)
+            page.begin(shown)
             page.show_note("compiling the first step")
             self._on_ready(front.address)
             if self._options.open:
                 webbrowser.open(front.address)
-            first.compile()
-            for i in range(len(episodes)):
+            shown.compile()
+            for i in range(first, len(episodes)):
                 note = f"episode {i + 1} of {len(episodes)}"
                 done = page.drive(lambda i=i: self._session(episodes, i, known), note, self._until)
                 if done is None:

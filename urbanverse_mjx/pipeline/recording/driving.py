@@ -120,14 +120,16 @@ class _Slots:
 
     Args:
       count: of episodes.
-      envs: as many or fewer.
+      envs: as many or fewer; those for which no episode is left are idle.
+      first: episode; those before it are left out.
     """
 
-    def __init__(self, count: int, envs: int) -> None:
-        self.episode = np.arange(envs)
+    def __init__(self, count: int, envs: int, first: int = 0) -> None:
+        episodes = first + np.arange(envs)
+        self.episode = np.where(episodes < count, episodes, -1)
         self.parts: list[list[Steps]] = [[] for _ in range(envs)]
         self.ended: dict[int, Steps] = {}
-        self._count, self._next, self._given = count, envs, 0
+        self._count, self._next, self._given = count, min(first + envs, count), first
 
     @property
     def idle(self) -> np.ndarray:
@@ -174,12 +176,13 @@ class BatchDrive:
         self._replace = jax.jit(_replaced)
 
     def run(
-        self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None = None
+        self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None = None, first: int = 0
     ) -> Iterator[list[Driven]]:
         """Drives every episode once, `num_envs` at a time.
 
         Args:
           on_compiled: called once, after the first steps.
+          first: episode that is driven; those before it are left out, which changes nothing in the others.
 
         Yields:
           ended episodes in their order, as soon as those before them have ended.
@@ -188,25 +191,28 @@ class BatchDrive:
           ValidationError: a policy outside JAX answers with something else than finite actions (num_envs, A).
         """
         size = _BLOCK if isinstance(self._driver.agent, Privileged) else len(episodes)
-        for start in range(0, len(episodes), size):
+        for start in range(first // size * size, len(episodes), size):
             block = episodes.part(np.arange(start, min(start + size, len(episodes))))
-            yield from self._run_block(block, min(num_envs, len(block)), None if start else on_compiled)
+            yield from self._run_block(block, min(num_envs, len(block)), on_compiled, max(first - start, 0))
+            on_compiled = None
 
     def _run_block(
-        self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None
+        self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None, first: int
     ) -> Iterator[list[Driven]]:
+        """Drives the episodes of a block from `first` on."""
         agent: Any = self._driver.agent
         known = () if self._driver.outside else episode_data(agent, episodes.scenes, episodes.episodes)
         known = jax.tree.map(np.asarray, known)
-        slots = _Slots(len(episodes), num_envs)
-        state = self._started(episodes, known, slots.episode)
+        # A policy outside JAX drives whole batches, as it does from the beginning.
+        slots = _Slots(len(episodes), num_envs, first // num_envs * num_envs if self._driver.outside else first)
+        state = self._started(episodes, known, np.maximum(slots.episode, 0))
         while not slots.idle.all():
             state, steps = self._outside(state) if self._driver.outside else self._inside(state)
             if on_compiled is not None:
                 on_compiled()
                 on_compiled = None
             slots.take(steps)
-            if done := [self._driven(steps, episodes, i) for i, steps in slots.in_order()]:
+            if done := [self._driven(steps, episodes, i) for i, steps in slots.in_order() if i >= first]:
                 yield done
             # A policy outside JAX is told only that all its episodes begin.
             if (not self._driver.outside or slots.idle.all()) and len(envs := slots.refill()):

@@ -41,6 +41,22 @@ def stored(form: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*always, *wanted)))
 
 
+def check_folder(folder: "pathlib.Path", form: str, resume: bool) -> None:
+    """Raises an error before anything is loaded if the folder is in use, or not one that can be continued.
+
+    Raises:
+      ValidationError: see there.
+    """
+    from ...datasets.claims import has_episodes, require_new
+    from ...datasets.features import INFO_PATH
+    from ...datasets.frame_files import EPISODES
+
+    if not resume:
+        require_new(folder)
+    else:
+        has_episodes(folder, INFO_PATH if form == "lerobot" else EPISODES)
+
+
 def image_type(form: str) -> str:
     """How colours are encoded: "h264", "jpg" or "png"."""
     return {"lerobot": "h264", "kitti": "png"}.get(form, "jpg")
@@ -53,10 +69,11 @@ def open_writer(
     env: "NavEnv",
     origin: Mapping[str, Any],
 ) -> "DatasetWriter | FrameFolder":
-    """The writer of the format, for a new folder.
+    """The writer of the format, for a new folder, or with `resume` one that it continues.
 
     Raises:
-      ValidationError: the folder is not empty, or the format needs a package that is not installed.
+      ValidationError: the folder is not empty or not one to continue, or the format needs a package that is not
+        installed.
     """
     from ...datasets import DatasetWriter
     from ...datasets.coco import CocoWriter
@@ -68,7 +85,7 @@ def open_writer(
 
     rate = round(1.0 / env.dt)
     if options.format == "lerobot":
-        return DatasetWriter(folder, features, rate, env.robot.name, origin)
+        return DatasetWriter(folder, features, rate, env.robot.name, origin, options.resume)
     lens = intrinsics(env.mj_model, env.robot.camera, *options.size)
     rig = Rig(
         *options.size,
@@ -78,7 +95,8 @@ def open_writer(
         lidar=(0.0, 0.0, lidar_height(env, options.lidar)),
         categories=[name for name in env.bank.meta["categories"] if not name.startswith("ground:")],
     )
-    return {"coco": CocoWriter, "kitti": KittiWriter, "mcap": McapWriter}[options.format](folder, rig, origin)
+    writer = {"coco": CocoWriter, "kitti": KittiWriter, "mcap": McapWriter}[options.format]
+    return writer(folder, rig, origin, options.resume)
 
 
 def frame_episode(filmed: "Filmed", columns: Mapping[str, np.ndarray], record: Mapping[str, Any]) -> "FrameEpisode":

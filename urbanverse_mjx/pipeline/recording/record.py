@@ -13,14 +13,15 @@ import numpy as np
 from ...datatypes import RESULTS
 from ...datatypes import validation as v
 from ..viewing import PageOptions
-from .formats import Format, frame_episode, image_type, open_writer, stored
+from .formats import Format, check_folder, frame_episode, image_type, open_writer, stored
 from .lidar import LidarOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from ...datasets import Episode, Feature
     from ...envs import NavEnv
+    from ...evaluation.rollouts import EpisodeSet
     from .cameras import Camera
     from .driving import Driven
     from .encoding import Encoding, Filmed
@@ -67,6 +68,9 @@ class RecordOptions(PageOptions):
     """Rays of the LiDAR."""
     only_successes: bool = False
     """Leave episodes that did not reach their goal out of the dataset."""
+    resume: bool = False
+    """Continue the recording in the folder after its last complete episode, up to --num-episodes; the other options
+    must be those that began it."""
     seed: int = 0
     """Draws the episodes, and what is random in them."""
     quiet: bool = False
@@ -84,21 +88,21 @@ def record(
     The camera is drawn from the driven poses: a policy without images, or with small ones, drives as fast as ever.
 
     Args:
-      out: new or empty folder.
+      out: new or empty folder; with `resume`, it may hold a recording.
       options: see there.
       on_ready: with `teleop`, called with the page's address once it can be opened.
       until: with `teleop`, called often; the recording ends when it returns True.
 
     Returns:
       dataset: the folder; episodes, frames: in it; results: how many of the driven ones ended how; seconds: from the
-      first step on, compiling included.
+      first step on, compiling included; with `resume`, resumed: episodes that were in the folder before.
 
     Raises:
-      ValidationError: a folder in use, no such policy, scene or sensor, or fewer different episodes.
+      ValidationError: a folder in use, no such policy, scene or sensor, fewer different episodes, or a recording that
+        other options began.
       OSError: the disk is full; what was written before stays complete.
     """
     from ...datasets import DatasetWriter
-    from ...datasets.writer import require_new
     from ...progress import COMPILING, Progress
     from ...settings import num_threads
     from .driving import BatchDrive, drawn_episodes
@@ -107,17 +111,17 @@ def record(
     options = options or RecordOptions()
     options = dataclasses.replace(options, policy=options.policy or ("zero" if options.teleop else "planner"))
     folder, sensors = pathlib.Path(out), _checked(options)
-    require_new(folder)
+    check_folder(folder, options.format, options.resume)
     env, machine, scenes, features = _prepared(options, sensors)
     episodes = drawn_episodes(env.bank, scenes, options.num_episodes, options.seed)
     results: collections.Counter[str] = collections.Counter()
-    ended = 0
     origin = _origin(options, env, scenes, sensors)
     with (
         open_writer(folder, options, features, env, origin) as writer,
         Progress(options.quiet) as progress,
     ):
-        began = time.perf_counter()
+        began, had = time.perf_counter(), writer.num_episodes
+        ended = first = _first(episodes, writer.records, options)
         note = "" if options.teleop else COMPILING
         report = progress.task("recording", options.num_episodes, unit="episodes", note=note)
         camera, encode = _filming(env, options, sensors)
@@ -131,12 +135,14 @@ def record(
                 writer.add(frame_episode(filmed, columns, metadata))
             report(ended, note=f"{writer.num_frames:,} frames")
 
-        if options.teleop:
+        if first == len(episodes):
+            groups = iter(())
+        elif options.teleop:
             from .by_hand import HandDrive
 
-            groups = HandDrive(machine, options, on_ready, until).run(episodes)
+            groups = HandDrive(machine, options, on_ready, until).run(episodes, first)
         else:
-            driven = BatchDrive(machine).run(episodes, options.num_envs, lambda: report(0, note=""))
+            driven = BatchDrive(machine).run(episodes, options.num_envs, lambda: report(first, note=""), first)
             groups = _filmable(driven, _BATCHES * camera.batch)
         with EpisodeWriting(encode, write, num_threads()) as writing:
             for group in groups:
@@ -162,7 +168,24 @@ def record(
         "frames": writer.num_frames,
         "results": {name: results[name] for name in RESULTS if results[name]},
         "seconds": round(seconds, 1),
+        **({"resumed": had} if options.resume else {}),
     }
+
+
+def _first(episodes: "EpisodeSet", records: "Sequence[Mapping[str, Any]]", options: RecordOptions) -> int:
+    """Number of the episode after the last recorded one, of those that the command draws.
+
+    Raises:
+      ValidationError: the recorded ones are not among them.
+    """
+    assert episodes.seeds is not None
+    drawn = list(zip(*(x.tolist() for x in (episodes.scenes, episodes.episodes, episodes.seeds)), strict=True))
+    number = {place: k for k, place in enumerate(drawn)}
+    found = [number.get((row["scene_index"], row["episode_row"], row["seed"])) for row in records]
+    if None in found:
+        said = f"{options.num_episodes} episodes without the recorded episode {found.index(None)}"
+        raise v.fail("--resume", said, "those that began the recording, or more", "pass a larger --num-episodes")
+    return found[-1] + 1 if found and found[-1] is not None else 0
 
 
 def _filmable(ended: "Iterator[list[Driven]]", frames: int) -> "Iterator[list[Driven]]":
@@ -338,7 +361,10 @@ def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: 
     bank = env.bank
     body: dict[str, Any] = {
         "policy": options.policy,
+        "format": options.format,
+        "sensors": list(sensors),
         **({"teleop": True} if options.teleop else {}),
+        **({"only_successes": True} if options.only_successes else {}),
         "environment_config": env.config.to_dict(),
         "scenes": {str(row): bank.scene_ids[row] for row in scenes.tolist()},
         "seed": options.seed,
