@@ -23,7 +23,8 @@ class TrainArgs(TrainOptions):
     """Registered environment; default CocoNav."""
     preset: str | None = None
     """To navigate: quick (imitation on a laptop, the default), best (a teacher, its imitation and PPO, on a GPU and
-    hundreds of streets: --bank), cpu (PPO on a laptop), fast (PPO on a GPU), paper and urbansim_v0_1; to walk: cpu (the
+    hundreds of streets: --bank), tune (a policy of `best` goes on by PPO in a place of your own, on a GPU: --start-from
+    and --bank), cpu (PPO on a laptop), fast (PPO on a GPU), paper and urbansim_v0_1; to walk: cpu (the
     default) and fast."""
     num_timesteps: int | None = None
     """Total env-steps; default: that of the preset. Brax PPO rounds it up to whole rollouts (num_envs x unroll_length),

@@ -35,7 +35,7 @@ class TrainOptions:
     optimizer state is not restored and running episodes begin again."""
     start_from: pathlib.Path | None = None
     """A policy or run folder with the initial networks of a new run, e.g. of another robot. For the preset `best` they
-    are those of the student."""
+    are those of the student; the preset `tune` needs it."""
     demonstrations: pathlib.Path | None = None
     """A dataset of `urbanverse record` whose actions the policy imitates (behaviour cloning) instead of a teacher's;
     for the presets `quick` and `best`."""
@@ -124,8 +124,9 @@ def _train(
 
     begin = time.monotonic()
     imitates, in_stages = ppo.get("algorithm") == "dagger", "teacher" in ppo
+    tunes = "finetune" in ppo and not in_stages
     source = ppo.get("demonstrations")
-    if imitates and not in_stages and options.start_from is not None:
+    if imitates and not (in_stages or tunes) and options.start_from is not None:
         raise ValidationError(
             f"preset {config.preset!r}: found --start-from, needed none: it imitates from random weights; take another "
             "preset."
@@ -150,6 +151,8 @@ def _train(
     built = time.monotonic()
     if in_stages:
         result = _teach_and_imitate(name, env, ppo, folder, options, quiet)
+    elif tunes:
+        result = _tune(name, env, ppo, folder, options, quiet)
     elif source is not None:
         result = _clone(name, env, ppo, folder, pathlib.Path(source), options.resume is not None, quiet)
     elif imitates:
@@ -198,6 +201,10 @@ def _cloning_config(config: Any, request: "RunRequest", options: TrainOptions) -
             "best."
         )
     assert options.demonstrations is not None
+    if "finetune" in config and "teacher" not in config:
+        raise ValidationError(
+            "--demonstrations: found the preset 'tune', which imitates nothing, needed quick or best."
+        )
     other_stages = ("teacher", "finetune", "shares", "validation_episodes")
     own = {k: x for k, x in config.to_dict().items() if k not in other_stages}
     own["demonstrations"] = str(options.demonstrations.absolute())
@@ -239,19 +246,41 @@ def _teach_and_imitate(
     """Trains a teacher, a student that imitates it, and fine-tunes by PPO; selects checkpoints on the bank's split
     `validation`."""
     from ..envs import registry
-    from ..evaluation.held_out import Suite
     from ..training.teacher_student import TeacherStudent
 
     def teacher_env() -> Any:
         return registry.load(name, config=env.config, config_overrides={"vision": False}, bank=env.bank)
 
-    ids = [env.bank.scene_ids[row] for row in env.bank.scenes_of("validation")]
-    suite = Suite.of(env.bank, {"validation": ids}, int(config.validation_episodes), []) if ids else None
-    if suite is None:
-        _say("the bank has no split 'validation': the newest checkpoint is kept, not the best", quiet)
-    validator = None if suite is None else lambda student: suite.quick(env, student, ["validation"])
+    validator = _validator(env, config, quiet)
     training = TeacherStudent(name, env, teacher_env, config, folder.absolute(), validator, options.start_from, quiet)
     return training.train(options.resume is not None, lambda text: _say(text, quiet))
+
+
+def _tune(
+    name: str, env: Any, config: Any, folder: pathlib.Path, options: TrainOptions, quiet: bool
+) -> "TrainingResult":
+    """Continues a student's training by PPO on the bank's streets."""
+    from ..training.tuning import tune
+
+    resume = options.resume is not None
+    validator = _validator(env, config, quiet)
+    result = tune(name, env, config, folder.absolute(), options.start_from, resume, quiet, validator)
+    if result.policy is not None and folder.absolute() not in result.policy.parents:
+        _say(f"no checkpoint is as good as the initial policy, which is kept: {result.policy}", quiet)
+    return result
+
+
+def _validator(env: Any, config: Any, quiet: bool) -> Any:
+    """Function from a student's network to a validation function of its parameters on the bank's split `validation`;
+    None if there is none."""
+    from ..evaluation.held_out import Suite
+
+    ids = [env.bank.scene_ids[row] for row in env.bank.scenes_of("validation")]
+    if not ids:
+        _say("the bank has no split 'validation': the newest checkpoint is kept, not the best", quiet)
+        return None
+    suite = Suite.of(env.bank, {"validation": ids}, int(config.validation_episodes), [])
+    return lambda student: suite.quick(env, student, ["validation"])
 
 
 def bank_of(

@@ -102,6 +102,10 @@ class Cloning:
         """
         return self._compiled(state, self._data, progress)
 
+    def actor(self, state: CloningState) -> Any:
+        """The parameters of the student in a state."""
+        return state.params
+
     def block(self, data: Demonstrations, place: jax.Array) -> _Block:
         """The next steps of the readers at `place` (n,), every second reader's mirrored."""
         rows = (place + jnp.arange(int(self.config.unroll_length))[:, None]) % self._count

@@ -124,6 +124,9 @@ class Finetune(StudentLearner):
         layers = tuple(tuple(int(x) for x in layer) for layer in config.map_layers)
         self._critic = MapCritic(MapTrunk(layers, tuple(int(n) for n in config.critic_hidden)))  # type: ignore[arg-type]
 
+    def actor(self, state: LearnerState) -> Any:
+        return state.params["actor"]
+
     def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:
         return {"actor": student, "critic": self._critic.init(key, obs[MAP][:1], obs[VECTOR][:1])}
 

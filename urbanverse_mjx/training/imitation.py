@@ -1,16 +1,17 @@
-"""Imitation learning in a run folder: `Dagger` or `Cloning` with logs, policies and exact resumption."""
+"""Learners of a student in a run folder: `Dagger`, `Cloning` or `Finetune` with logs, policies and exact resumption."""
 
 import pathlib
+from collections.abc import Callable
 from typing import Any
 
 from ml_collections import ConfigDict
 
 from ..datatypes import ValidationError
 from ..envs import wrap_for_training
-from .cloning import Cloning
 from .dagger import Dagger
-from .iterative import Iterations
+from .iterative import Iterations, Validate
 from .policy import PolicySpec, latest_policy, save_student
+from .policy_files import FILE
 from .record import begin_segment, check_scenes
 from .run import TrainingResult
 from .run_folder import check_new
@@ -50,11 +51,21 @@ def fit(
     env: Any,
     config: ConfigDict,
     folder: pathlib.Path,
-    learner: Dagger | Cloning,
+    learner: Any,
     resume: bool = False,
     quiet: bool = False,
+    begin: Callable[[], Any] | None = None,
+    validate: Validate | None = None,
+    start_from: pathlib.Path | None = None,
 ) -> TrainingResult:
-    """Iterates a learner whose states hold the parameters of a student; arguments and errors as of `distil`."""
+    """Iterates a learner whose states hold the parameters of a student; other arguments and errors as of `distil`.
+
+    Args:
+      learner: `Dagger`, `Cloning` or `finetune.Finetune`.
+      begin: function that returns its state before the first iteration; default: its own, from random parameters.
+      validate: see `iterative.Iterations`.
+      start_from: policy with the initial parameters, for the record.
+    """
     folder = folder.absolute()
     each, total = learner.steps_per_iteration, int(config.num_timesteps)
 
@@ -64,16 +75,19 @@ def fit(
     iterations = max(total // each, 1)
     run = Iterations(
         learner=learner,
-        begin=learner.begin,
-        actor_of=lambda state: state.params,
+        begin=begin or learner.begin,
+        actor_of=learner.actor,
         save=save,
         folder=folder,
         iterations=iterations,
         num_checkpoints=int(config.num_checkpoints),
+        validate=validate,
         quiet=quiet,
     )
     if resume:
-        check_scenes(PolicySpec.load(latest_policy(folder / "checkpoints")), env)
+        # A run that was killed at its first checkpoint has a state, and no policy yet.
+        if any(folder.glob(f"checkpoints/*/{FILE}")):
+            check_scenes(PolicySpec.load(latest_policy(folder / "checkpoints")), env)
     else:
         check_new(folder)
         folder.mkdir(parents=True, exist_ok=True)
@@ -83,5 +97,5 @@ def fit(
         run.replace_missing_policy(state)
     if done >= iterations:
         raise ValidationError(f"num_timesteps: found {total}, but {done * each} are done already; ask for more.")
-    begin_segment(folder, environment, env.config, config, done * each).save(folder)
+    begin_segment(folder, environment, env.config, config, done * each, start_from).save(folder)
     return run.run(state)

@@ -281,6 +281,34 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
     return found
 
 
+def load_student(folder: pathlib.Path) -> Any:
+    """Parameters of the actor of a policy folder. They are stored in half precision; computation is in single
+    precision."""
+    return jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(folder)[1])
+
+
+def load_compatible_student(folder: pathlib.Path, env: Any, config: ConfigDict) -> Any:
+    """Parameters of the newest student under `folder` that fit the network of `config` in `env`.
+
+    Raises:
+      ValidationError: there is no policy, or its network has other shapes.
+    """
+    from .dagger import make_student
+    from .student import initial_student
+
+    path = latest_policy(folder)
+    found = load_student(path)
+    network = make_student(config, env.action_size)
+    sizes = observed_size(env)
+    needed = jax.eval_shape(lambda: initial_student(network, sizes, 0))
+    if jax.tree.map(jnp.shape, found) != jax.tree.map(jnp.shape, needed):
+        raise ValidationError(
+            f"--start-from: found layers of other shapes in {path}, needed those of this preset's student; take a "
+            "policy that was trained with the same preset, image size and networks."
+        )
+    return found
+
+
 def untrained_policy(spec: PolicySpec) -> Any:
     """The policy of `spec` with random parameters from the seed of its config."""
     config = ConfigDict(spec.ppo_config)
@@ -308,8 +336,6 @@ def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[Any, 
         from .dagger import make_student
         from .student import StudentPolicy
 
-        # Parameters are stored in half precision; computation is in single precision.
-        params = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(folder)[1])
-        return StudentPolicy(make_student(config, spec.action_size), params), spec
+        return StudentPolicy(make_student(config, spec.action_size), load_student(folder)), spec
     function = make_policy_function(spec.observations, spec.action_size, config, load_params(folder), deterministic)
     return function, spec

@@ -106,6 +106,10 @@ class StudentLearner(abc.ABC):
         optimizer = self._optimizer.init(params)
         return LearnerState(params, optimizer, env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32))
 
+    def actor(self, state: LearnerState) -> Any:
+        """The parameters of the student in a state."""
+        return state.params
+
     @abc.abstractmethod
     def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:
         """All parameters before the first iteration, given those of the student and the observations of n envs."""

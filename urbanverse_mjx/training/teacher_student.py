@@ -16,21 +16,27 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 from ml_collections import ConfigDict
 
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from . import iterative, run
-from .dagger import Dagger, make_student
+from .dagger import Dagger
 from .finetune import Finetune
 from .iterative import Iterations, Validate
-from .policy import PolicySpec, latest_policy, load_params, network_factory, save_student
+from .policy import (
+    PolicySpec,
+    latest_policy,
+    load_compatible_student,
+    load_student,
+    network_factory,
+    save_student,
+)
 from .record import RunRecord, begin_segment, check_scenes
 from .run import TrainingResult
 from .run_folder import check_new
-from .student import Student, initial_student
+from .student import Student
 
 TEACHER, IMITATION, COMPLETE = "teacher", "imitation", "complete.json"
 STAGES = ("teacher", "imitation", "finetune")
@@ -115,17 +121,7 @@ class TeacherStudent:
         """The initial parameters of the imitation, or None for random ones."""
         if start_from is None:
             return None
-        path = latest_policy(start_from)
-        found = _actor_of_policy(path)
-        sizes = {name: tuple(shape) for name, shape in self.env.observation_size.items()}
-        network = make_student(self.config, self.env.action_size)
-        needed = jax.eval_shape(lambda: initial_student(network, sizes, 0))
-        if jax.tree.map(jnp.shape, found) != jax.tree.map(jnp.shape, needed):
-            raise ValidationError(
-                f"--start-from: found layers of other shapes in {path}, needed those of this preset's student; take a "
-                "policy that was trained with the same preset, image size and networks."
-            )
-        return found
+        return load_compatible_student(start_from, self.env, self.config)
 
     def _train_teacher(self, say: Callable[[str], None]) -> None:
         """Trains the teacher by PPO from random weights; removes files of an earlier attempt."""
@@ -161,11 +157,9 @@ class TeacherStudent:
         config, folder = self.config, self.folder / IMITATION
         folder.mkdir(exist_ok=True)
         wrapped = wrap_for_training(self.env, self.env.config.episode_length)
-        learner = Dagger(wrapped, self._teach(), config, _actor_of_policy(teacher))
+        learner = Dagger(wrapped, self._teach(), config, load_student(teacher))
         before = PolicySpec.load(teacher).steps
-        stage = self._stage(
-            learner, lambda: learner.begin(start), lambda state: state.params, folder, "imitation", before
-        )  # fmt: skip
+        stage = self._stage(learner, lambda: learner.begin(start), folder, "imitation", before)
         result = _continue(stage)
         _write_complete(folder, result.policy or latest_policy(folder))
 
@@ -173,14 +167,12 @@ class TeacherStudent:
         config = ConfigDict(self.config.finetune.to_dict())
         config.num_envs, config.seed = int(self.config.num_envs), int(self.config.seed) + 1
         wrapped = wrap_for_training(self.env, self.env.config.episode_length)
-        learner = Finetune(wrapped, self._teach(), self.config, config, _actor_of_policy(teacher))
+        learner = Finetune(wrapped, self._teach(), self.config, config, load_student(teacher))
         # Counts from the end of the imitation, not from its best checkpoint, so that step numbers are unique.
         each = int(self.config.num_envs) * int(self.config.unroll_length)
         before = PolicySpec.load(teacher).steps + each * self._iterations("imitation", each)
-        actor = _actor_of_policy(student)
-        stage = self._stage(
-            learner, lambda: learner.begin(actor), lambda state: state.params["actor"], self.folder, "finetune", before
-        )  # fmt: skip
+        actor = load_student(student)
+        stage = self._stage(learner, lambda: learner.begin(actor), self.folder, "finetune", before)
         result = _continue(stage)
         policy = result.policy or student
         _write_complete(self.folder, policy)
@@ -190,7 +182,6 @@ class TeacherStudent:
         self,
         learner: Any,
         begin: Callable[[], Any],
-        actor_of: Callable[[Any], Any],
         folder: pathlib.Path,
         name: str,
         before: int,
@@ -204,7 +195,7 @@ class TeacherStudent:
         return Iterations(
             learner=learner,
             begin=begin,
-            actor_of=actor_of,
+            actor_of=learner.actor,
             save=save,
             folder=folder,
             iterations=iterations,
@@ -229,11 +220,6 @@ def _continue(stage: Iterations) -> TrainingResult:
     if begun:
         stage.replace_missing_policy(state)
     return stage.run(state)
-
-
-def _actor_of_policy(folder: pathlib.Path) -> Any:
-    """Parameters of the actor of a policy folder in single precision."""
-    return jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(folder)[1])
 
 
 def _write_complete(folder: pathlib.Path, policy: pathlib.Path) -> None:

@@ -180,6 +180,15 @@ def _best() -> ConfigDict:
     return config
 
 
+def _tune() -> ConfigDict:
+    """The task of `best`, in which its policies go on by PPO in all scenes of a bank of one place
+    (`training.tuning`)."""
+    config = _best()
+    config.preset = "tune"
+    config.scenes = "all"
+    return config
+
+
 def _cpu() -> ConfigDict:
     """The paper's task for a CPU, with a smaller image and other reward weights."""
     config = _paper()
@@ -206,6 +215,7 @@ _MAKERS = {
     "urbansim_v0_1": _urbansim_v0_1,
     "fast": _fast,
     "best": _best,
+    "tune": _tune,
     "cpu": _cpu,
     "quick": _quick,
 }

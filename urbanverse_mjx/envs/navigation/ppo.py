@@ -178,8 +178,18 @@ def _best() -> ConfigDict:
     return config
 
 
+def _tune() -> ConfigDict:
+    """PPO of a trained student on the streets of a bank, on a GPU; for the fields see `training.tuning.tune`."""
+    student, finetune = imitation_config(), finetune_config()
+    finetune.imitation = finetune.final_imitation = 0.0
+    del finetune.num_envs, finetune.seed
+    kept = {name: student[name] for name in ("algorithm", "num_envs", "seed", "network")}
+    own = {"num_timesteps": 20_971_520, "num_checkpoints": 4, "validation_episodes": 256}  # 160 iterations
+    return ConfigDict({**kept, **own, "finetune": finetune})
+
+
 def ppo_config(preset: str = "paper") -> ConfigDict:
-    """Returns a new configuration; its `algorithm` may be other than PPO, as for `quick` and `best`.
+    """Returns a new configuration; its `algorithm` may be other than PPO, as for `quick`, `best` and `tune`.
 
     Raises:
       ValidationError: the preset is unknown.
@@ -189,6 +199,7 @@ def ppo_config(preset: str = "paper") -> ConfigDict:
         "urbansim_v0_1": _urbansim_v0_1,
         "fast": _fast,
         "best": _best,
+        "tune": _tune,
         "cpu": _cpu,
         "quick": _quick,
     }
