@@ -25,6 +25,7 @@ Rows, of which `--rows` names patterns:
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
     transfer                the shipped policies in the places of benchmarks.transfer, on all cores
     missions                the shipped policies on the missions of benchmarks.missions, on all cores
+    street-tuning-STREET    coco_best before and after PPO on cousins of a filmed street (see benchmarks.street_tuning)
 
 OUT gets a folder and a log for each job, and campaign.log.
 """
@@ -43,7 +44,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import missions, results, scaling, transfer
+from benchmarks import missions, results, scaling, street_tuning, transfer
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -87,6 +88,10 @@ ENDLESS = 86_400
 TEACHER, STUDENT, PAPER, DRIVE, FAST = 12, 34, 38, 14, 14
 #: Studies that drive on all cores -> what writes their rows.
 OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
+
+
+#: Name of the study of benchmarks.street_tuning, and of its folder.
+STREET_TUNING = "street-tuning"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -269,6 +274,15 @@ def _arms(args: argparse.Namespace) -> Iterator[Job]:
             yield _student(args, f"student-arm-{arm}-{seed}", seed, own, [row], env=env, teacher=teacher)
 
 
+def _street_tuning(args: argparse.Namespace) -> Iterator[Job]:
+    """Policies of the streets of benchmarks.street_tuning; what they need is prepared on the processor before."""
+    out = args.out / STREET_TUNING
+    for street in street_tuning.STREETS:
+        words = ("-m", "benchmarks.street_tuning", "tune", "--streets", street, "--out", str(out))
+        needs, gives = out / "prepared" / street / street_tuning.PREPARED, out / "tuned" / street / street_tuning.RESULT
+        yield Job(f"{STREET_TUNING}-{street}", words, (needs,), gives, STUDENT, (Row("film", study=STREET_TUNING),))
+
+
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
     """All jobs that train or score, whatever `--rows` says, in the order in which they should begin."""
     for seed in args.seeds:
@@ -288,6 +302,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
             yield _goes_on(args, name, policy)
     yield from _arms(args)
     yield from _studies(args)
+    yield from _street_tuning(args)
     for name in OF_ALL_CORES:
         command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
         # A GPU of its own each, because trainings beside them would want for processors.
@@ -316,15 +331,21 @@ def chosen(args: argparse.Namespace) -> list[Job]:
             words = ("-m", "benchmarks.halves", name, "--out", str(path.parent))
             halves.append(Job(f"halves-{name}", words, (bank(name),), path))
             files.add(bank(name))
+    store, prepares = store_path(), []
+    for street in street_tuning.STREETS:
+        path = args.out / STREET_TUNING / "prepared" / street / street_tuning.PREPARED
+        if path in files:
+            words = ("-m", "benchmarks.street_tuning", "prepare", "--streets", street)
+            words += ("--out", str(args.out / STREET_TUNING))
+            prepares.append(Job(f"prepare-{street}", words, (store,), path))
     # UrbanVerse-160 first: packing its bank takes minutes of one process, beside which the others are built.
     sets = ("urbanverse160", "craftbench", "autobench", "validation", "procedural", "places")
-    store = store_path()
     code = "import sys; from urbanverse_mjx import pipeline; sys.exit(not pipeline.build_library({!r}, quiet=False).ok)"
     builds = [Job(f"scenes-{x}", ("-c", code.format(x)), (store,), bank(x)) for x in sets if bank(x) in files]
-    if builds:
+    if builds or prepares:
         make = "from urbanverse_mjx.assets.records.store import ensure_store; ensure_store()"
         builds.insert(0, Job("catalogue", ("-c", make), (), store))
-    return builds + halves + wanted
+    return builds + halves + prepares + wanted
 
 
 class Campaign:
@@ -415,6 +436,8 @@ def add_rows(args: argparse.Namespace) -> int:
         for row in job.rows if job.gives.is_file() else ():
             if row.study in OF_ALL_CORES:
                 OF_ALL_CORES[row.study](job.gives.parent)
+            elif row.study == STREET_TUNING:
+                street_tuning.add(args.out / STREET_TUNING)
             elif row.study:
                 scaling.add(results.SCORES, job.gives, row.study, row.size, row.seed)
             elif row.comparison:

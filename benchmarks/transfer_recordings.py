@@ -42,9 +42,9 @@ ERRORS = Errors(recall=1.0, precision=1.0, confusion=0.0, mask=0.0)
 SOURCE = Source("synthetic film of a composed place, with noise", "Apache-2.0", "none", "none")
 
 
-def blurred(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """(H, W, 3) u8 smeared along a random direction near the horizontal, and out of focus."""
-    length, sigma = rng.uniform(1.0, BLUR[0]), rng.uniform(0.0, BLUR[1])
+def blurred(image: np.ndarray, rng: np.random.Generator, most: tuple[float, float] = BLUR) -> np.ndarray:
+    """(H, W, 3) u8 smeared along a random direction near the horizontal, and out of focus; most: as `BLUR`."""
+    length, sigma = rng.uniform(1.0, most[0]), rng.uniform(0.0, most[1])
     angle = rng.normal(0.0, 0.3)
     offsets = np.linspace(-0.5, 0.5, 2 * int(np.ceil(length)) + 1) * length
     soft = scipy.ndimage.gaussian_filter(image.astype(np.float32), (sigma, sigma, 0.0))

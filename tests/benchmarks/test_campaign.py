@@ -189,6 +189,12 @@ def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: py
     assert [job.name for job in jobs] == [*names, "horizon-100-4"]
     given = {job.gives for job in jobs}
     assert all(set(job.needs) <= given for job in jobs)
+    jobs = campaign.chosen(_args(tmp_path, "--rows", "street-tuning-*"))
+    streets = campaign.street_tuning.STREETS
+    assert [job.name for job in jobs] == [
+        "catalogue", *(f"prepare-{x}" for x in streets), *(f"street-tuning-{x}" for x in streets)
+    ]  # fmt: skip
+    assert [job.memory > 0 for job in jobs] == 4 * [False] + 3 * [True]
     with pytest.raises(SystemExit, match="'papers-x', which names no row, needed a pattern of teacher-0"):
         campaign.chosen(_args(tmp_path, "--rows", "papers-x"))
 
@@ -202,26 +208,28 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
 
 
 def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from benchmarks import comparison, halves, missions, transfer
+    from benchmarks import comparison, halves, missions, street_tuning, transfer
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
     scripts |= {"benchmarks.halves": halves.arguments, "benchmarks.transfer": transfer.arguments}
-    scripts["benchmarks.missions"] = missions.arguments
+    scripts |= {"benchmarks.missions": missions.arguments, "benchmarks.street_tuning": street_tuning.arguments}
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
             monkeypatch.setattr(sys, "argv", [job.name, *job.command[2:]])
             parsed.append(scripts[job.command[1]]())
-            wanted = job.gives.parent if job.command[1] == "benchmarks.halves" else tmp_path / "out" / job.name
+            own = {"benchmarks.halves": job.gives.parent, "benchmarks.street_tuning": job.gives.parents[2]}
+            wanted = own.get(job.command[1], tmp_path / "out" / job.name)
             assert parsed[-1].out == wanted
-    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4
+    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
     light = ['vision_config.light="direct"', 'friction="uniform"']  # of version 1 of CraftBench
     assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
-    assert all(args.env[-2:] == light for args in parsed if "env" in args)
+    # Those of street tuning take the same conditions by themselves.
+    assert all(args.env[-2:] == light for args in parsed if "env" in args and "stage" not in args)
     arms = {args.out.name: args for args in parsed if "-arm-" in args.out.name}
     assert all([path.parent.name for path in args.test] == ["validation"] for args in arms.values())
     for name in ("streets-both-0", "teacher-0", "student-0"):
