@@ -143,6 +143,67 @@ def test_ways_lead_to_their_goals(spaces: dict[str, FreeSpace], group: str) -> N
         assert np.mean(on_right) > 0.75
 
 
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 30.0, 45.0, 160.0])
+def test_distances_to_the_middle_of_a_road_are_those_of_a_strip(degrees: float) -> None:
+    """A straight road of 8 m in any direction: unit vectors across it, and half its width less the distance to the
+    edge, to about a node. In the outermost node, where no vehicle has room, a slanted edge is a stair."""
+    node, size, width = 0.4, 80, 8.0
+    along = np.radians(degrees)
+    x, y = ((np.indices((size, size)) - size / 2 + 0.5) * node).reshape(2, -1)
+    across = (np.cos(along) * y - np.sin(along) * x).reshape(size, size)
+    to_edge, from_middle = goal_fields._sides(np.abs(across) < width / 2, node)
+    # Whole cross-sections inside the grid, and no points whose two edges are equally near.
+    inner = np.hypot(x, y).reshape(size, size) < size * node / 2 - width
+    nodes = inner & (np.abs(across) < width / 2 - node) & (np.abs(across) > node)
+    assert nodes.sum() > 400
+    np.testing.assert_allclose(from_middle[nodes], np.abs(across)[nodes], atol=1.3 * node)
+    normal = np.sign(across)[..., None] * np.array([-np.sin(along), np.cos(along)])
+    assert ((to_edge * normal).sum(-1)[nodes] > 0.7).all()
+
+
+def crowd_at(x: list[float], y: list[float], vx: float = 0.0) -> Crowd:
+    """Agents at these places, m, that follow their routes along x to goal 0."""
+    zero, number = jnp.zeros(len(x)), len(x)
+    bodies = Bodies(zero + jnp.array(x, jnp.float32), zero + jnp.array(y, jnp.float32), zero + vx, zero, zero)
+    none = jnp.zeros(number, jnp.int32)
+    return Crowd(
+        bodies, jnp.ones(number, bool), zero + 1.0, none, none + behaviours.ROAM, zero, zero, zero, zero, zero, zero,
+        zero, none,
+    )  # fmt: skip
+
+
+def test_who_is_left_far_behind_appears_again_near_the_robot(tables: CrowdTables) -> None:
+    """One of those farther away than 1.5 times the reach and out of sight is placed elsewhere in a step."""
+    observer = spawning.Observer(jnp.float32(45.0), jnp.float32(6.0), jnp.float32(0.0), jnp.array(True))
+    before_x, before_y = [20.0, 38.0, 20.0, 20.0], [6.0, 6.0, -6.0, 5.0]
+    for reach, moved in ((12.0, [True, False, False, False]), (20.0, [False] * 4)):
+        model = CrowdModel(tables, ("pedestrian",) * 4, reach=reach)
+        crowd = crowd_at(before_x, before_y)
+        new = jax.jit(model._next_errands)(crowd, jnp.int32(0), observer, jax.random.key(0))
+        x, y = np.asarray(new.bodies.x), np.asarray(new.bodies.y)
+        gone = np.hypot(x - before_x, y - before_y) > 1e-3
+        np.testing.assert_array_equal(gone, moved, err_msg=f"reach {reach} m")
+        if any(moved):
+            assert 4.0 < np.hypot(x[0] - 45.0, y[0] - 6.0) < 12.5, "out of sight, and within reach"
+
+
+def test_vehicles_look_up_their_route_ahead_and_walkers_where_they_stand(tables: CrowdTables) -> None:
+    """A route that turns left at x = 10: a car's course turns when its front, 0.4 s on, is there."""
+    routes = {}
+    for group, rules in goal_fields.RULES.items():
+        turn = np.zeros((1, 1, 400, 400), np.uint8)
+        turn[:, :, round(10.0 / rules.node) :] = 64
+        zero = jnp.zeros((1, 2))
+        routes[group] = tables.routes[group]._replace(
+            direction=jnp.asarray(turn), origin=zero, goal=jnp.full((1, 1, 2), 1e3)
+        )
+    model = CrowdModel(tables._replace(routes=routes), ("pedestrian", "wheelchair", "cyclist", "car"))
+    front = np.array([0.0, 0.0, KINDS["cyclist"].half_length, KINDS["car"].half_length]) + [0.0, 0.0, 2.0, 2.0]
+    for shift, turned in ((-0.5, 0.0), (0.5, np.pi / 2)):
+        crowd = crowd_at(list(10.0 - front + shift), [10.0] * 4, vx=5.0)
+        np.testing.assert_allclose(model._courses(crowd, jnp.int32(0)), turned, atol=1e-3, err_msg=str(shift))
+
+
 def walkers_and_cars(cars: list[tuple[float, float]], walker: tuple[float, float]) -> crossings.Order:
     """A crossing at x 28 to 32 of a road along x; one walker heading north, cars (x, speed) coming from the west."""
     kind = np.zeros((600, 160), np.uint8)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.datatypes import GroundRegion
-from urbanverse_mjx.scene import maps
+from urbanverse_mjx.scene import episodes, maps
 from urbanverse_mjx.scene.geometry import SceneMap
 from urbanverse_mjx.scene.planner import GoalField, RobotSize, free_space, path_length, resample
 
@@ -119,3 +119,20 @@ def test_lines_asked_together_are_answered_as_one_by_one() -> None:
         inside = space.free[space.cell(points)]
         # Finer points than the question's own may graze a corner that it steps over.
         assert line == inside.all() or (line and (~inside).sum() * np.linalg.norm(end - start) / 2000 < 0.08)
+
+
+def test_goals_are_two_metres_apart_as_long_as_there_is_room_then_two_planning_cells() -> None:
+    """A pavement of 14 m: goals are possible in its outer 4 m only, 10 m away from starts."""
+    space = free_space(maps.ground_map([_region("walk", "sidewalk", 0, 0, 14, 1.4)]), RobotSize())
+    cells = episodes._end_cells(space, RobotSize())
+    rules = episodes.EpisodeRules(goals=200)
+    pool = episodes._candidate_pool(space, cells, rules, np.random.default_rng(0))
+    ends = {row.goal: row.path[-1] for row in pool}
+    goals = np.array([ends[k] for k in range(len(ends))])
+    apart = np.linalg.norm(goals[:, None] - goals, axis=-1) + 99.0 * np.eye(len(goals))
+    nearest = np.array([apart[k, :k].min(initial=99.0) for k in range(len(goals))])
+    roomy = int((nearest >= 2.0).sum())
+    assert (nearest[:roomy] >= 2.0).all(), "first those with space around them"
+    assert 2 <= roomy < len(goals)
+    assert apart.min() == pytest.approx(0.4), "two planning cells of 0.2 m"
+    assert (np.abs(goals[:, 0] - 7.0) > 3.0 - 0.1).all()

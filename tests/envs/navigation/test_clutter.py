@@ -18,6 +18,7 @@ from urbanverse_mjx.envs.navigation.clutter import (
     GROUND_CELL,
     MIN_GAP,
     MIN_SOURCE_DISTANCE,
+    RIM,
     ROUTE_MARGIN,
     Clutter,
 )
@@ -94,6 +95,14 @@ def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, cl
                 assert placed.position[e, m, 2] - float(ground(z, jnp.asarray(p))) == pytest.approx(above, abs=error)
     still = home.object_index[~moved] >= -1
     np.testing.assert_array_equal(placed.quaternion[~moved][still], home.quaternion[~moved][still])
+
+
+def test_a_kerb_in_any_direction_cuts_off_a_point_of_the_rim() -> None:
+    """Points of the unit circle; a straight kerb at 98 % of its radius, in 720 directions."""
+    np.testing.assert_allclose(np.linalg.norm(RIM, axis=-1), 1.0, rtol=1e-12)
+    angle = np.linspace(-np.pi, np.pi, 720, endpoint=False)
+    farthest = (RIM @ np.stack([np.cos(angle), np.sin(angle)])).max(0)
+    assert farthest.min() > 0.98
 
 
 def test_every_episode_has_others(small_bank: SceneBank, clutter: Clutter) -> None:

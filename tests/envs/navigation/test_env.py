@@ -127,6 +127,20 @@ def test_driving_straight_on_open_ground_reaches_the_goal_with_the_papers_reward
     assert last < 1.0 <= rewards[-1][0]
 
 
+def test_completion_of_a_route_is_where_the_robot_is_and_no_more_than_it_drove(small_bank: SceneBank) -> None:
+    """At the second waypoint, after a detour of 99 m and after 25 cm."""
+    env = unicycle_env(small_bank, {"terminate_off_traversable": False})
+    nav = jax.jit(env.begin)(jax.random.key(3))
+    assert int(nav.num_waypoints) > 2
+    corners = np.concatenate([nav.start[None, :2], nav.waypoints[:2, :2]])
+    there = float(np.linalg.norm(np.diff(corners, axis=0), axis=1).sum())
+    sim = env.engine.init(nav.sim.scene, nav.sim.qpos.at[:2].set(nav.waypoints[1, :2]), nav.sim.qvel)
+    advance = jax.jit(env.advance)
+    for driven, completed in ((99.0, there), (0.25, 0.25)):
+        after, *_ = advance(nav._replace(sim=sim, driven=jnp.float32(driven)), jnp.zeros(2))
+        assert float(after.route_done) == pytest.approx(completed, abs=1e-3)
+
+
 def test_hit_ends_the_episode_or_is_only_measured(small_bank: SceneBank) -> None:
     for terminate in (True, False):
         env = unicycle_env(small_bank, {"terminate_on_hit": terminate, "terminate_off_traversable": False}, wall=-1e9)

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
+import warp as wp
 
 from tests.support.box_bank import KERB, box_bank, box_scenes
 from urbanverse_mjx.datatypes import AgentMotion, AgentShapes, ValidationError
@@ -17,6 +18,7 @@ from urbanverse_mjx.simulation.collision_slots import agent_slots
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.parity import c_mujoco
+from urbanverse_mjx.simulation.warp_engine.agents import prism_distance
 
 CONTROL_DT, NUM_STEPS = 0.2, 10
 #: A person, and a car's half: a disc of 0.4 m drawn along 0.6 m to either side.
@@ -146,6 +148,35 @@ def test_distances_are_those_of_c_mujoco() -> None:
             # Inside, each part of the union gives only its own exit direction.
             assert gap[a] <= nearest + 2e-5
             assert gap[a] <= 0.0 or gap[a] == pytest.approx(nearest, abs=2e-5)
+
+
+@wp.kernel
+def warp_distances(
+    offset: wp.array[wp.vec3], turn: float, radius: float, half: float, height: float, found: wp.array[wp.vec4]
+):
+    """Direction and distance of each point."""
+    i = wp.tid()
+    found[i] = prism_distance(offset[i], turn, radius, half, height)  # pyright: ignore
+
+
+def test_distances_in_warp_are_those_in_jax() -> None:
+    """Of a person, half a car, and a low and wide shape whose lower and upper end are the nearest ones inside."""
+    shapes = AgentShapes(*(np.array(a, np.float32) for a in ((0.27, 0.4, 0.9), (0.0, 0.6, 0.5), (1.75, 1.4, 0.8))))
+    heading = np.array([0.4, -1.1, 2.0], np.float32)
+    points = np.random.default_rng(1).uniform([-1.5, -1.5, -0.5], [1.5, 1.5, 2.4], (3000, 3)).astype(np.float32)
+    points[:200, :2] *= 0.1
+    distance, routes = jax.jit(agent_slots.prism_distance)(points[:, None], heading, shapes)
+    for a, shape in enumerate(zip(heading, *shapes, strict=True)):
+        with wp.ScopedDevice("cpu"):
+            found = wp.zeros(len(points), dtype=wp.vec4)
+            wp.launch(
+                warp_distances,
+                len(points),
+                inputs=[wp.array(points, dtype=wp.vec3), *map(float, shape)],
+                outputs=[found],
+            )
+        np.testing.assert_allclose(found.numpy()[:, 3], distance[:, a], atol=1e-6)
+        np.testing.assert_allclose(found.numpy()[:, :3], routes[:, a], atol=2e-4)
 
 
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])

@@ -190,6 +190,18 @@ def test_pairs_beyond_the_number_of_contacts_are_counted() -> None:
     assert int((few.distance < 0).sum()) == 4
 
 
+@pytest.mark.parametrize(("number", "missed"), [(4, 0), (6, 2)])
+def test_two_thirds_of_the_contacts_may_be_at_edges(number: int, missed: int) -> None:
+    """Of six contacts four: those are exact, more are counted."""
+    slots, table = two_plates(0.0)
+    centres = jnp.array([[-2.05, -0.5 + 0.2 * k, 0.05] for k in range(number)])
+    found = find_contacts(centres, jnp.full(number, 0.11), slots, table, 6)
+    assert int(found.missed) == missed
+    deep = np.isclose(found.distance, np.hypot(0.05, 0.05) - 0.11, atol=1e-6)
+    assert deep.sum() == 4
+    np.testing.assert_allclose(found.normal[deep], np.tile([-np.sqrt(0.5), 0.0, np.sqrt(0.5)], (4, 1)), atol=1e-5)
+
+
 def test_empty_slots_touch_nothing() -> None:
     slots, table = two_plates(0.0)
     slots = slots._replace(valid=jnp.zeros(2, bool))

@@ -148,6 +148,28 @@ def test_both_engines_do_the_same() -> None:
     assert (apart[after] < among[after]).all(), (apart[after], among[after])
 
 
+@pytest.mark.parametrize("impl", ENGINES)
+def test_a_body_inside_a_fixed_object_leaves_it_through_the_nearest_face(impl: str) -> None:
+    """A box that stands 2 cm inside the long side of a turned one, whose normal is horizontal: it is pushed along that
+    normal, neither up nor aside."""
+    robot, yaw = make_coco("differential"), 0.9
+    normal = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    wall = np.array([1.2, 0.0, 0.0])
+    place = wall + normal * (0.2 + 0.2 - 0.02)
+    objects = [
+        MovableObject([pushing.box(0.4, 0.4, 0.4)], (place[0], place[1], 0.0), yaw, 10.0, 0.1),
+        MovableObject([pushing.box(0.7, 0.4, 0.6)], (wall[0], wall[1], 0.0), yaw),
+    ]
+    scene = pushing.object_scene(objects)
+    slot = pushing.object_bank(scene).meta["object_ids"][0].index("thing_0")
+    found, _ = pushing.push_engine(scene, robot, np.zeros((1, 2)), impl, SIZES, np.array([slot, -1, -1]))
+    moved = found.places[0, 0] - (pushing.START + place)
+    assert 0.02 < moved @ normal < 0.1, "out of it, without a leap"
+    assert abs(moved[2]) < 2e-3
+    assert np.linalg.norm(moved - (moved @ normal) * normal) < 0.02
+    assert not found.hit.any()
+
+
 def one_box(place: float) -> SceneGeometry:
     return pushing.object_scene([MovableObject([pushing.box(0.5, 0.5, 0.5)], (place, 0.0, 0.0))])
 
