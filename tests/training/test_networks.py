@@ -29,6 +29,13 @@ def test_every_convolution_equals_flax(form: str, kernel: int, stride: int, shap
     np.testing.assert_allclose(got, wanted, atol=2e-5)
 
 
+@pytest.mark.parametrize(("device", "form"), [("cpu", "matmul"), ("gpu", "blocks")])
+def test_automatic_convolution_is_the_faster_one(device: str, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As measured in benchmarks/convolutions.py."""
+    monkeypatch.setattr(jax, "default_backend", lambda: device)
+    assert convolution_of("auto") is convolution_of(form)
+
+
 @pytest.mark.parametrize("form", CONVOLUTIONS)
 def test_gradients_equal_flax(form: str) -> None:
     x = jax.random.normal(jax.random.key(0), (2, 27, 48, 3))

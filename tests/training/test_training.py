@@ -27,6 +27,7 @@ from urbanverse_mjx.training.policy import (
 from urbanverse_mjx.training.progress import TrainingLog
 from urbanverse_mjx.training.run import train
 
+POLICIES = pathlib.Path(__file__).parents[2] / "benchmarks" / "policies"
 CPU_REWARDS = {
     "reward_config.scales.arrived": 10.0,
     "reward_config.scales.position": 0.0,
@@ -70,7 +71,26 @@ def test_papers_table() -> None:
     assert (c.learning_rate, c.discounting, c.gae_lambda, c.clipping_epsilon) == (1e-4, 0.99, 0.95, 0.2)
     assert (c.desired_kl, c.entropy_cost, c.vf_loss_coefficient, c.max_grad_norm) == (0.01, 0.002, 1.0, 1.0)
     assert (c.unroll_length, c.minibatch, c.num_updates_per_batch) == (32, 512, 5)
-    assert c.num_timesteps == 1500 * 32 * 96
+    assert (c.num_envs, c.num_timesteps) == (96, 1500 * 32 * 96)
+
+
+def test_released_codes_table() -> None:
+    """Where URBAN-SIM's static_train.yaml differs from the paper (docs/sources/reference_systems.md, b.7)."""
+    c = default_ppo_config("urbansim_v0_1")
+    assert (c.learning_rate, c.entropy_cost, c.minibatch, c.num_envs) == (1e-3, 0.005, 2048, 256)
+    assert c.num_timesteps == 3000 * 32 * 256
+
+
+def test_shipped_policies_have_the_networks_of_their_preset() -> None:
+    """They were trained with `best`, which continues from them with --start-from."""
+    config = default_ppo_config("best")
+    for name in ("coco_best", "go2_best"):
+        record = json.loads((POLICIES / name / "policy.json").read_text())["ppo_config"]
+        for field in ("layers", "hidden", "memory"):
+            assert json.loads(json.dumps(config.network[field])) == record["network"][field], (name, field)
+    record = json.loads((POLICIES / "coco_best" / "policy.json").read_text())["ppo_config"]["finetune"]
+    for field in ("map_layers", "critic_hidden", "unroll_length", "discounting", "gae_lambda", "clip"):
+        assert json.loads(json.dumps(config.finetune[field])) == record[field], field
 
 
 @pytest.fixture(scope="module")
