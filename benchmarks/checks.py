@@ -2,65 +2,50 @@
 
     python -m benchmarks.checks --policy benchmarks/policies/coco_best
 
-For the shipped streets' bank, the meshes of the cache, a policy, and the compiled programs of Warp and JAX: processor
-time of loading and of the checks in it, s, the best of several runs. Prints a JSON line each; exits with 1 where checks
-take 5 % or more.
+For the shipped streets' bank, the meshes of the cache and a policy: processor time of loading, s, and how much less it
+is without the checks, medians of runs in turns. For the compiled programs of Warp and JAX, which a process loads once:
+that of the checks. Prints a JSON line each; exits with 1 where checks take 5 % or more.
 """
 
 import argparse
 import contextlib
 import json
 import pathlib
+import statistics
 import sys
 import time
-import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 from unittest import mock
 
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import AssetMesh, SceneBank, array_file, checksums, scene_bank
+from urbanverse_mjx.work_folder import work_folder
 
 LIMIT = 5.0  # %
 
 
-class Stopwatch:
-    """Adds up the processor time of some functions."""
+def measured(name: str, load: Callable[[], object], *checks: tuple[Any, str, Any], repeats: int) -> dict[str, Any]:
+    """A row: medians of loading with its checks and without, in turns.
 
-    def __init__(self) -> None:
-        self.seconds = 0.0
-
-    def around(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        def timed(*args: Any, **options: Any) -> Any:
-            begin = time.process_time()
-            try:
-                return function(*args, **options)
-            finally:
-                self.seconds += time.process_time() - begin
-
-        return timed
-
-
-@contextlib.contextmanager
-def timed(*places: tuple[Any, str]) -> Iterator[Stopwatch]:
-    """Times the functions at these (module or class, name)."""
-    watch = Stopwatch()
-    with contextlib.ExitStack() as stack:
-        for owner, name in places:
-            stack.enter_context(mock.patch.object(owner, name, watch.around(getattr(owner, name))))
-        yield watch
-
-
-def measured(name: str, load: Callable[[], object], *checks: tuple[Any, str], repeats: int = 5) -> dict[str, Any]:
-    """A row: what loading takes, and the checks among it, at the run that took least."""
-    rows = []
+    Args:
+      checks: (module or class, name of a function in it, what it returns where nothing is wrong).
+    """
+    with_checks, without = list[float](), list[float]()
     for _ in range(repeats):
-        with timed(*checks) as watch:
-            begin = time.process_time()
-            load()
-            rows.append((time.process_time() - begin, watch.seconds))
-    whole, part = min(rows)
-    return row(name, whole, part)
+        with_checks.append(_seconds(load))
+        with contextlib.ExitStack() as stack:
+            for owner, function, answer in checks:
+                stack.enter_context(mock.patch.object(owner, function, lambda *_, answer=answer: answer))
+            without.append(_seconds(load))
+    whole, rest = statistics.median(with_checks), statistics.median(without)
+    return row(name, whole, max(whole - rest, 0.0))
+
+
+def _seconds(call: Callable[[], object]) -> float:
+    begin = time.process_time()
+    call()
+    return time.process_time() - begin
 
 
 def row(name: str, whole: float, part: float) -> dict[str, Any]:
@@ -68,28 +53,32 @@ def row(name: str, whole: float, part: float) -> dict[str, Any]:
     return {"what": name, "loading_s": round(whole, 4), "checks_s": round(part, 4), "percent": share}
 
 
-def bank_rows(paths: Sequence[pathlib.Path]) -> Iterator[dict[str, Any]]:
+def bank_rows(paths: Sequence[pathlib.Path], repeats: int) -> Iterator[dict[str, Any]]:
     for path in paths:
         size = path.stat().st_size / 2**20
-        checks = (array_file, "_is_sealed"), (zipfile, "crc32"), (scene_bank, "check_bank")
-        yield measured(f"bank {path.name}, {size:.0f} MiB", lambda path=path: SceneBank.load(path), *checks)
+        checks = (array_file, "_is_sealed", True), (scene_bank, "check_bank", None)
+        name = f"bank {path.name}, {size:.0f} MiB"
+        yield measured(name, lambda path=path: SceneBank.load(path), *checks, repeats=repeats)
 
 
-def mesh_row() -> dict[str, Any]:
-    files = sorted(settings.cache_dir("meshes").glob("*/*.npz"))[:500]
+def mesh_row(repeats: int) -> dict[str, Any]:
+    """Meshes of the cache, written as this version writes them."""
+    with work_folder("urbanverse-checks-") as folder:
+        for path in sorted(settings.cache_dir("meshes").glob("*/[!.]*.npz"))[:500]:
+            array_file.save(folder / path.name, array_file.load(path, "a mesh", ""))
+        files = sorted(folder.glob("*.npz"))
 
-    def load() -> None:
-        for path in files:
-            found = array_file.load(path, "a mesh", "")
-            found.pop("surface")
-            AssetMesh(**found)
+        def load() -> None:
+            for path in files:
+                found = array_file.load(path, "a mesh", "")
+                found.pop("surface")
+                AssetMesh(**found)
 
-    return measured(
-        f"{len(files)} meshes", load, (array_file, "_is_sealed"), (zipfile, "crc32"), (AssetMesh, "__post_init__")
-    )
+        checks = (array_file, "_is_sealed", True), (AssetMesh, "__post_init__", None)
+        return measured(f"{len(files)} meshes", load, *checks, repeats=repeats)
 
 
-def policy_row(folder: pathlib.Path) -> dict[str, Any]:
+def policy_row(folder: pathlib.Path, repeats: int) -> dict[str, Any]:
     """A policy: its files are compared with its seal, then read."""
     from urbanverse_mjx.training import policy, policy_files
 
@@ -97,7 +86,7 @@ def policy_row(folder: pathlib.Path) -> dict[str, Any]:
         policy.load_policy(folder)
 
     load()  # imports
-    return measured(f"policy {folder.name}", load, (policy_files, "check"))
+    return measured(f"policy {folder.name}", load, (policy_files, "check", None), repeats=repeats)
 
 
 def warp_row() -> dict[str, Any]:
@@ -123,14 +112,25 @@ def jax_row() -> dict[str, Any]:
     folder = settings.cache_dir("jax")
     files = [path for path in folder.glob("*-cache") if path.is_file()]
     listing = mock.patch.object(sys, "argv", ["urbanverse", "list-envs"])
-    with timed((checksums, "changed_groups")) as watch, listing, contextlib.redirect_stdout(sys.stderr):
+    seconds = list[float]()
+    changed_groups = checksums.changed_groups
+
+    def timed(*given: Any, **options: Any) -> Any:
+        begin = time.process_time()
+        try:
+            return changed_groups(*given, **options)
+        finally:
+            seconds.append(time.process_time() - begin)
+
+    compare = mock.patch.object(checksums, "changed_groups", timed)
+    with compare, listing, contextlib.redirect_stdout(sys.stderr):
         command()
     begin = time.process_time()
     _first_step("jax")
     whole = time.process_time() - begin
     size = sum(path.stat().st_size for path in files) / 2**20
     name = f"JAX, {len(files)} programs, {size:.0f} MiB, until an environment's first step"
-    return row(name, whole + watch.seconds, watch.seconds)
+    return row(name, whole + sum(seconds), sum(seconds))
 
 
 def _first_step(impl: str) -> None:
@@ -150,11 +150,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     cli.formatter_class = argparse.RawDescriptionHelpFormatter
     cli.add_argument("--banks", nargs="*", type=pathlib.Path, help="default: the shipped streets'")
     cli.add_argument("--policy", type=pathlib.Path, default=pathlib.Path("benchmarks/policies/coco_best"))
+    cli.add_argument("--repeats", type=int, default=11, help="runs of the meshes; others are run three times as often")
     args = cli.parse_args(argv)
     settings.use_compilation_cache()
     wrong = False
     banks = args.banks or [settings.shipped_bank_path()]
-    rows = (lambda: bank_rows(banks), lambda: [mesh_row()], lambda: [policy_row(args.policy)])
+    few, many = args.repeats, 3 * args.repeats
+    rows = (lambda: bank_rows(banks, many), lambda: [mesh_row(few)], lambda: [policy_row(args.policy, many)])
     for part in (*rows, lambda: [warp_row()], lambda: [jax_row()]):
         for found in part():
             wrong |= found["percent"] >= LIMIT

@@ -105,6 +105,27 @@ def test_every_changed_byte_of_an_array_is_noticed(tmp_path: pathlib.Path, write
             array_file.load(path, "an array", "")
 
 
+def test_a_cached_file_of_an_older_version_gets_a_checksum_over_all_of_it(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is loaded and written again, whole; from then on a changed name of an array is noticed too."""
+    path, x = tmp_path / "x.npz", np.arange(40.0)
+    np.savez_compressed(path, x=x)
+    older = path.read_bytes()
+    for _ in range(2):
+        found = array_file.load_cached(path, "an array", ("x",))
+        assert found is not None
+        np.testing.assert_array_equal(found["x"], x)
+    body = path.read_bytes()
+    assert b"crc32" in body
+    assert b"crc32" not in older
+    assert capsys.readouterr().err == ""
+    path.write_bytes(body.replace(b"x.npy", b"y.npy"))
+    assert array_file.load_cached(path, "an array", ("x",)) is None
+    assert "its checksum is another one" in capsys.readouterr().err
+    assert [p.name for p in tmp_path.iterdir()] == ["x.npz.bad"]
+
+
 def test_a_shape_that_asks_for_more_memory_than_there_is_costs_none(tmp_path: pathlib.Path) -> None:
     """The checksum of an array comes after it: its header alone must not be trusted."""
     path = tmp_path / "bank.npz"

@@ -1,8 +1,9 @@
 """Reads and writes named arrays in a compressed `.npz` with complete integrity checks.
 
-The archive's comment holds a CRC-32 of the whole file. `zipfile` also keeps one of each array, which takes a fifth of
-the time of reading: it is of the uncompressed bytes, nine times as many in a bank. It is compared only in files without
-the comment, as NumPy writes them. NumPy trusts the shape in an array's header; here it must match the array's size.
+The archive's comment holds a CRC-32 of the whole file, which is compared in the memory from which `zipfile` then reads.
+`zipfile` also keeps one of each array, of the uncompressed bytes, of which a bank has several times as many. It is
+compared only in files without the comment, as NumPy writes them. NumPy trusts the shape in an array's header; here it
+must match the array's size.
 """
 
 import contextlib
@@ -15,7 +16,7 @@ import sys
 import zipfile
 import zlib
 from collections.abc import Collection, Mapping
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, cast
 
 import numpy as np
 
@@ -46,32 +47,41 @@ def _write(path: pathlib.Path, arrays: Mapping[str, np.ndarray]) -> None:
                 np.lib.format.write_array(file, np.asanyarray(array), allow_pickle=False)
         archive.comment = _SEAL + bytes(_DIGITS)
     with path.open("r+b") as file:
-        crc = _crc(file)
+        with _mapped(file) as body:
+            crc = _crc(body)
         file.seek(-_DIGITS, os.SEEK_END)
         file.write(b"%0*x" % (_DIGITS, crc))
 
 
-def _crc(file: BinaryIO) -> int:
+class _Mapping(mmap.mmap):
+    """A file in memory, of which `zipfile` reads what the checksum has read already."""
+
+    def seekable(self) -> bool:  # `mmap` has it since Python 3.13
+        return True
+
+
+def _mapped(file: BinaryIO) -> _Mapping:
+    return _Mapping(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _crc(body: mmap.mmap) -> int:
     """CRC-32 of a file without its last digits."""
-    with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as body, memoryview(body) as view:
+    with memoryview(body) as view:
         return zlib.crc32(view[:-_DIGITS])
 
 
-def _is_sealed(path: str | os.PathLike[str]) -> bool:
+def _is_sealed(body: mmap.mmap) -> bool:
     """Whether a file has a checksum over all of it.
 
     Raises:
       ValueError: it does not match.
     """
-    with open(path, "rb") as file:
-        size, length = file.seek(0, os.SEEK_END), len(_SEAL) + _DIGITS
-        file.seek(max(size - length, 0))
-        seal = file.read(length)
-        if not re.fullmatch(re.escape(_SEAL) + rb"[0-9a-f]{%d}" % _DIGITS, seal):
-            return False
-        if _crc(file) != int(seal.removeprefix(_SEAL), 16):
-            raise ValueError("its checksum is another one")
-        return True
+    seal = body[-len(_SEAL) - _DIGITS :]
+    if not re.fullmatch(re.escape(_SEAL) + rb"[0-9a-f]{%d}" % _DIGITS, seal):
+        return False
+    if _crc(body) != int(seal.removeprefix(_SEAL), 16):
+        raise ValueError("its checksum is another one")
+    return True
 
 
 def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
@@ -84,14 +94,19 @@ def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
     Raises:
       ValidationError: the file cannot be read, is truncated, or any of its bytes changed.
     """
+    return _load(path, kind, hint)[0]
+
+
+def _load(path: str | os.PathLike[str], kind: str, hint: str) -> tuple[dict[str, Any], bool]:
+    """The arrays, and whether the file has a checksum over all of it."""
     try:
-        sealed = _is_sealed(path)
-        with zipfile.ZipFile(path) as archive:
+        with open(path, "rb") as file, _mapped(file) as body, zipfile.ZipFile(cast(Any, body)) as archive:
+            sealed = _is_sealed(body)
             entries = archive.infolist()
             if sealed:
                 for entry in entries:
                     del entry.CRC  # `zipfile` computes none where there is none to compare
-            return {entry.filename.removesuffix(_SUFFIX): _array(archive, entry) for entry in entries}
+            return {entry.filename.removesuffix(_SUFFIX): _array(archive, entry) for entry in entries}, sealed
     except MemoryError:
         raise
     except Exception as error:
@@ -117,19 +132,22 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
 def load_cached(path: pathlib.Path, kind: str, names: Collection[str]) -> dict[str, np.ndarray] | None:
     """Reads the arrays `names` of a cache file; None if they must be made.
 
-    A damaged file is renamed (see `validation.set_aside`), with one line on standard error.
+    A damaged file is renamed (see `validation.set_aside`), with one line on standard error. One without a checksum over
+    all of it, as older versions wrote them, gets one.
     """
     if not path.is_file():
         return None
     try:
-        found = load(path, kind, "")
+        found, sealed = _load(path, kind, "")
         if set(found) != set(names):
             wrong = ", ".join(sorted(set(found) ^ set(names)))
             raise v.fail(str(path), f"other arrays than expected ({wrong})", kind)
-        return found
     except v.ValidationError as error:
         discard(path, str(error))
         return None
+    if not sealed:
+        save_cached(path, found)
+    return found
 
 
 def discard(path: pathlib.Path, reason: str) -> None:
