@@ -131,7 +131,7 @@ class StudentTraining:
         judged: set[int] = set()
 
         def actor_of(state: Any) -> Any:
-            return state.params["actor"] if name == "finetune" else state.params
+            return learner.actor(state)
 
         def validate(number: int, state: Any) -> None:
             if number in judged:

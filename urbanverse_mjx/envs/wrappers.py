@@ -42,6 +42,11 @@ class AutoResetEnv[C]:
         self._learnability = env.learnability if isinstance(env, NavEnv) else None
 
     @property
+    def learns_episodes(self) -> bool:
+        """Whether episodes are drawn by their success rates (`config.schedule.learnable`), counted in the batch."""
+        return self._learnability is not None
+
+    @property
     def action_size(self) -> int:
         return self.env.action_size
 

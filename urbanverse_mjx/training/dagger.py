@@ -13,6 +13,7 @@ import optax
 from ml_collections import ConfigDict
 
 from ..envs.navigation.ppo import imitation_config
+from .devices import Devices
 from .map_networks import MAP
 from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
@@ -68,11 +69,15 @@ class Dagger(StudentLearner):
     Args:
       env, teacher, teacher_params: see `StudentLearner`.
       config: see `default_dagger_config`.
+      devices: see `StudentLearner`.
     """
 
-    def __init__(self, env: Any, teacher: Teacher, config: ConfigDict, teacher_params: Any = None) -> None:
+    def __init__(
+        self, env: Any, teacher: Teacher, config: ConfigDict, teacher_params: Any = None, devices: Devices | None = None
+    ) -> None:
         optimizer = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
-        super().__init__(env, teacher, make_student(config, env.action_size), optimizer, config, teacher_params)
+        student = make_student(config, env.action_size)
+        super().__init__(env, teacher, student, optimizer, config, teacher_params, devices)
         self._rate = optax.cosine_decay_schedule(
             config.learning_rate, 1, config.final_learning_rate / config.learning_rate
         )
@@ -90,17 +95,17 @@ class Dagger(StudentLearner):
     ) -> tuple[LearnerState, Batch, dict[str, jax.Array]]:
         key_share, key_steps = jax.random.split(key)
         n = int(self.config.num_envs)
-        taught = jax.random.uniform(key_share, (n,)) < self._share(state.steps)
+        taught = self.devices.rows(jax.random.uniform(key_share, (n,))) < self._share(state.steps)
 
         def step(carry: Any, key: jax.Array) -> Any:
             env, memory, begins = carry
             key_teacher, key_noise = jax.random.split(key)
-            label = self.teacher(teacher, env, key_teacher)
+            label = self.teacher(teacher, env, self.devices.own_key(key_teacher))
             seen = mirrored_view(env.obs, state.mirrored)
             one = {name: x[None] for name, x in seen.items()}
             own, memory, _ = self.student.apply(state.params, one, memory, begins[None])  # type: ignore[misc]
             own = mirror_lateral(own[0], state.mirrored, LATERAL_ACTION)
-            own = own + self.config.noise * jax.random.normal(key_noise, own.shape)
+            own = own + self.config.noise * self.devices.rows(jax.random.normal(key_noise, (n, own.shape[-1])))
             action = jnp.clip(jnp.where(taught[:, None], label, own), -1.0, 1.0)
             label = mirror_lateral(label, state.mirrored, LATERAL_ACTION)
             out = Batch(seen, label, mirrored_target(env.obs[MAP], state.mirrored), begins)
@@ -112,7 +117,7 @@ class Dagger(StudentLearner):
         carry = state.env, state.memory, state.begins
         keys = jax.random.split(key_steps, int(self.config.unroll_length))
         (env, memory, begins), (batch, counts) = jax.lax.scan(step, carry, keys)
-        counts = jax.tree.map(lambda x: x.sum(), counts)
+        counts = self.devices.sum(jax.tree.map(lambda x: x.sum(), counts))
         return state._replace(env=env, memory=memory, begins=begins), batch, counts
 
     def _loss(self, params: Any, batch: Batch, memory: jax.Array, key: jax.Array) -> tuple[jax.Array, Any]:
@@ -126,7 +131,7 @@ class Dagger(StudentLearner):
         """Trains over an iteration's sequences; memory: (n, memory) at their beginning; rate: () learning rate."""
         return epochs(
             self._loss, self._optimizer, (state.params, state.optimizer), batch, memory, key, rate,
-            int(self.config.epochs), int(self.config.minibatches),
+            int(self.config.epochs), int(self.config.minibatches), self.devices,
         )  # fmt: skip
 
     def _iterate(

@@ -16,6 +16,7 @@ from ml_collections import ConfigDict
 
 from ..envs.navigation.ppo import finetune_config
 from .dagger import make_student
+from .devices import Devices
 from .map_networks import MAP, VECTOR, MapCritic, MapTrunk
 from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
@@ -112,20 +113,28 @@ class Finetune(StudentLearner):
       teacher, teacher_params: see `StudentLearner`.
       dagger_config: config of the student's training, with its network.
       config: see `default_finetune_config`.
+      devices: see `StudentLearner`.
     """
 
     def __init__(
-        self, env: Any, teacher: Teacher, dagger_config: ConfigDict, config: ConfigDict, teacher_params: Any = None
+        self,
+        env: Any,
+        teacher: Teacher,
+        dagger_config: ConfigDict,
+        config: ConfigDict,
+        teacher_params: Any = None,
+        devices: Devices | None = None,
     ) -> None:
         adam = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
         parts = {"actor": "actor", "critic": "critic"}
         optimizer = optax.multi_transform({"actor": adam, "critic": adam}, parts)
-        super().__init__(env, teacher, make_student(dagger_config, env.action_size), optimizer, config, teacher_params)
+        student = make_student(dagger_config, env.action_size)
+        super().__init__(env, teacher, student, optimizer, config, teacher_params, devices)
         layers = tuple(tuple(int(x) for x in layer) for layer in config.map_layers)
         self._critic = MapCritic(MapTrunk(layers, tuple(int(n) for n in config.critic_hidden)))  # type: ignore[arg-type]
 
     def actor(self, state: LearnerState) -> Any:
-        return state.params["actor"]
+        return self.devices.own(state.params["actor"])
 
     def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:
         return {"actor": student, "critic": self._critic.init(key, obs[MAP][:1], obs[VECTOR][:1])}
@@ -141,6 +150,7 @@ class Finetune(StudentLearner):
         def step(carry: Any, key: jax.Array) -> Any:
             env, memory, begins = carry
             key_teacher, key_noise, key_light = jax.random.split(key, 3)
+            key_teacher, key_light = (self.devices.own_key(k) for k in (key_teacher, key_light))
             label = mirror_lateral(self.teacher(teacher, env, key_teacher), state.mirrored, LATERAL_ACTION)
             seen = mirrored_view(env.obs, state.mirrored)
             # Augmented here and not in the loss, because the actions' probabilities belong to these observations.
@@ -149,7 +159,8 @@ class Finetune(StudentLearner):
             )[0]
             one = {name: x[None] for name, x in seen.items()}
             mean, memory, _ = self.student.apply(state.params["actor"], one, memory, begins[None])  # type: ignore[misc]
-            action = mean[0] + config.noise * jax.random.normal(key_noise, mean[0].shape)
+            noise = jax.random.normal(key_noise, (int(config.num_envs), mean.shape[-1]))
+            action = mean[0] + config.noise * self.devices.rows(noise)
             privileged = {MAP: env.obs[MAP], VECTOR: env.obs[VECTOR]}
             target = mirrored_target(env.obs[MAP], state.mirrored)
             new = self.env.step(env, mirror_lateral(jnp.clip(action, -1.0, 1.0), state.mirrored, LATERAL_ACTION))
@@ -165,10 +176,11 @@ class Finetune(StudentLearner):
         env, memory, begins = carry
         last = self._value(state.params["critic"], {MAP: env.obs[MAP], VECTOR: env.obs[VECTOR]})
         gained = advantages(reward, done, value, last, config.discounting, config.gae_lambda)
-        normal = (gained - gained.mean()) / (gained.std() + 1e-6)
+        normal = (gained - self.devices.mean(gained.mean())) / (self.devices.std(gained) + 1e-6)
         batch = kept._replace(advantage=normal, returns=gained + value)
-        explained = 1.0 - gained.var() / jnp.maximum(batch.returns.var(), 1e-9)
-        counts = jax.tree.map(lambda x: x.sum(), counts) | {"explained": explained}
+        variance = self.devices.variance
+        explained = 1.0 - variance(gained) / jnp.maximum(variance(batch.returns), 1e-9)
+        counts = self.devices.sum(jax.tree.map(lambda x: x.sum(), counts)) | {"explained": explained}
         return state._replace(env=env, memory=memory, begins=begins), batch, counts
 
     def _loss(self, params: Any, batch: Batch, memory: jax.Array, anchor: jax.Array) -> Any:
@@ -203,8 +215,9 @@ class Finetune(StudentLearner):
 
         start = state.params, state.optimizer
         (params, optimizer), reported = epochs(
-            loss, self._optimizer, start, batch, memory, key_learn, rates, int(config.epochs), int(config.minibatches)
-        )
+            loss, self._optimizer, start, batch, memory, key_learn, rates, int(config.epochs), int(config.minibatches),
+            self.devices,
+        )  # fmt: skip
         state = state._replace(params=params, optimizer=optimizer, key=key, steps=state.steps + 1)
         ended = sum((counts[name] for name in ENDS), jnp.float32(0.0))
         shares = {name: counts[name] / jnp.maximum(ended, 1.0) for name in ENDS}

@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import optax
 
+from .devices import ALONE, Devices
 from .map_networks import MAP_SHAPE
 from .networks import PIXELS
 from .student import predicted_target
@@ -91,6 +92,7 @@ def epochs(
     rate: Any,
     count: int,
     parts: int,
+    devices: Devices = ALONE,
 ) -> tuple[tuple[Any, Any], Any]:
     """Trains for several epochs over the sequences of a rollout, each split at random into minibatches of whole
     sequences.
@@ -102,6 +104,7 @@ def epochs(
       rate: factor of the optimizer's update: a number, or a prefix pytree of the parameters.
       count: number of epochs.
       parts: number of minibatches per epoch; must divide n.
+      devices: that do this with their sequences at the same time; a minibatch is of all of them.
 
     Returns:
       (parameters, optimizer state), and the mean of the loss's metrics.
@@ -109,7 +112,7 @@ def epochs(
     n = memory.shape[0]
 
     def epoch(carry: Any, key: jax.Array) -> Any:
-        key_order, key_loss = jax.random.split(key)
+        key_order, key_loss = jax.random.split(devices.own_key(key))
         rows = jax.random.permutation(key_order, n).reshape(parts, -1)
 
         def update(carry: Any, inputs: Any) -> Any:
@@ -117,14 +120,14 @@ def epochs(
             chosen, key = inputs
             part = jax.tree.map(lambda x: jnp.take(x, chosen, axis=1), batch)
             grads, reported = jax.grad(loss, has_aux=True)(params, part, memory[chosen], key)
-            change, state = optimizer.update(grads, state, params)
+            change, state = optimizer.update(devices.mean(grads), state, params)
             change = jax.tree.map(lambda r, part: jax.tree.map(lambda x: -r * x, part), rate, change)
             return (optax.apply_updates(params, change), state), reported
 
         return jax.lax.scan(update, carry, (rows, jax.random.split(key_loss, parts)))
 
     end, reported = jax.lax.scan(epoch, start, jax.random.split(key, count))
-    return end, jax.tree.map(jnp.mean, reported)
+    return end, devices.mean(jax.tree.map(jnp.mean, reported))
 
 
 class Learner(Protocol):

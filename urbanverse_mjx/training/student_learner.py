@@ -13,6 +13,8 @@ import jax.numpy as jnp
 import optax
 from ml_collections import ConfigDict
 
+from ..datatypes import ValidationError
+from .devices import EQUAL, SPREAD, Devices
 from .student import SEEN, Student
 
 #: A teacher: function (parameters, `State` of n envs, key) -> actions (n, action_size). A network uses the observations
@@ -47,6 +49,10 @@ class LearnerState(NamedTuple):
     steps: jax.Array
 
 
+#: Placement of a state on several devices, see `devices`.
+_PLACEMENT = LearnerState._make((EQUAL, EQUAL, SPREAD, SPREAD, SPREAD, SPREAD, EQUAL, EQUAL))
+
+
 class StudentLearner(abc.ABC):
     """An algorithm over a wrapped env (`wrap_for_training`); a subclass gives parameters and an iteration.
 
@@ -58,6 +64,11 @@ class StudentLearner(abc.ABC):
       optimizer: of all parameters; its update is multiplied by the learning rate, which depends on the progress.
       config: with `num_envs`, `unroll_length`, `mirror` and `seed`.
       teacher_params: parameters of the teacher; may be set later with the same shapes.
+      devices: over which the envs are spread; default: all of JAX.
+
+    Raises:
+      ValidationError: the envs do not divide into equal shares of minibatches, or episodes are drawn by their success
+        rates, which every device would count by itself.
     """
 
     def __init__(
@@ -68,13 +79,26 @@ class StudentLearner(abc.ABC):
         optimizer: optax.GradientTransformation,
         config: ConfigDict,
         teacher_params: Any = None,
+        devices: Devices | None = None,
     ) -> None:
         self.env, self.teacher, self.config, self.teacher_params = env, teacher, config, teacher_params
+        self.devices = devices or Devices.every()
+        self._check()
         self.student, self._optimizer = student, optimizer
         self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
-        self._reset = jax.jit(env.reset)
+        self._reset = self.devices.run(env.reset, (SPREAD,), SPREAD)
         # The teacher's parameters are an argument, so that the compiled function does not depend on them.
-        self._compiled: Any = jax.jit(self._iterate, donate_argnums=0)
+        self._compiled: Any = self.devices.run(
+            self._iterate, (_PLACEMENT, EQUAL, EQUAL), (_PLACEMENT, EQUAL), donate=0
+        )  # fmt: skip
+
+    def _check(self) -> None:
+        self.devices.check(int(self.config.num_envs), int(self.config.minibatches), "ppo")
+        if self.devices.count > 1 and getattr(self.env, "learns_episodes", False):
+            raise ValidationError(
+                f"config.schedule.learnable: found it together with {self.devices.count} devices, needed one device, "
+                "because each would count success rates of its own; set it to 0.0, or CUDA_VISIBLE_DEVICES to one GPU."
+            )
 
     def compile(self, student: Any = None) -> None:
         """Compiles an iteration ahead of the first one, from shapes alone; student: as for `begin`, or shapes."""
@@ -104,11 +128,12 @@ class StudentLearner(abc.ABC):
         params = self._parameters(student, env.obs, key_net)
         mirrored = (jnp.arange(n) % 2 == 1) & bool(self.config.mirror)
         optimizer = self._optimizer.init(params)
-        return LearnerState(params, optimizer, env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32))
+        state = LearnerState(params, optimizer, env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32))
+        return self.devices.place(state, _PLACEMENT)
 
     def actor(self, state: LearnerState) -> Any:
-        """The parameters of the student in a state."""
-        return state.params
+        """The parameters of the student in a state, on one device."""
+        return self.devices.own(state.params)
 
     @abc.abstractmethod
     def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:
@@ -118,4 +143,5 @@ class StudentLearner(abc.ABC):
     def _iterate(
         self, state: LearnerState, teacher: Any, progress: jax.Array
     ) -> tuple[LearnerState, dict[str, jax.Array]]:
-        """An iteration, traced; teacher: its parameters. Returns the new state and metrics."""
+        """An iteration, traced on each device with its share of the envs; teacher: its parameters. Returns the new
+        state and metrics, which are equal on all devices."""

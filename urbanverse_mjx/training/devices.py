@@ -1,0 +1,132 @@
+"""Data parallelism of the iterative learners: envs spread over devices, equal parameters on all of them.
+
+Each device steps its share of the envs and computes the gradients of its share of a minibatch; gradients are averaged
+before the optimizer sees them, so N devices do what one does with the same total number of envs, up to rounding, apart
+from the random numbers of image augmentation and the order of sequences. `jax.shard_map` gives each device a program
+of its own, which the engines' custom calls need.
+"""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import NamedSharding, PartitionSpec
+
+from ..datatypes import ValidationError
+
+AXIS = "devices"
+#: Placement of arrays: with a leading axis of envs, and equal on all devices.
+SPREAD, EQUAL = PartitionSpec(AXIS), PartitionSpec()
+
+
+@dataclasses.dataclass(frozen=True)
+class Devices:
+    """Devices that train together. With one device, all methods return what they are given.
+
+    The methods named in the second group are called in a function that `run` runs.
+
+    Attributes:
+      devices: local devices of this process.
+    """
+
+    devices: tuple[Any, ...]
+
+    @staticmethod
+    def every() -> "Devices":
+        """All devices that JAX has."""
+        return Devices(tuple(jax.devices()))
+
+    @property
+    def count(self) -> int:
+        return len(self.devices)
+
+    @property
+    def _mesh(self) -> jax.sharding.Mesh:
+        return jax.sharding.Mesh(np.array(self.devices), (AXIS,))
+
+    def check(self, num_envs: int, minibatches: int, where: str) -> None:
+        """Checks that every device gets equally many envs and minibatches.
+
+        Raises:
+          ValidationError: it does not.
+        """
+        if num_envs % (self.count * minibatches):
+            raise ValidationError(
+                f"{where}.num_envs: found {num_envs}, needed a multiple of {self.count} devices x {minibatches} "
+                "minibatches."
+            )
+
+    def run(self, function: Callable[..., Any], given: Any, made: Any, donate: Any = ()) -> Callable[..., Any]:
+        """Compiles a function that runs on each device with its share of the envs.
+
+        Args:
+          function: of arguments placed as `given`, returns what is placed as `made`.
+          given, made: prefix pytrees of `SPREAD` and `EQUAL`.
+          donate: numbers of the arguments whose buffers are reused.
+        """
+        if self.count == 1:
+            return jax.jit(function, donate_argnums=donate)
+        mesh = self._mesh
+        alone = jax.shard_map(function, mesh=mesh, in_specs=given, out_specs=made, check_vma=False)
+        return jax.jit(
+            alone, donate_argnums=donate, in_shardings=self._shardings(given), out_shardings=self._shardings(made)
+        )
+
+    def place(self, tree: Any, placement: Any) -> Any:
+        """The arrays of a pytree on the devices, so that the first call of a compiled function is like later ones."""
+        if self.count == 1:
+            return tree
+        whole = jax.tree.map(
+            lambda spec, part: jax.tree.map(lambda _: NamedSharding(self._mesh, spec), part),
+            placement,
+            tree,
+            is_leaf=lambda x: isinstance(x, PartitionSpec),
+        )
+        return jax.device_put(tree, whole)
+
+    def own(self, tree: Any) -> Any:
+        """The copy of the first device of arrays that are equal on all."""
+        if self.count == 1:
+            return tree
+        return jax.tree.map(lambda x: x.addressable_data(0), tree)
+
+    def _shardings(self, placement: Any) -> Any:
+        return jax.tree.map(
+            lambda spec: NamedSharding(self._mesh, spec), placement, is_leaf=lambda x: isinstance(x, PartitionSpec)
+        )
+
+    def mean(self, tree: Any) -> Any:
+        """Mean over devices."""
+        return tree if self.count == 1 else jax.lax.pmean(tree, AXIS)
+
+    def sum(self, tree: Any) -> Any:
+        """Sum over devices."""
+        return tree if self.count == 1 else jax.lax.psum(tree, AXIS)
+
+    def rows(self, values: jax.Array) -> jax.Array:
+        """This device's rows of values (n, ...) for all envs."""
+        if self.count == 1:
+            return values
+        each = values.shape[0] // self.count
+        return jax.lax.dynamic_slice_in_dim(values, jax.lax.axis_index(AXIS) * each, each)
+
+    def own_key(self, key: jax.Array) -> jax.Array:
+        """A key that differs from those of other devices."""
+        return key if self.count == 1 else jax.random.fold_in(key, jax.lax.axis_index(AXIS))
+
+    def variance(self, values: jax.Array) -> jax.Array:
+        """Variance of the values of all devices."""
+        if self.count == 1:
+            return values.var()
+        return self.mean(jnp.square(values - self.mean(values.mean())).mean())
+
+    def std(self, values: jax.Array) -> jax.Array:
+        """Standard deviation of the values of all devices."""
+        return values.std() if self.count == 1 else jnp.sqrt(self.variance(values))
+
+
+#: One device, whichever computes.
+ALONE = Devices((None,))
