@@ -70,6 +70,7 @@ results: setup-dev ## draw the tables and figures of docs/results.md anew from t
 	@$(BIN)/python -m benchmarks.transfer_page
 	@$(BIN)/python -m benchmarks.missions --page
 	@$(BIN)/python -m benchmarks.street_tuning --page
+	@$(BIN)/python -m benchmarks.several_gpus --page
 
 streets: setup ## compile the six shipped streets into a scene bank in the cache, where they changed
 	@$(BIN)/urbanverse scene bank

@@ -25,6 +25,7 @@ Rows, of which `--rows` names patterns:
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
     transfer                the shipped policies in the places of benchmarks.transfer, on all cores
     missions                the shipped policies on the missions of benchmarks.missions, on all cores
+    gpus-NUMBER-SEED        the preset `best` on one or two GPUs that run nothing else (see benchmarks.several_gpus)
     street-tuning-STREET    coco_best before and after PPO on cousins of a filmed street (see benchmarks.street_tuning)
 
 OUT gets a folder and a log for each job, and campaign.log.
@@ -44,7 +45,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import missions, results, scaling, street_tuning, transfer
+from benchmarks import missions, results, scaling, several_gpus, street_tuning, transfer
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -92,6 +93,8 @@ OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
 
 #: Name of the study of benchmarks.street_tuning, and of its folder.
 STREET_TUNING = "street-tuning"
+#: The same of benchmarks.several_gpus.
+SEVERAL_GPUS = "gpus"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -117,8 +120,9 @@ class Job:
       needs: files that must be there before it begins.
       awaits: a file that it waits for by itself, which a job that runs may still be making.
       gives: a file that is there once it is done.
-      memory: GiB of GPU memory; 0 for a job on the processor alone.
+      memory: GiB of GPU memory of each GPU; 0 for a job on the processor alone.
       rows: of its result.json.
+      gpus: number of GPUs; more than one are to be free of other jobs.
     """
 
     name: str
@@ -128,6 +132,7 @@ class Job:
     memory: int = 0
     rows: tuple[Row, ...] = ()
     awaits: pathlib.Path | None = None
+    gpus: int = 1
 
 
 def bank(name: str) -> pathlib.Path:
@@ -283,6 +288,17 @@ def _street_tuning(args: argparse.Namespace) -> Iterator[Job]:
         yield Job(f"{STREET_TUNING}-{street}", words, (needs,), gives, STUDENT, (Row("film", study=STREET_TUNING),))
 
 
+def _several_gpus(args: argparse.Namespace) -> Iterator[Job]:
+    """The same training on one and on two GPUs. Nothing else runs on them, because speeds are compared."""
+    for seed in args.seeds[: len(several_gpus.SEEDS)]:
+        for gpus in several_gpus.GPUS:
+            words: list[object] = ["benchmarks.several_gpus", "--train", *_banks(["procedural"])]
+            words += ["--test", *_banks([several_gpus.TEST]), "--seed", seed, "--env", *_conditions()]
+            sets, row = ("procedural", several_gpus.TEST), Row(several_gpus.AGENT, study=SEVERAL_GPUS, seed=seed)
+            job = _job(args, f"{SEVERAL_GPUS}-{gpus}-{seed}", words, sets, args.gpu_memory, [row])
+            yield dataclasses.replace(job, gpus=gpus)
+
+
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
     """All jobs that train or score, whatever `--rows` says, in the order in which they should begin."""
     for seed in args.seeds:
@@ -303,6 +319,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
     yield from _arms(args)
     yield from _studies(args)
     yield from _street_tuning(args)
+    yield from _several_gpus(args)
     for name in OF_ALL_CORES:
         command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
         # A GPU of its own each, because trainings beside them would want for processors.
@@ -354,7 +371,7 @@ class Campaign:
     def __init__(self, args: argparse.Namespace, jobs: Sequence[Job]) -> None:
         self.args, self.begin = args, time.monotonic()
         self.waiting = [job for job in jobs if not job.gives.exists()]
-        self.running: dict[Job, tuple[subprocess.Popen[bytes], int]] = {}
+        self.running: dict[Job, tuple[subprocess.Popen[bytes], tuple[int, ...]]] = {}
         self.failed: list[Job] = []
 
     def say(self, text: str) -> None:
@@ -363,11 +380,15 @@ class Campaign:
             file.write(line + "\n")
         print(line, file=sys.stderr, flush=True)
 
-    def free_gpu(self, memory: int) -> int | None:
-        """The GPU with the most free memory, if that is enough."""
-        used = [sum(job.memory for job, (_, at) in self.running.items() if at == g) for g in range(self.args.gpus)]
-        gpu = used.index(min(used))
-        return gpu if used[gpu] + memory <= self.args.gpu_memory else None
+    def free_gpus(self, job: Job) -> tuple[int, ...] | None:
+        """The GPUs with the most free memory, if that is enough; several only where nothing else runs."""
+        if not job.memory:
+            return ()
+        used = [sum(x.memory for x, (_, at) in self.running.items() if g in at) for g in range(self.args.gpus)]
+        order = sorted(range(self.args.gpus), key=lambda g: used[g])[: job.gpus]
+        most = self.args.gpu_memory if job.gpus == 1 else job.memory
+        fits = len(order) == job.gpus and all(used[g] + job.memory <= most for g in order)
+        return tuple(sorted(order)) if fits else None
 
     def start(self, job: Job) -> bool:
         """Starts a job if its files are there and a GPU has room."""
@@ -377,12 +398,13 @@ class Campaign:
             return False
         if job.awaits and not (job.awaits.exists() or job.awaits in unfinished):
             return False
-        gpu = self.free_gpu(job.memory) if job.memory else -1
-        if gpu is None:
+        gpus = self.free_gpus(job)
+        if gpus is None:
             return False
+        visible = ",".join(str(g) for g in gpus)
         # Building scenes needs no GPU, and a context of CUDA in every worker costs half a GiB there.
         device = (
-            {"CUDA_VISIBLE_DEVICES": str(gpu)} if job.memory else {"CUDA_VISIBLE_DEVICES": "", "JAX_PLATFORMS": "cpu"}
+            {"CUDA_VISIBLE_DEVICES": visible} if job.memory else {"CUDA_VISIBLE_DEVICES": "", "JAX_PLATFORMS": "cpu"}
         )
         env = {**os.environ, "XLA_PYTHON_CLIENT_PREALLOCATE": "false", "OPENBLAS_NUM_THREADS": "1", **device}
         env.pop("PYTHONDONTWRITEBYTECODE", None)  # with it every worker compiles what it imports, for seconds
@@ -391,8 +413,8 @@ class Campaign:
         with (self.args.out / f"{job.name}.log").open("wb") as log:
             command = [*nice, sys.executable, *job.command]
             process = subprocess.Popen(command, env=env, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
-        self.running[job] = process, gpu
-        self.say(f"begin {job.name}" + (f" on GPU {gpu}" if job.memory else ""))
+        self.running[job] = process, gpus
+        self.say(f"begin {job.name}" + (f" on GPU {visible}" if job.memory else ""))
         return True
 
     def look(self) -> None:
@@ -436,6 +458,8 @@ def add_rows(args: argparse.Namespace) -> int:
         for row in job.rows if job.gives.is_file() else ():
             if row.study in OF_ALL_CORES:
                 OF_ALL_CORES[row.study](job.gives.parent)
+            elif row.study == SEVERAL_GPUS:
+                several_gpus.add(job.gives)
             elif row.study == STREET_TUNING:
                 street_tuning.add(args.out / STREET_TUNING)
             elif row.study:

@@ -141,6 +141,27 @@ def test_two_gpus_take_jobs_at_the_same_time(tmp_path: pathlib.Path) -> None:
     assert {event.split()[0] for event in _events(tmp_path)[:2]} == {"begin"}
 
 
+def test_a_job_of_two_gpus_waits_until_both_are_free(tmp_path: pathlib.Path) -> None:
+    code = CODE.replace('f"begin {name}', "f\"begin {name} {os.environ['CUDA_VISIBLE_DEVICES']}")
+    code = "import os\n" + code
+    jobs = [
+        _job(tmp_path, "one", 1, seconds=1.5, code=code),
+        dataclasses.replace(_job(tmp_path, "both", 80, seconds=1.5, code=code), gpus=2),
+        _job(tmp_path, "alone", 80, seconds=1.5, code=code),
+        _job(tmp_path, "last", 1, code=code),
+    ]
+    assert Campaign(_args(tmp_path, "--gpus", "2"), jobs).run() == 0
+    events = _events(tmp_path)
+    # The two begin beside each other, because a GPU is free; the rest follows as memory allows.
+    at = {event: k for k, event in enumerate(events)}
+    assert {"begin one 0", "begin alone 1", "begin both 0,1"} < set(events)
+    assert at["begin both 0,1"] > max(at["end one"], at["end alone"])
+    assert [e for e in events[at["begin both 0,1"] : at["end both"]] if e.startswith("begin")] == ["begin both 0,1"]
+    # A machine with one GPU never has two.
+    (tmp_path / "both").unlink()
+    assert Campaign(_args(tmp_path), jobs).run() == 1
+
+
 def test_a_campaign_continues_and_names_what_failed(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     jobs = [_job(tmp_path, "a", 0), _job(tmp_path, "b", 0, code="raise SystemExit(3)"), _job(tmp_path, "c", 0, "b")]
     args = _args(tmp_path)
@@ -208,12 +229,13 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
 
 
 def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from benchmarks import comparison, halves, missions, street_tuning, transfer
+    from benchmarks import comparison, halves, missions, several_gpus, street_tuning, transfer
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
     scripts |= {"benchmarks.halves": halves.arguments, "benchmarks.transfer": transfer.arguments}
     scripts |= {"benchmarks.missions": missions.arguments, "benchmarks.street_tuning": street_tuning.arguments}
+    scripts["benchmarks.several_gpus"] = several_gpus.arguments
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
@@ -222,7 +244,7 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
             own = {"benchmarks.halves": job.gives.parent, "benchmarks.street_tuning": job.gives.parents[2]}
             wanted = own.get(job.command[1], tmp_path / "out" / job.name)
             assert parsed[-1].out == wanted
-    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3
+    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
