@@ -1,6 +1,6 @@
 """Draws streets of the library with the houses of the catalogue and with those of their region, side by side.
 
-    urbanverse scene compile scenes/urbanverse160/LAYOUT/graph.json.gz --out FOLDER [--facades]
+    urbanverse scene compile scenes/urbanverse160/LAYOUT/graph.json.gz --out FOLDER [--regional]
     python -m benchmarks.city_sheet --before before.npz --after after.npz --out docs/cities.jpg
 
 Both banks (`scene.pack_bank` of the folders) hold the same layouts in the same order. The camera stands on the

@@ -36,8 +36,8 @@ class CompileArgs:
     """Write movable objects to scene.xml as free bodies at rest; by default all objects are fixed."""
     imported: bool = False
     """Also use the assets that you imported (`urbanverse assets import`)."""
-    facades: bool = False
-    """Replace houses by buildings of the region of the graph's city or country, with signs in its script."""
+    regional: bool = False
+    """Give the scene the look of the graph's city or country: houses and signs, roads and their markings."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -124,7 +124,7 @@ def _compile(args: CompileArgs) -> int:
             args.half,
             args.movable,
             args.imported,
-            args.facades,
+            args.regional,
         )
     for gone in cousin.left_out:
         sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")

@@ -1,6 +1,7 @@
 """`SceneLayout`: one digital cousin, every asset chosen and placed. File: `layout.json`."""
 
 import dataclasses
+import re
 from typing import Any, ClassVar, Self
 
 from . import ground
@@ -9,6 +10,13 @@ from .json_datatype import JsonDatatype
 from .scene_graph import MAX_OBJECTS, MAX_REGIONS
 
 SCHEMA = "urbanverse.scene_layout/1"
+
+
+def _colour(value: Any, where: str) -> str:
+    text = v.text(value, where)
+    if text != "own" and not re.fullmatch("#[0-9a-f]{6}", text):
+        raise v.fail(where, v.show(value), "'#rrggbb' with digits 0-9 and a-f, or 'own'")
+    return text
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,6 +34,7 @@ class PlacedObject:
       mass: kg, after scaling.
       friction: sliding friction coefficient.
       movable: whether a robot could push it over or along.
+      paint: colours of its painted parts (`assets.meshes.repaint`) instead of its record's; () for those.
     """
 
     id: str
@@ -38,6 +47,7 @@ class PlacedObject:
     mass: float
     friction: float
     movable: bool
+    paint: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         v.text(self.id, "object.id")
@@ -51,15 +61,20 @@ class PlacedObject:
         set_(self, "mass", v.number(self.mass, f"{where}.mass", above=0.0, maximum=1e9))
         set_(self, "friction", v.number(self.friction, f"{where}.friction", minimum=0.0, maximum=5.0))
         v.boolean(self.movable, f"{where}.movable")
+        paint = v.items(self.paint, f"{where}.paint", maximum=8)
+        set_(self, "paint", tuple(_colour(color, f"{where}.paint") for color in paint))
 
     def to_json(self) -> dict[str, Any]:
-        body = dataclasses.asdict(self)
-        return {**body, "position": list(self.position), "scale": list(self.scale)}
+        body = {**dataclasses.asdict(self), "position": list(self.position), "scale": list(self.scale)}
+        # Left out where there is none, so that older layouts keep their hashes.
+        paint = body.pop("paint")
+        return {**body, "paint": list(paint)} if paint else body
 
     @staticmethod
     def from_json(value: Any, where: str) -> "PlacedObject":
         where = v.named(value, where, "object")
-        m = v.mapping(value, where, [f.name for f in dataclasses.fields(PlacedObject)])
+        names = [f.name for f in dataclasses.fields(PlacedObject) if f.name != "paint"]
+        m = v.mapping(value, where, names, ("paint",))
         v.text(m["id"], f"{where}.id")
         return PlacedObject(**m)
 
@@ -107,6 +122,7 @@ class SceneLayout(JsonDatatype):
       sky: id of a sky.
       sky_yaw: rad, its rotation about z.
       hashes: further inputs, name to hash (asset index, materialiser).
+      place: (city, country) whose roads and plants the compiler draws, or None: roads without markings of a country.
     """
 
     KIND: ClassVar[str] = "scene layout"
@@ -121,6 +137,7 @@ class SceneLayout(JsonDatatype):
     sky: str
     sky_yaw: float
     hashes: dict[str, str]
+    place: tuple[str, str] | None = None
 
     def __post_init__(self) -> None:
         for name in ("id", "graph_id"):
@@ -140,9 +157,12 @@ class SceneLayout(JsonDatatype):
         for key, value in self.hashes.items():
             v.text(key, "layout.hashes")
             v.text(value, f"layout.hashes.{key}")
+        if self.place is not None:
+            place = v.items(self.place, "layout.place", minimum=2, maximum=2)
+            set_(self, "place", tuple(v.text(name, "layout.place") for name in place))
 
     def to_json(self) -> dict[str, Any]:
-        return {
+        body: dict[str, Any] = {
             "schema": SCHEMA,
             "id": self.id,
             "graph_id": self.graph_id,
@@ -155,11 +175,13 @@ class SceneLayout(JsonDatatype):
             "sky_yaw": self.sky_yaw,
             "hashes": dict(self.hashes),
         }
+        # Left out where there is none, so that older layouts keep their hashes.
+        return body if self.place is None else {**body, "place": list(self.place)}
 
     @classmethod
     def from_json(cls, value: Any) -> Self:
-        names = [f.name for f in dataclasses.fields(cls)]
-        m = dict(v.mapping(value, "layout", ["schema", *names]))
+        names = [f.name for f in dataclasses.fields(cls) if f.name != "place"]
+        m = dict(v.mapping(value, "layout", ["schema", *names], ["place"]))
         v.choice(m.pop("schema"), "layout.schema", (SCHEMA,))
         objects = v.items(m.pop("objects"), "objects", maximum=MAX_OBJECTS)
         regions = v.items(m.pop("ground"), "ground", minimum=1, maximum=MAX_REGIONS)

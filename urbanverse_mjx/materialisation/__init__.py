@@ -1,7 +1,7 @@
 """Converts a scene graph to layouts: chooses assets, materials and a sky, and resolves overlaps of objects."""
 
 from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
-from .facades import check_city, dress
+from .regional import check_city, localise
 from .shortlists import LeftOut
 
 __all__ = [
@@ -9,8 +9,8 @@ __all__ = [
     "LeftOut",
     "check_city",
     "check_labels",
-    "dress",
     "index_of",
+    "localise",
     "materialise_cousin",
     "materialise_cousins",
 ]

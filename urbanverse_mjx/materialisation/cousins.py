@@ -206,6 +206,13 @@ def index_of(layout: SceneLayout, objects: ObjectLibrary | None = None) -> Asset
     return AssetIndex((*own, *(regional_records.records_of(regional) if regional else ())))
 
 
+@functools.cache
+def trees_of() -> tuple[AssetRecord, ...]:
+    """The catalogue's records of trees."""
+    objects = library()
+    return tuple(objects.records([uid for uid in objects.get_uids_all() if uid.startswith("tree/")]))
+
+
 @functools.lru_cache(maxsize=1)
 def _matcher(objects: ObjectLibrary) -> Matcher:
     return Matcher(objects)

@@ -15,7 +15,6 @@ from ..assets import load_hulls
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
 from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
-from ..datatypes import validation as v
 from ..datatypes.toml_table import table
 from . import choice, overlap
 from .cousins import Cousin, index_of
@@ -48,21 +47,6 @@ class Block:
     def scaled(self, scale: Sequence[float]) -> "Block":
         x, y, _ = scale
         return Block(self.front * x, self.middle * y, self.width * y, self.depth * x)
-
-
-def check_city(graph: SceneGraph) -> None:
-    """Checks that a tradition serves a graph's city or country.
-
-    Raises:
-      ValidationError: none does.
-    """
-    if regional.tradition_of(graph.source.city, graph.source.country) is None:
-        raise v.fail(
-            "graph.source.city",
-            f"{v.show(graph.source.city)} in {v.show(graph.source.country)}",
-            f"one of {', '.join(regional.places())}",
-            "correct the city or the country, or leave --facades out",
-        )
 
 
 def dress(

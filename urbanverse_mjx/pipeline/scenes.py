@@ -26,7 +26,7 @@ def compile_graph(
     half: int = 0,
     movable: bool = False,
     imported: bool = False,
-    facades: bool = False,
+    regional: bool = False,
 ) -> "tuple[Cousin, CompiledScene]":
     """Reads a graph, materialises one of its cousins and compiles it; episodes are driven by COCO with differential
     drive.
@@ -43,7 +43,7 @@ def compile_graph(
       half: 1 or 2 for only that half of the street, cut across its centre; 0 for all of it.
       imported: whether to use the assets that the user imported too.
       movable: whether to write movable objects as free bodies at rest in C MuJoCo; otherwise `scene.xml` is static.
-      facades: whether houses are of the tradition of the graph's city (`materialisation.facades`).
+      regional: whether the scene has the look of the graph's city (`materialisation.regional`).
 
     Raises:
       ValidationError: the graph is invalid, or no tradition serves its city; no file is written.
@@ -56,7 +56,7 @@ def compile_graph(
     check_out_dir(out)
     scene = SceneGraph.load(graph)
     check_regions(scene.ground)
-    from ..materialisation import check_city, check_labels, dress, index_of, materialise_cousin
+    from ..materialisation import check_city, check_labels, index_of, localise, materialise_cousin
     from ..scene.halves import half_layouts
 
     objects = None
@@ -66,11 +66,11 @@ def compile_graph(
         objects = full_library()
     if not skip_unknown:
         check_labels(scene, objects)
-    if facades:
+    if regional:
         check_city(scene)
     made = materialise_cousin(scene, cousin, seed, objects=objects)
-    if facades:
-        made = dress(made, scene, index_of(made.layout, objects))
+    if regional:
+        made = localise(made, scene, index_of(made.layout, objects))
     layout = half_layouts(made.layout)[half - 1] if half else made.layout
     index = index_of(layout, objects)
     return made, compile_layout(layout, index, out, freeze_unstable=True, place=scene.source, movable=movable)

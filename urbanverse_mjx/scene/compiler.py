@@ -12,11 +12,13 @@ from ..assets import AssetIndex, build_mesh, load_hulls
 from ..assets.appearances.ground_friction import ground_friction
 from ..assets.appearances.ground_materials import build_material
 from ..assets.appearances.skies import build_sky
-from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
+from ..assets.meshes import crowns, repaint
+from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedGround, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
+from ..datatypes.ground import KIND_INDEX
 from ..geometry import rotations
 from ..work_folder import recover, replacing_folder
-from . import ground, maps
+from . import ground, maps, roads
 from .drive import Controller, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
 from .exchange import exchange_map, save_map
@@ -64,8 +66,8 @@ class CompiledScene:
         layout = SceneLayout.load(folder / "layout.json")
         geometry = SceneGeometry.load(folder / "geometry.npz")
         material = {region.id: region.material for region in layout.ground}
-        friction = np.array([ground_friction(material[name]) for name in geometry.region_ids])
-        geometry = dataclasses.replace(geometry, prism_material_friction=friction[geometry.prism_region])
+        carrying = [ground_friction(material[geometry.region_ids[region]]) for region in geometry.prism_region]
+        geometry = dataclasses.replace(geometry, prism_material_friction=np.array(carrying))
         return CompiledScene(folder, layout, geometry, metadata)
 
 
@@ -159,7 +161,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     ground.check_regions(layout.ground)
     objects = sorted(layout.objects, key=lambda o: (o.position[0], o.position[1], o.id))
     regions = sorted(layout.ground, key=lambda r: (min(p[0] for p in r.polygon), r.id))
-    library = _Assets(index, source or AssetSource())
+    library = _Assets(index, source or AssetSource(), layout.place is not None)
     kinds = [library.add(o) for o in objects]
     prisms = ground.ground_prisms(regions)
     position = np.array([o.position for o in objects], np.float64).reshape(-1, 3)
@@ -193,7 +195,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
         prism_friction=np.full(len(prisms), GROUND_FRICTION),
         prism_region=np.array([p.region for p in prisms], np.int32),
         prism_material_friction=np.array([ground_friction(regions[p.region].material) for p in prisms]),
-        **_region_fields(regions, library.meshes),
+        **_region_fields(regions, library.meshes, _drawn_roads(layout, regions, index)),
         sky=layout.sky,
         sky_yaw=layout.sky_yaw,
         map=scene_map,
@@ -213,40 +215,62 @@ def _with_unstable_frozen(geometry: SceneGeometry, layout: SceneLayout) -> tuple
     return geometry, layout
 
 
-def _region_fields(regions: Sequence[Any], meshes: list[AssetMesh]) -> dict[str, Any]:
+def _drawn_roads(layout: SceneLayout, regions: Sequence[PlacedGround], index: AssetIndex) -> list[roads.Drawn] | None:
+    """What lies on the roads of the layout's place; None without a place."""
+    if layout.place is None:
+        return None
+    parked = []
+    for placed in layout.objects:
+        record = index.get(placed.asset_uid)
+        if record.category[0] == "vehicle":
+            parked.append(roads.Parked(placed.position[:2], placed.yaw, record.extent_xyz[0] * placed.scale[0]))
+    return roads.draw_roads(regions, parked, roads.rules_of(*layout.place), layout.id)
+
+
+def _region_fields(
+    regions: Sequence[PlacedGround], meshes: list[AssetMesh], drawn: list[roads.Drawn] | None
+) -> dict[str, Any]:
+    """The fields of the ground regions, followed by what is drawn on them, which has no prism."""
     visuals = []
+    crossings = {} if drawn is None else roads.crosswalk_materials(regions)
     for region in regions:
-        material = build_material(region.material)
-        turn = ground.traffic_turn(region, regions)
-        visuals.append(
-            ground.region_mesh(region, material.texture, material.tile_size_m, material.roughness, turn=turn)
-        )
+        # Bars of a crosswalk are drawn on the road; the region's own material has them painted into its texture.
+        plain = crossings.get(region.id)
+        material = build_material(plain or region.material)
+        turn = 0.0 if plain else ground.traffic_turn(region, regions)
+        rough = material.roughness if drawn is None else max(material.roughness, roads.LEAST_ROUGHNESS)
+        visuals.append(ground.region_mesh(region, material.texture, material.tile_size_m, rough, turn=turn))
+    visuals += [(d.position, d.mesh) for d in drawn or ()]
+    shown = [*regions, *(drawn or ())]
     return {
-        "region_ids": tuple(r.id for r in regions),
-        "region_kind": np.array([ground.kind_index(r) for r in regions], np.int32),
-        "region_mesh": len(meshes) + np.arange(len(regions), dtype=np.int32),
+        "region_ids": tuple(r.id for r in shown),
+        "region_kind": np.array([KIND_INDEX[r.kind] for r in shown], np.int32),
+        "region_mesh": len(meshes) + np.arange(len(shown), dtype=np.int32),
         "region_position": np.stack([p for p, _ in visuals]),
         "meshes": (*meshes, *(m for _, m in visuals)),
     }
 
 
 class _Assets:
-    """Meshes and hulls of the distinct (asset, scale) pairs of a layout."""
+    """Meshes and hulls of the distinct (asset, scale, paint) triples of a layout."""
 
-    def __init__(self, index: AssetIndex, source: AssetSource) -> None:
-        self._index, self._source = index, source
+    def __init__(self, index: AssetIndex, source: AssetSource, regional: bool) -> None:
+        self._index, self._source, self._regional = index, source, regional
         self._rows: dict[tuple[Any, ...], int] = {}
         self.meshes: list[AssetMesh] = []
         self.hulls: list[np.ndarray] = []
         self.hull_rows: list[range] = []
 
     def add(self, placed: PlacedObject) -> int:
-        """Adds a pair and returns the number of its mesh, which is also the row of `hull_rows`."""
-        key = (placed.asset_uid, *placed.scale)
+        """Adds a triple and returns the number of its mesh, which is also the row of `hull_rows`."""
+        key = (placed.asset_uid, *placed.scale, placed.paint)
         if key not in self._rows:
             record = self._index.get(placed.asset_uid)
             scale = np.array(placed.scale, np.float32)
-            mesh = self._source.mesh(record)
+            mesh = self._source.mesh(repaint.untinted(record) if placed.paint else record)
+            mesh = repaint.repainted(mesh, [color for color in placed.paint if color != repaint.OWN])
+            if self._regional and record.category[:2] == ("nature", "vegetation"):
+                mesh = crowns.with_sprays(mesh, record.uid)
             hulls = [h * scale for h in self._source.hulls(record).hulls]
             self._rows[key] = len(self.meshes)
             self.hull_rows.append(range(len(self.hulls), len(self.hulls) + len(hulls)))

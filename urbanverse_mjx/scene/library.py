@@ -16,7 +16,7 @@ TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz"
 #: Generators of sets whose graphs are not files: `citygen.craftbench` and `citygen.validation_streets` (hand-made),
 #: `citygen.procedural_streets` and `citygen.procedural_places` (from templates).
 GENERATORS = ("craft", "validation", "procedural", "places")
-_OPTIONAL = ("numbered", "builder", "validation", "facades")
+_OPTIONAL = ("numbered", "builder", "validation", "regional")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,7 +31,7 @@ class SceneSet:
       validation: layouts that are held out of `split` for validation, with all their cousins.
       numbered: whether scene ids end in _Cousin_<k>, like those of UrbanVerse's authors.
       builder: "" if graphs are files, otherwise their generator, one of `GENERATORS`.
-      facades: whether houses are of the tradition of each graph's city (`materialisation.facades`).
+      regional: whether scenes have the look of each graph's city (`materialisation.regional`).
     """
 
     name: str
@@ -41,7 +41,7 @@ class SceneSet:
     numbered: bool = True
     builder: str = ""
     validation: tuple[str, ...] = ()
-    facades: bool = False
+    regional: bool = False
 
     def scene_id(self, layout: str, cousin: int) -> str:
         """Id of a layout's cousin number `cousin`, from 0."""
@@ -73,7 +73,7 @@ def sets() -> dict[str, SceneSet]:
         v.choice(row["split"], f"{TABLE}: {name}: split", SPLITS)
         v.integer(row["cousins"], f"{TABLE}: {name}: cousins", 1, 64)
         v.choice(row.get("builder", ""), f"{TABLE}: {name}: builder", ("", *GENERATORS))
-        v.boolean(row.get("facades", False), f"{TABLE}: {name}: facades")
+        v.boolean(row.get("regional", False), f"{TABLE}: {name}: regional")
         where = f"{TABLE}: {name}: validation"
         layouts = tuple(v.text(x, where) for x in v.items(row.get("validation", ()), where))
         v.unique(layouts, where)

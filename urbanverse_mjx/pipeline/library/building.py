@@ -76,11 +76,11 @@ def graph_of(scenes: library.SceneSet, layout: str) -> SceneGraph:
 
 def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
     """The cousins of a layout, under the set's scene ids."""
-    from ...materialisation import dress, materialise_cousins
+    from ...materialisation import localise, materialise_cousins
 
     graph = graph_of(scenes, layout)
     for k, made in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed)):
-        cousin = dress(made, graph) if scenes.facades else made
+        cousin = localise(made, graph) if scenes.regional else made
         named = dataclasses.replace(cousin.layout, id=scenes.scene_id(layout, k))
         yield dataclasses.replace(cousin, layout=named)
 
@@ -100,8 +100,8 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
     scenes = library.scene_set(name)
     graph = graph_of(scenes, layout)
     wanted: dict[str, Any] = {"cousins": scenes.cousins, "seed": scenes.seed}
-    if scenes.facades:
-        wanted["facades"] = regional_hash()
+    if scenes.regional:
+        wanted["regional"] = regional_hash()
     key = key_of("library", graph=graph.content_hash(), assets=inputs_key(), **wanted)
     ids = [scenes.scene_id(layout, k) for k in range(scenes.cousins)]
     done = [_record(name, scene, key) for scene in ids]

@@ -1,0 +1,176 @@
+"""What is drawn on roads: on the right side, along the kerbs, flat on the ground, and seen but never touched."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import shapely
+
+from urbanverse_mjx.assets import AssetIndex, load_index
+from urbanverse_mjx.citygen.section import StreetSection, ground_regions
+from urbanverse_mjx.datatypes import PlacedGround, PlacedObject, SceneLayout
+from urbanverse_mjx.scene.compiler import scene_geometry
+from urbanverse_mjx.scene.ground import plane_height
+from urbanverse_mjx.scene.mjcf import scene_spec
+from urbanverse_mjx.scene.roads import Parked, RoadRules, draw_roads, rules_of
+from urbanverse_mjx.scene.roads.axis import axes
+from urbanverse_mjx.scene.roads.markings import Mark, find_roads, marks
+
+WIDTH, LENGTH, CROSSWALK = 7.0, 100.0, 50.0
+SECTION = StreetSection(LENGTH, WIDTH, 3.0, 3.0, (CROSSWALK,), start="junction", end="junction")
+
+
+def ground(section: StreetSection = SECTION) -> list[PlacedGround]:
+    material = {"road": "asphalt_old", "crosswalk": "zebra_new"}
+    return [
+        PlacedGround(r.id, r.kind, r.polygon, r.plane, material.get(r.kind, "slabs_grey"))
+        for r in ground_regions(section)
+    ]
+
+
+def found(rules: RoadRules, parked: tuple[Parked, ...] = (), section: StreetSection = SECTION) -> list[Mark]:
+    return marks(find_roads(ground(section)), rules, parked, np.random.default_rng(0))
+
+
+def bounds(found: list[Mark], paint: str, kind: str) -> np.ndarray:
+    """(n, 4) lowest x and y and highest x and y of the pieces of a paint."""
+    pieces = [p for m in found if (m.paint, m.kind) == (paint, kind) for p in shapely.get_parts(m.shape)]
+    return np.array([p.bounds for p in pieces if p.area > 1e-6])
+
+
+def test_the_middle_of_a_straight_road_and_its_width() -> None:
+    (axis,) = find_roads(ground()).axes
+    assert axis.length == pytest.approx(LENGTH, abs=6.0)
+    assert np.abs(axis.middle[:, 1]).max() < 0.02
+    assert np.abs(axis.half - WIDTH / 2).max() < 0.05
+    np.testing.assert_allclose(axis.project(np.array([[20.0, 1.5]]))[0, 1], 1.5, atol=0.02)
+
+
+def test_the_middle_of_a_bend_follows_the_circle() -> None:
+    turn, radius = np.radians(np.arange(0, 71)), 60.0
+    circle = np.stack([np.sin(turn), -np.cos(turn)], -1)
+    bend = shapely.Polygon(np.concatenate([circle * (radius - 4), circle[::-1] * (radius + 4)]))
+    (axis,) = axes(bend)
+    assert axis.length > 60.0
+    assert np.abs(np.linalg.norm(axis.middle, axis=1) - radius).max() < 0.1
+    strip = axis.strip(10.0, 40.0, 0.9, 1.1)  # the left is inside
+    assert np.abs(np.linalg.norm(shapely.get_coordinates(strip), axis=1) - (radius - 1)).max() < 0.2
+
+
+@pytest.mark.parametrize(("traffic", "side"), [("right", -1), ("left", 1)])
+def test_stop_lines_lie_on_the_side_of_the_traffic(traffic: str, side: int) -> None:
+    lines = bounds(found(RoadRules(traffic=traffic, stop=0.4)), "white", "road_marking")
+    long = lines[(lines[:, 2] - lines[:, 0] < 0.5) & (lines[:, 3] - lines[:, 1] > 2.0)]
+    eastward = long[(long[:, 2] < CROSSWALK - 2.0) & (long[:, 0] > CROSSWALK - 4.0)]
+    westward = long[(long[:, 0] > CROSSWALK + 2.0) & (long[:, 2] < CROSSWALK + 4.0)]
+    assert len(eastward) == len(westward) == 1
+    # Whoever drives to the east and keeps to the right has the line at y < 0.
+    assert np.sign(eastward[0, [1, 3]].mean()) == side
+    assert np.sign(westward[0, [1, 3]].mean()) == -side
+
+
+def test_the_centre_line_is_broken_in_the_middle_of_the_road_and_ends_before_the_crosswalk() -> None:
+    lines = bounds(found(RoadRules(centre="yellow", dash=2.0, gap=3.0)), "yellow", "road_marking")
+    assert np.abs(lines[:, [1, 3]].mean(1)).max() < 0.03
+    np.testing.assert_allclose(lines[:, 3] - lines[:, 1], 0.12, atol=0.01)
+    assert not ((lines[:, 0] < CROSSWALK + 2.3) & (lines[:, 2] > CROSSWALK - 2.3)).any()
+    lines = lines[np.argsort(lines[:, 0])]
+    dashes = lines[(lines[:, 2] - lines[:, 0]) < 2.1]
+    assert len(dashes) >= 2
+    gaps = lines[1:, 0] - lines[:-1, 2]
+    assert ((gaps > 2.9) | (gaps < -1e6)).all()
+
+
+def test_bars_of_a_crosswalk_have_their_width_and_stay_inside() -> None:
+    rules = rules_of("Tokyo", "Japan")
+    made = found(rules)
+    bars = bounds(made, "white", "crosswalk")
+    np.testing.assert_allclose(bars[:, 3] - bars[:, 1], 0.45, atol=1e-6)
+    np.testing.assert_allclose(np.diff(np.sort(bars[:, 1])), 0.9, atol=1e-6)
+    assert len(bars) == 7
+    assert bars[:, 0].min() > CROSSWALK - 2.0
+    assert bars[:, 2].max() < CROSSWALK + 2.0
+    assert {m.paint for m in found(rules_of("Almaty", "Kazakhstan")) if m.kind == "crosswalk"} == {"white", "yellow"}
+    assert {m.paint for m in found(rules_of("Mexico City", "Mexico")) if m.kind == "crosswalk"} == {"yellow"}
+
+
+def test_bays_hold_the_parked_vehicles() -> None:
+    parked = tuple(Parked((x, 2.5), 0.0, 4.4) for x in (10.0, 16.0, 75.0))
+    made = found(RoadRules(bay="box", bay_colour="blue"), parked)
+    lines = bounds(made, "blue", "road_marking")
+    assert lines[:, 1].min() > 1.2, "on their side alone"
+    assert lines[:, 3].max() < WIDTH / 2
+    across = np.sort(lines[lines[:, 2] - lines[:, 0] < 0.2][:, [0, 2]].mean(1))
+    for vehicle in parked:
+        x = vehicle.place[0]
+        assert ((across > x - 3.2) & (across < x - 2.2)).any()
+        assert ((across > x + 2.2) & (across < x + 3.2)).any()
+        assert not ((across > x - 2.15) & (across < x + 2.15)).any(), "no line under a vehicle"
+
+
+def test_nothing_lies_beside_the_road_and_rails_keep_their_gauge() -> None:
+    for city, country in (("Toronto", "Canada"), ("Seoul", "South Korea"), ("Lagos", "Nigeria")):
+        roads = find_roads(ground())
+        near = roads.carriageway.buffer(0.01)
+        for mark in found(rules_of(city, country)):
+            assert mark.shape.difference(near).area < 0.2 * mark.shape.area, (city, mark.paint)
+    rails = bounds(found(rules_of("Toronto", "Canada")), "steel", "road")
+    middles = np.sort(rails[:, [1, 3]].mean(1))
+    np.testing.assert_allclose(middles[1::2] - middles[::2], 1.435, atol=0.01)
+
+
+def test_what_is_drawn_lies_millimetres_above_the_ground() -> None:
+    regions = ground()
+    for drawn in draw_roads(regions, (), rules_of("Tokyo", "Japan"), "a"):
+        world = drawn.mesh.vertices + drawn.position
+        triangles = world[drawn.mesh.faces]
+        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        flat = np.abs(normal[:, 2]) > 0.9 * np.linalg.norm(normal, axis=1)
+        for triangle in triangles[flat]:
+            x, y, z = triangle.mean(0)
+            under = [r for r in regions if shapely.Polygon(r.polygon).buffer(1e-3).contains(shapely.Point(x, y))]
+            assert any(0.0005 < z - plane_height(r.plane, np.array([x, y])) < 0.008 for r in under), drawn.id
+    assert {d.kind for d in draw_roads(regions, (), rules_of("Tokyo", "Japan"), "a")} >= {"road_marking", "crosswalk"}
+
+
+def layout(place: tuple[str, str] | None) -> tuple[SceneLayout, AssetIndex]:
+    record = load_index().by_leaf("sedan")[0]
+    car = PlacedObject("car", "sedan", "sedan", record.uid, (12.0, 2.5, 0.0), 0.0, (1.0, 1.0, 1.0), 900.0, 0.8, False)
+    made = SceneLayout("street", "street", "0", 0, 0, (car,), tuple(ground()), "clear_noon", 0.0, {}, place)
+    return made, AssetIndex([record])
+
+
+def test_roads_are_seen_and_never_touched() -> None:
+    plain, marked = (scene_geometry(*layout(place)) for place in (None, ("Osaka", "Japan")))
+    for field in dataclasses.fields(plain):
+        a, b = getattr(plain, field.name), getattr(marked, field.name)
+        if field.name.startswith(("prism_", "inst_", "object_")) and isinstance(a, np.ndarray):
+            np.testing.assert_array_equal(a, b)
+    assert all((a == b).all() for a, b in zip(plain.hulls, marked.hulls, strict=True))
+    for name in ("height", "kind", "clearance"):
+        np.testing.assert_array_equal(getattr(plain.map, name), getattr(marked.map, name))
+    extra = len(marked.region_ids) - len(plain.region_ids)
+    assert 3 <= extra <= 16
+    assert marked.region_ids[: len(plain.region_ids)] == plain.region_ids
+    triangles = [sum(len(s.meshes[m].faces) for m in s.region_mesh) for s in (plain, marked)]
+    assert triangles[1] - triangles[0] < 3_000
+    models = [scene_spec(scene, visuals=True).compile() for scene in (plain, marked)]
+    touched = [int(((m.geom_contype > 0) | (m.geom_conaffinity > 0)).sum()) for m in models]
+    assert touched[0] == touched[1]
+    assert models[1].ngeom - models[0].ngeom == extra
+
+
+def test_a_layout_without_a_place_has_the_json_and_the_image_of_before() -> None:
+    made, index = layout(None)
+    assert "place" not in made.to_json()
+    assert SceneLayout.from_json(made.to_json()) == made
+    there, _ = layout(("Osaka", "Japan"))
+    assert SceneLayout.from_json(there.to_json()) == there
+    assert there.content_hash() != made.content_hash()
+    assert not any(name.startswith("drawn/") for name in scene_geometry(made, index).region_ids)
+
+
+def test_a_street_without_a_road_has_nothing_to_draw() -> None:
+    walk = [r for r in ground() if r.kind == "sidewalk"]
+    assert draw_roads(walk, (), rules_of("Venice", "Italy"), "a") == []
+    assert rules_of("Atlantis", "nowhere") == RoadRules()
