@@ -448,6 +448,7 @@ class Campaign:
                 process.send_signal(signal.SIGTERM)
         for job in self.waiting:
             missing = [str(path) for path in (*job.needs, job.awaits) if path and not path.exists()]
+            missing += [f"{job.gpus} GPUs"] if job.gpus > self.args.gpus else []
             self.say(f"not begun: {job.name}" + (f", for want of {missing[0]}" if missing else ""))
         return 1 if self.failed or self.waiting else 0
 

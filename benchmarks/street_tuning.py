@@ -136,6 +136,15 @@ def generate(source: pathlib.Path, out: pathlib.Path, cousins: int, workers: int
     return pipeline.generate(source, out, options, quiet=not sys.stderr.isatty())
 
 
+def with_pose(run: pathlib.Path) -> str:
+    """How many frames of a video got a pose in a run of `gen`; "" for a recording, whose poses are given."""
+    file = run / "recording" / "perception.json"
+    if not file.is_file():
+        return ""
+    body = v.read_json(file, "perception record")
+    return f"{body['registered']} of {body['frames']['kept']}"
+
+
 def prepare(street: str, args: argparse.Namespace) -> dict[str, Any]:
     """Films a street and makes the banks of its cousins; returns what is written to prepared.json."""
     done, work = args.out / "prepared" / street / PREPARED, args.out / "work" / street
@@ -170,12 +179,14 @@ def prepare(street: str, args: argparse.Namespace) -> dict[str, Any]:
     made = generate(kind, work / f"gen-{args.film}", args.cousins, args.workers, True)
     if "gen" not in clock.seconds:
         clock("gen", begin)
-    say(f"{made['nodes']} objects found, {made['placed']} placed")
+    posed = with_pose(work / f"gen-{args.film}")
+    say(f"{made['nodes']} objects found, {made['placed']} placed" + (f"; {posed} frames with a pose" if posed else ""))
     folder = done.parent
     for name, source in (("own", work / "own"), ("film", work / f"gen-{args.film}")):
         (folder / name).mkdir(parents=True, exist_ok=True)
         v.write_atomically(folder / name / BANK, functools.partial(shutil.copyfile, source / BANK))
-    said = {"objects": own["placed"][0], "found": made["nodes"], "placed": made["placed"], "seconds": clock.seconds}
+    said = {"objects": own["placed"][0], "found": made["nodes"], "placed": made["placed"], "with_pose": posed}
+    said["seconds"] = clock.seconds
     v.write_json(done, {**asked, **said})
     return {**asked, **said}
 

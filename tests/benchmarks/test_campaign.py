@@ -141,7 +141,9 @@ def test_two_gpus_take_jobs_at_the_same_time(tmp_path: pathlib.Path) -> None:
     assert {event.split()[0] for event in _events(tmp_path)[:2]} == {"begin"}
 
 
-def test_a_job_of_two_gpus_waits_until_both_are_free(tmp_path: pathlib.Path) -> None:
+def test_a_job_of_two_gpus_waits_until_both_are_free(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     code = CODE.replace('f"begin {name}', "f\"begin {name} {os.environ['CUDA_VISIBLE_DEVICES']}")
     code = "import os\n" + code
     jobs = [
@@ -160,6 +162,7 @@ def test_a_job_of_two_gpus_waits_until_both_are_free(tmp_path: pathlib.Path) -> 
     # A machine with one GPU never has two.
     (tmp_path / "both").unlink()
     assert Campaign(_args(tmp_path), jobs).run() == 1
+    assert "not begun: both, for want of 2 GPUs" in capsys.readouterr().err
 
 
 def test_a_campaign_continues_and_names_what_failed(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

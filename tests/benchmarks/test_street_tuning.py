@@ -97,6 +97,10 @@ class Stages:
         self.note(f"gen {source.name}")
         out.mkdir(exist_ok=True)
         (out / "bank.npz").write_text(source.name)
+        if source.name == "seen-video":
+            (out / "recording").mkdir(exist_ok=True)
+            record = {"registered": 43, "frames": {"kept": 141}}
+            (out / "recording" / "perception.json").write_text(json.dumps(record))
         return {"nodes": 9, "placed": [8] * cousins}
 
 
@@ -118,6 +122,7 @@ def test_a_preparation_continues_where_it_was_stopped(tmp_path: pathlib.Path, mo
     again = stages()
     body = street_tuning.prepare(STREET, args)
     assert again.ran == ["gen graph.json", "gen seen-video"]
+    assert body["with_pose"] == "43 of 141"
     assert set(body["seconds"]) == {"own", "film", "spoiling", "gen"}
     assert (folder / "own" / "bank.npz").read_text() == "graph.json"
     assert (folder / "film" / "bank.npz").read_text() == "seen-video"

@@ -11,13 +11,20 @@ import numpy as np
 
 from tests.training.test_student import LAYERS, seeing_env
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs import wrap_for_training
+from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.training import dagger, finetune, snapshot
 from urbanverse_mjx.training.devices import Devices
 from urbanverse_mjx.training.student_learner import StudentLearner
 
 #: One minibatch of all sequences, and no augmentation: what is left to chance is drawn for all envs at once.
 SAME = {"num_envs": 8, "unroll_length": 4, "epochs": 2, "minibatches": 1, "light": 0.0, "pixel_noise": 0.0}
+
+
+def warp_env(bank: SceneBank) -> Any:
+    """COCO in the engine and the renderer of GPUs, whose custom calls run on each device by itself."""
+    small = {"vision_config.height": 16, "vision_config.width": 24, "vision_config.light": "direct"}
+    overrides = {"preset": "tune", "impl": "warp", "randomization.appearance": 0.0, "episode_length": 40, **small}
+    return registry.load("CocoNav", config_overrides=overrides, bank=bank)
 
 
 def learner(env: Any, stage: str, devices: Devices, **options: Any) -> StudentLearner:
@@ -53,9 +60,9 @@ def numbers(tree: Any) -> np.ndarray:
 
 
 def main() -> None:
-    """Arguments: bank file, stage, and a folder for a state."""
-    env = seeing_env(SceneBank.load(sys.argv[1]))
-    stage, folder = sys.argv[2], pathlib.Path(sys.argv[3])
+    """Arguments: bank file, stage, engine (unicycle or warp), and a folder for a state."""
+    bank, stage, engine, folder = SceneBank.load(sys.argv[1]), sys.argv[2], sys.argv[3], pathlib.Path(sys.argv[4])
+    env = seeing_env(bank) if engine == "unicycle" else warp_env(bank)
     one, two = Devices(tuple(jax.devices()[:1])), Devices.every()
     single, both = learner(env, stage, one), learner(env, stage, two)
     before = numbers(single.begin().params)

@@ -20,13 +20,24 @@ ROOT = pathlib.Path(__file__).parents[2]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stage", ["imitation", "finetune"])
-def test_two_devices_train_what_one_trains(small_bank: SceneBank, tmp_path: pathlib.Path, stage: str) -> None:
+@pytest.mark.parametrize(
+    ("stage", "engine"), [("imitation", "unicycle"), ("finetune", "unicycle"), ("imitation", "warp")]
+)
+def test_two_devices_train_what_one_trains(
+    small_bank: SceneBank, tmp_path: pathlib.Path, stage: str, engine: str
+) -> None:
     small_bank.save(tmp_path / "bank.npz")
     flags = "--xla_force_host_platform_device_count=2"
-    command = [sys.executable, "-m", "tests.support.train_student_on_devices", str(tmp_path / "bank.npz"), stage]
+    command = [
+        sys.executable,
+        "-m",
+        "tests.support.train_student_on_devices",
+        str(tmp_path / "bank.npz"),
+        stage,
+        engine,
+    ]
     env = {**os.environ, "JAX_PLATFORMS": "cpu", "PYTHONPATH": str(ROOT), "XLA_FLAGS": flags}
-    done = subprocess.run([*command, str(tmp_path)], cwd=ROOT, env=env, capture_output=True, text=True, timeout=600)
+    done = subprocess.run([*command, str(tmp_path)], cwd=ROOT, env=env, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stderr[-3000:]
     found = json.loads(done.stdout.splitlines()[-1])
     assert found["devices"] == found["actor_devices"] + 1 == 2
