@@ -83,10 +83,10 @@ GOES_ON = ("go_to_goal", "planner", "benchmarks/policies/coco_best", "benchmarks
 STEPS = 4096 * 16
 #: s; trainings end by their steps.
 ENDLESS = 86_400
-#: GiB of GPU memory: of a teacher, the student's stages, the preset `paper` (two CNNs at 135x240: 22 in training, 38 in
-#: the episodes of its scores), a benchmark; of the preset `fast` at 54x96, not measured: it takes 7 GiB at
-#: 135x240, without the scores of 768 episodes at once.
-TEACHER, STUDENT, PAPER, DRIVE, FAST = 12, 34, 38, 14, 14
+#: GiB of GPU memory: of a teacher, imitation (two of it and a teacher took 17 to 28), imitation and PPO, the preset
+#: `paper` (two CNNs at 135x240: 22 in training, 38 in the episodes of its scores), a benchmark; of the preset `fast` at
+#: 54x96, not measured: it takes 7 GiB at 135x240, without the scores of 768 episodes at once.
+TEACHER, IMITATION, STUDENT, PAPER, DRIVE, FAST = 12, 16, 34, 38, 14, 14
 #: Studies that drive on all cores -> what writes their rows.
 OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
 
@@ -179,7 +179,8 @@ def _generalise(
     words += ["--holdout", *held.values(), "--test", *_banks(tests), "--seed", seed, "--env", *env, *_conditions()]
     for key, value in own.items():
         words += [f"--{key.replace('_', '-')}", *(value if isinstance(value, tuple) else (value,))]
-    return _job(args, name, words, (*held, *tests), TEACHER if role == "teacher" else STUDENT, rows, *needs)
+    memory = TEACHER if role == "teacher" else STUDENT if "finetune_steps" in own else IMITATION
+    return _job(args, name, words, (*held, *tests), memory, rows, *needs)
 
 
 def _teacher(
