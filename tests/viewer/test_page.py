@@ -18,6 +18,7 @@ from urbanverse_mjx.viewer.page import Page
 from urbanverse_mjx.viewer.recording import html_recording, start_server
 from urbanverse_mjx.viewer.session import Machine, Session
 from urbanverse_mjx.viewer.street import StreetMeshes
+from urbanverse_mjx.viewer.teleop import Inputs
 
 
 @pytest.fixture(scope="module")
@@ -115,6 +116,33 @@ def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) 
     tab.get_by_role("button", name="Step").click()
     wait(lambda: page.index == 3)
     assert len(page.session) == driven  # the recorded drive is shown again
+
+
+def test_a_held_key_drives_in_the_next_street_and_one_without_effect_is_named(
+    tab: Any, served: tuple[Page, Streets, str]
+) -> None:
+    page, streets, _ = served
+    tab.get_by_role("button", name="Begin again").click()  # so that a browser is connected
+    before = page.session
+    wait(lambda: page.session is not before or page.index == 0)
+
+    def hold(until: Callable[[], Any], *names: str, age: float | None = None) -> None:
+        inputs = Inputs(frozenset(names), age=age)
+        wait(lambda: page._teleop.receive(9, inputs, time.monotonic()) or bool(until()))
+
+    hold(lambda: page.state["interventions"] and page.state["latency"], "KeyW", age=0.0)
+    before = page.session
+    page.open_scene(streets.scenes[1])
+    hold(lambda: page.session is not before and len(page.session) > 3, "KeyW")
+    assert page.session.scene == 1
+    assert page.session.by_hand(3).all()
+    assert page.state["latency"] is None  # that of the last street is none of this one
+    hold(lambda: page.state["note"] == "release the key and press it again to take over", "KeyW", "KeyT")
+    assert page.state["mode"] == "policy"
+    hold(lambda: page.state["note"] != "release the key and press it again to take over")
+    page._teleop.leave(9)
+    page.open_scene(streets.scenes[0])
+    wait(lambda: page.session.scene == 0 and not page.playing)
 
 
 def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Streets, str]) -> None:

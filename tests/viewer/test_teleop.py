@@ -171,8 +171,36 @@ def test_a_stick_off_centre_does_not_take_over_but_drives_once_the_button_has() 
     teleop.receive(1, keys("KeyW", "KeyT"), 0.3)
     teleop.receive(1, keys("KeyW"), 0.4)
     assert teleop.command(0.4) is None
+    assert teleop.ignores_key
     teleop.receive(1, keys("KeyW", "KeyA"), 0.5)
     assert teleop.held
+    assert not teleop.ignores_key
+
+
+def test_another_episode_is_driven_by_a_key_held_from_before_only_where_it_says_so() -> None:
+    for held_keys in (False, True):
+        teleop = Teleop()
+        teleop.receive(1, keys("KeyW", "ShiftLeft", age=0.0), 0.0)
+        teleop.command(0.0)
+        teleop.applied(0.3)
+        assert teleop.latency == pytest.approx(0.3)
+        teleop.begin_episode(held_keys)
+        # The latency of the last episode, in another street with another robot, says nothing about this one.
+        assert teleop.latency is None
+        assert teleop.command(0.31) is None
+        teleop.receive(1, keys("KeyW", "ShiftLeft"), 0.32)
+        assert teleop.command(0.33) == ((0.5, 0.0) if held_keys else None)
+        assert teleop.ignores_key != held_keys
+        teleop.receive(1, keys("ShiftLeft"), 0.34)
+        assert not teleop.ignores_key
+
+
+def test_a_held_switch_does_not_switch_in_another_episode() -> None:
+    teleop = Teleop()
+    teleop.receive(1, keys("KeyT"), 0.0)
+    teleop.begin_episode(held_keys=True)
+    teleop.receive(1, keys("KeyT"), 0.1)
+    assert not teleop.held
 
 
 def test_a_second_browser_neither_drives_nor_gives_back() -> None:

@@ -127,6 +127,20 @@ def test_keys_take_over_drive_stop_and_give_back(driven: tuple[Page, Teleop, Fro
     tab.get_by_text("2 interventions").wait_for(timeout=60_000)
 
 
+def test_a_key_that_was_forgotten_with_the_focus_drives_when_it_repeats(
+    driven: tuple[Page, Teleop, Front, Any],
+) -> None:
+    page, teleop, _, tab = driven
+    tab.keyboard.down("w")
+    wait(lambda: teleop.held and len(page.session) > 2)
+    tab.evaluate("document.hasFocus = () => false; window.dispatchEvent(new Event('blur'))")
+    wait(lambda: not teleop.held)
+    tab.evaluate("delete document.hasFocus")
+    tab.keyboard.down("w")  # it is still held: the browser reports a repetition
+    wait(lambda: teleop.held)
+    tab.keyboard.up("w")
+
+
 def test_letters_in_a_text_field_are_letters(driven: tuple[Page, Teleop, Front, Any]) -> None:
     teleop, tab = driven[1], driven[3]
     frame = tab.frame_locator("#viser")

@@ -29,6 +29,7 @@ _ABOVE_HEIGHT = 28.0  # m, of the view from above
 NOBODY = "zero"
 #: px, least width of the robot's camera image on the page.
 _WIDTH = 320
+_RELEASE = "release the key and press it again to take over"
 _COMPILING = "compiling the first step: up to half a minute; later ones take it from the cache"
 
 
@@ -43,7 +44,7 @@ class DrivePage:
     def __init__(self, server: viser.ViserServer, teleop: Teleop | None = None) -> None:
         self._server, self._teleop = server, teleop or Teleop()
         self._orders: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._stopped = self._held = False
+        self._stopped = self._held = self._ignores_key = False
         self.playing = False
         self.index = 0
         #: State shown at the page's lower edge, see `teleop.html`.
@@ -54,16 +55,20 @@ class DrivePage:
         self._connect()
 
     def begin(self, session: Session) -> None:
-        """Shows the first frame of a session, paused."""
+        """Shows the first frame of a session, paused unless a held key drives, see `_takes_held_keys`."""
         self.stage = Stage(self._server, session, StreetMeshes(session.machine.env.bank, session.scene))
         self.session = session
         for layer, box in self._layers.items():
             self.stage.switch(layer, box.value, 0)
         set_initial_view(self._server, session)
         self._pause()
+        self._teleop.begin_episode(self._takes_held_keys)
         self._go(0)
 
-    # Methods for subclasses.
+    # For subclasses.
+
+    #: Whether a key that is held when an episode begins drives the robot; else only one that is pressed afterwards.
+    _takes_held_keys = True
 
     def _build_choices(self, gui: viser.GuiApi) -> None:
         """Adds a subclass's controls between the robot's camera and the layers."""
@@ -118,6 +123,7 @@ class DrivePage:
         if self.session.over:
             self._teleop.give_back()
         command = self._teleop.command(time.monotonic())
+        ignores_key = self._teleop.ignores_key
         if (command is not None) != self._held:
             self._held = command is not None
             if self._held:
@@ -126,6 +132,9 @@ class DrivePage:
             elif not self._held and self.session.machine.driver.name == NOBODY:
                 self._pause()
             self._tell()
+        elif ignores_key != self._ignores_key:
+            self._tell()
+        self._ignores_key = ignores_key
         return command
 
     def _tell(self) -> None:
@@ -138,6 +147,8 @@ class DrivePage:
             who, note = "the episode has ended", ""
         elif not self.playing:
             who, note = "paused", "W drives" if name == NOBODY else f"W takes over from {policy}"
+        if self._teleop.ignores_key and not session.over:
+            note = _RELEASE
         self.state = {
             "mode": "hand" if self._held else "policy",
             "who": "you drive" if self._held else who,

@@ -18,6 +18,8 @@ class RecordPage(DrivePage):
       teleop: lets a person take over.
     """
 
+    _takes_held_keys = False  # an episode follows the last one by itself, in another street
+
     def __init__(self, server: viser.ViserServer, teleop: Teleop) -> None:
         super().__init__(server, teleop)
         self._wanted: Literal["again", "end"] | None = None

@@ -200,10 +200,33 @@ class Teleop:
         with self._lock:
             self._owner = None
 
+    def begin_episode(self, held_keys: bool = False) -> None:
+        """Lets the policy drive another episode, whose latency is measured anew.
+
+        Args:
+          held_keys: a driving key that is still held from before takes over with its browser's next message.
+        """
+        with self._lock:
+            self._owner = None
+            self._tapped, self._events, self._commanded = set(), [], []
+            self._latencies.clear()
+            if held_keys:
+                for browser in self._browsers.values():
+                    others = browser.inputs.keys - DRIVE_KEYS.keys()
+                    browser.inputs = dataclasses.replace(browser.inputs, keys=others)
+
     @property
     def held(self) -> bool:
         """Whether a person drives."""
         return self._owner is not None
+
+    @property
+    def ignores_key(self) -> bool:
+        """Whether the policy drives and a driving key is held: it was pressed before the policy took over, and takes
+        over only when it is released and pressed again."""
+        with self._lock:
+            held = (browser.inputs.keys for browser in self._browsers.values())
+            return self._owner is None and not all(keys.isdisjoint(DRIVE_KEYS) for keys in held)
 
     def command(self, now: float) -> Command | None:
         """Returns the person's command for the next step, or None while the policy drives.
