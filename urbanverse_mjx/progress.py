@@ -11,6 +11,8 @@ from rich.console import Console
 from rich.progress import BarColumn, ProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
+from .datatypes.validation import counted
+
 #: s between two lines if standard error is not a terminal; a log without output for longer looks like a hang.
 LINE_EVERY = 10.0
 
@@ -28,9 +30,7 @@ class _Count(ProgressColumn):
 
 
 def _count(task: rich.progress.Task) -> str:
-    unit = task.fields["unit"]
-    of = f"{task.completed:,.0f}" if task.total is None else f"{task.completed:,.0f}/{task.total:,.0f}"
-    return f"{of} {unit}" if unit else of
+    return counted(task.completed, task.fields["unit"], task.total)
 
 
 class Progress:
@@ -82,7 +82,11 @@ class Progress:
         self._bars.stop()
 
     def task(self, name: str, total: float | None = None, done: float = 0, unit: str = "", note: str = "") -> Report:
-        """Begins a task; returns a function of (done, total=None, note=None), where None keeps the previous value."""
+        """Begins a task; returns a function of (done, total=None, note=None), where None keeps the previous value.
+
+        Args:
+          unit: of both amounts, in the plural: "steps".
+        """
         task = self._bars.add_task(name, total=total, unit=unit, note=note)
         self._bars.update(task, completed=done)
         self._tasks[task] = time.monotonic()

@@ -162,7 +162,7 @@ def test_killed_between_two_renames_the_written_episodes_are_complete(
     assert (found.episodes, found.frames) == ((2, 8) if renamed == 7 else (1, 4))
     # The video is the first file, the table of episodes the third.
     assert any("4 frames behind" in note for note in found.notes) == (1 <= renamed < 7)
-    assert any("1 episodes behind" in note for note in found.notes) == (3 <= renamed < 7)
+    assert any("1 episode behind" in note for note in found.notes) == (3 <= renamed < 7)
 
 
 WRITES = """

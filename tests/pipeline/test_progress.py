@@ -38,6 +38,19 @@ def test_a_line_tells_of_the_newest_task_even_while_it_stands_still(capsys: pyte
 
 
 @pytest.mark.usefixtures("quick_lines")
+@pytest.mark.parametrize(
+    ("total", "done", "count"),
+    [(1, 0, "0/1 scene"), (1, 1, "1/1 scene"), (2, 1, "1/2 scenes"), (None, 1, "1 scene"), (None, 0, "0 scenes")],
+)
+def test_one_of_something_is_in_the_singular(
+    capsys: pytest.CaptureFixture[str], total: int | None, done: int, count: str
+) -> None:
+    with Progress() as progress:
+        progress.task("compiling", total, done, unit="scenes")
+        assert _wait_for_lines(capsys, 1)[0].startswith(f"compiling: {count}, ")
+
+
+@pytest.mark.usefixtures("quick_lines")
 def test_a_total_may_be_known_late(capsys: pytest.CaptureFixture[str]) -> None:
     with Progress() as progress:
         report = progress.task("frames")

@@ -83,7 +83,8 @@ def _view(args: ViewArgs) -> int:
 
 def _text(found: DatasetSummary) -> str:
     lines = [
-        f"{found.folder}: {found.episodes} episodes, {found.frames:,} frames at {found.frames_per_second} Hz "
+        f"{found.folder}: {v.counted(found.episodes, 'episodes')}, {v.counted(found.frames, 'frames')} at "
+        f"{found.frames_per_second} Hz "
         f"({found.hours:.2f} h), {found.megabytes:.1f} MB, robot {found.robot}",
     ]
     lines += [f"task: {task}" for task in found.tasks]

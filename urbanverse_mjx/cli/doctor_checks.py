@@ -284,11 +284,12 @@ def check_assets() -> Finding:
 def check_scenes() -> Finding:
     from .. import settings
     from ..datatypes import SceneGraph
+    from ..datatypes import validation as v
 
     root = settings.scene_root()
     graphs = [SceneGraph.load(path) for path in sorted(root.glob("*/graph.json"))]
     objects = sum(len(graph.objects) for graph in graphs)
-    detail = f"{len(graphs)} streets with {objects} objects in {root}"
+    detail = f"{v.counted(len(graphs), 'streets')} with {v.counted(objects, 'objects')} in {root}"
     if not graphs:
         return Finding("missing", detail, "git checkout -- scenes")
     built = settings.default_bank_path().is_file()

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import tyro
 
 from .. import pipeline
+from ..datatypes import validation as v
 from ..pipeline.playing import PlayOptions
 from ._options import EnvOverrides, ImageSize
 
@@ -34,8 +35,8 @@ def main(argv: Sequence[str]) -> int:
     ground, number = sum(bool(r["hit_ground"]) for r in done["results"]), len(done["results"])
     if ground and not args.quiet:
         print(
-            f"{ground} of {number} episodes ended because a part of the robot other than a foot touched the ground; "
-            "`urbanverse robot` reports the clearance of a robot of your own and whether it tips over.",
+            f"{ground} of {v.counted(number, 'episodes')} ended because a part of the robot other than a foot touched "
+            "the ground; `urbanverse robot` reports the clearance of a robot of your own and whether it tips over.",
             file=sys.stderr,
         )
     print(json.dumps(done))

@@ -50,7 +50,9 @@ def check_dataset(folder: str | pathlib.Path) -> Findings:
     if not problems and not dataset.unfinished:
         problems += _stats(dataset, found)
     if dataset.unfinished:
-        notes.append(f"{dataset.unfinished} episodes behind the last complete one, of an interrupted writing")
+        notes.append(
+            f"{v.counted(dataset.unfinished, 'episodes')} behind the last complete one, of an interrupted writing"
+        )
     if (dataset.folder / f.UNFINISHED).is_dir():
         notes.append(f"{f.UNFINISHED}: files of a recording that is under way or was interrupted")
     if not dataset.episodes:
@@ -242,7 +244,7 @@ def _videos(dataset: StoredDataset, notes: list[str]) -> Iterator[str]:
                 yield str(error)
                 continue
             if frames > needed and rows[-1] is dataset.episodes[-1]:
-                notes.append(f"{where}: {frames - needed} frames behind the last complete episode")
+                notes.append(f"{where}: {v.counted(frames - needed, 'frames')} behind the last complete episode")
             elif frames != needed:
                 yield f"{where}: found {frames} frames, needed {needed} of {len(rows)} episodes"
             yield from _form(path, dataset.features[name], dataset.rate, where)

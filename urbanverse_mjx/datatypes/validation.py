@@ -42,6 +42,18 @@ def show(value: Any, limit: int = 60) -> str:
     return text if len(text) <= limit else text[: limit - 1] + "…"
 
 
+def counted(number: float, unit: str, total: float | None = None) -> str:
+    """Returns an amount with its unit: "1 scene", "1,024 scenes", "0/1 scene".
+
+    Args:
+      unit: in the plural, with a final s that the singular lacks; empty for none.
+      total: the amount is so much of it.
+    """
+    digits = f"{number:,.0f}" if total is None else f"{number:,.0f}/{total:,.0f}"
+    name = unit.removesuffix("s") if (number if total is None else total) == 1 else unit
+    return f"{digits} {name}" if name else digits
+
+
 def text(value: Any, where: str, allow_empty: bool = False) -> str:
     if not isinstance(value, str):
         raise fail(where, show(value), "a text")

@@ -95,7 +95,9 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
         results, poses = Rollout(env, hold=hold).run({who: agent}, episodes, lambda ended, _: report(ended, note=""))
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
     if not shown:
-        raise ValidationError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
+        raise ValidationError(
+            f"--only-successes: found none among {v.counted(len(results), 'episodes')}, needed one; drive more."
+        )
     shown = random_draw(shown, options.shown, options.seed)
     style = {"size": options.size, "samples": options.samples, "quality": options.quality}
     with Progress(options.quiet) as progress:

@@ -218,12 +218,13 @@ def _clone(
     name: str, env: Any, config: Any, folder: pathlib.Path, source: pathlib.Path, resume: bool, quiet: bool
 ) -> "TrainingResult":
     """Trains a student that imitates recorded episodes."""
+    from ..datatypes import validation as v
     from ..training.cloning import Cloning
     from ..training.imitation import fit
     from .demonstrations import load_demonstrations
 
     data = load_demonstrations(source, env)
-    _say(f"{int(data.begins.sum()):,} episodes with {len(data.begins):,} steps in {source}", quiet)
+    _say(f"{v.counted(data.begins.sum(), 'episodes')} with {v.counted(len(data.begins), 'steps')} in {source}", quiet)
     return fit(name, env, config, folder, Cloning(data, config), resume, quiet)
 
 

@@ -14,7 +14,9 @@ import pytest
 from tests.support import render_reference
 from tests.support.agent_appearances import with_box_agents
 from tests.support.box_bank import KERB, KERB_Y, box_bank
+from tests.support.heard_progress import noted
 from urbanverse_mjx.datatypes import AgentMotion, RobotSpec, SceneBank, ValidationError
+from urbanverse_mjx.progress import Progress
 from urbanverse_mjx.robots.coco import make_coco
 from urbanverse_mjx.simulation.rendering import light_bake, light_kernels
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
@@ -260,8 +262,11 @@ def test_light_is_baked_once_and_again_where_its_file_is_damaged(cache: pathlib.
         renderer = cases.make_renderer(bank, None, light="baked")
         return np.asarray(renderer.view(0, np.array([20.0, 6.0, 7.0]), cases.DOWN, 1.2)["rgb"])
 
-    before = set((cache / "light").glob("*.npz"))
-    first = draw()
+    before, notes = set((cache / "light").glob("*.npz")), list[tuple[str, str | None]]()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Progress, "task", noted(notes))
+        first = draw()
+    assert notes[0][0] == "computing shadows"  # in the log of commands whose users know no baking
     (path,) = set((cache / "light").glob("*.npz")) - before
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(light_bake.Baker, "_bake", None)

@@ -133,7 +133,7 @@ def record(
                 writer.add(_episode(filmed, columns, metadata))
             else:
                 writer.add(frame_episode(filmed, columns, metadata))
-            report(ended, note=f"{writer.num_frames:,} frames")
+            report(ended, note=v.counted(writer.num_frames, "frames"))
 
         if first == len(episodes):
             groups = iter(())
@@ -161,7 +161,9 @@ def record(
             "--teleop", f"{results.total()} driven episodes, none to be written", "one that is driven to its end"
         )
     if not writer.num_episodes:
-        raise v.fail("--only-successes", f"none among {options.num_episodes} episodes", "one", "drive more")
+        raise v.fail(
+            "--only-successes", f"none among {v.counted(options.num_episodes, 'episodes')}", "one", "drive more"
+        )
     return {
         "dataset": str(folder),
         "episodes": writer.num_episodes,

@@ -121,7 +121,7 @@ class Baker:
         todo = [scene for scene, light in enumerate(found) if light is None]
         if todo:
             with Progress() as progress:
-                report = progress.task("baking light", len(todo), unit="scenes")
+                report = progress.task("computing shadows", len(todo), unit="scenes")
                 for done, scene in enumerate(todo, 1):
                     found[scene] = self._bake(scene)
                     _write(paths[scene], found[scene])
