@@ -1,20 +1,32 @@
 """Renders an environment's states for display: street, robot, moving agents and objects."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..datatypes import ValidationError
+from ..datatypes import AgentMotion, RobotSpec, SceneBank, ValidationError
 from .types import State
-
-if TYPE_CHECKING:
-    from .staged import StagedBase
 
 #: m; a larger movement between two states means that another episode has begun.
 _MAX_STEP = 2.0
+
+
+class RenderableEnv(Protocol):
+    """The part of an environment that rendering of its states needs, see `StagedBase`."""
+
+    bank: SceneBank
+    num_bodies: int
+
+    @property
+    def dt(self) -> float: ...
+    @property
+    def robot(self) -> RobotSpec: ...
+    @property
+    def agent_appearances(self) -> tuple[int, ...]: ...
+    def agents_of(self, carried: Any, /) -> AgentMotion | None: ...
 
 
 class StateRenderer:
@@ -29,7 +41,7 @@ class StateRenderer:
       ValidationError: the robot has no such camera, or a size is below one.
     """
 
-    def __init__(self, env: "StagedBase[Any]", height: int, width: int, camera: str | None) -> None:
+    def __init__(self, env: RenderableEnv, height: int, width: int, camera: str | None) -> None:
         from ..simulation.rendering.cameras import FOLLOWING_FOV
         from ..simulation.rendering.renderer import Renderer
 

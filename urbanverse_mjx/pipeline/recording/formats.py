@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...datasets.frame_files import FrameEpisode, FrameFolder
     from ...envs import NavEnv
     from .encoding import Filmed
-    from .record import RecordOptions
+    from .lidar import LidarOptions
 
 Format = Literal["lerobot", "coco", "kitti", "mcap"]
 #: Format -> what it always stores, and what else `--with` may add.
@@ -64,12 +64,20 @@ def image_type(form: str) -> str:
 
 def open_writer(
     folder: "pathlib.Path",
-    options: "RecordOptions",
+    form: str,
+    size: tuple[int, int],
+    lidar: "LidarOptions",
     features: "Mapping[str, Feature]",
     env: "NavEnv",
     origin: Mapping[str, Any],
+    resume: bool,
 ) -> "DatasetWriter | FrameFolder":
     """The writer of the format, for a new folder, or with `resume` one that it continues.
+
+    Args:
+      form: name of the format.
+      size: (height, width) of the images in pixels.
+      origin: how the dataset was made, for its record.
 
     Raises:
       ValidationError: the folder is not empty or not one to continue, or the format needs a package that is not
@@ -84,19 +92,19 @@ def open_writer(
     from .readings import intrinsics
 
     rate = round(1.0 / env.dt)
-    if options.format == "lerobot":
-        return DatasetWriter(folder, features, rate, env.robot.name, origin, options.resume)
-    lens = intrinsics(env.mj_model, env.robot.camera, *options.size)
+    if form == "lerobot":
+        return DatasetWriter(folder, features, rate, env.robot.name, origin, resume)
+    lens = intrinsics(env.mj_model, env.robot.camera, *size)
     rig = Rig(
-        *options.size,
+        *size,
         focal=(lens["fx"], lens["fy"]),
         centre=(lens["cx"], lens["cy"]),
         rate=rate,
-        lidar=(0.0, 0.0, lidar_height(env, options.lidar)),
+        lidar=(0.0, 0.0, lidar_height(env, lidar)),
         categories=[name for name in env.bank.meta["categories"] if not name.startswith("ground:")],
     )
-    writer = {"coco": CocoWriter, "kitti": KittiWriter, "mcap": McapWriter}[options.format]
-    return writer(folder, rig, origin, options.resume)
+    writer = {"coco": CocoWriter, "kitti": KittiWriter, "mcap": McapWriter}[form]
+    return writer(folder, rig, origin, resume)
 
 
 def frame_episode(filmed: "Filmed", columns: Mapping[str, np.ndarray], record: Mapping[str, Any]) -> "FrameEpisode":

@@ -117,7 +117,9 @@ def record(
     results: collections.Counter[str] = collections.Counter()
     origin = _origin(options, env, scenes, sensors)
     with (
-        open_writer(folder, options, features, env, origin) as writer,
+        open_writer(
+            folder, options.format, options.size, options.lidar, features, env, origin, options.resume
+        ) as writer,
         Progress(options.quiet) as progress,
     ):
         began, had = time.perf_counter(), writer.num_episodes
