@@ -178,7 +178,7 @@ def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout
 
 def _walk(street: section.StreetSection) -> EpisodeTable:
     """Returns one episode along the middle of the left pavement, because a bank needs one for every scene."""
-    y, z = street.half + street.left / 2.0, section.KERB
+    y, z = street.half + street.left / 2.0, section.KERB_HEIGHT
     start, goal = np.array([[1.0, y, z, 0.0]]), np.array([[street.length - 1.0, y, z]])
     length = goal[0, 0] - start[0, 0]
     x = np.minimum(start[0, 0] + 5.0 * np.arange(1, int(np.ceil(length / 5.0)) + 1), goal[0, 0])

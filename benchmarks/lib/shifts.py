@@ -1,4 +1,4 @@
-"""What `benchmarks.transfer` changes between the simulator that policies were trained in and the one that tests them.
+"""Differences of `benchmarks.transfer` between the simulator that policies were trained in and the one that tests them.
 
 `Shifts` says which of it, within which ranges; `Shifts.draw` draws the `Conditions` of one episode; `Lens`,
 `Exposure`, `Odometry`, `Dropouts` and `DelayLine` apply them. Nothing here knows MuJoCo.

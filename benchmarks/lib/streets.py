@@ -29,7 +29,7 @@ KERB_BAND, WALL_BAND = (0.25, 1.35), (1.45, 0.05)
 LANE = 1.2  # m that stay free next to objects between the bands: a robot of 0.35 m radius with margin
 APART = 0.25  # m between two objects
 MOUTH = 2.4  # m on each side of a crosswalk's middle that stay free along the kerb
-FLAT, UP = 0.0, section.KERB
+FLAT, UP = 0.0, section.KERB_HEIGHT
 
 HOUSES = (
     "apartment building",

@@ -1,4 +1,4 @@
-"""What people carry, wear, eat, drink, cook and wash with: in size as their priors say, whole, and of several kinds."""
+"""Carried, worn, eaten and household objects: sizes within their priors, closed meshes, several kinds of each."""
 
 import itertools
 

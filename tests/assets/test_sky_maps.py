@@ -67,8 +67,8 @@ def test_a_cloudless_sky_has_no_bands(uid: str) -> None:
 def test_sunlight_overhead_is_what_the_optical_depths_say() -> None:
     """exp(-tau) by hand: molecules 8 km, haze 1.2 km, and a tent of ozone 30 km wide at its foot."""
     air = atmosphere.build_air(2.0)
-    haze = atmosphere.RAYLEIGH[1] * 8000  # turbidity 2: as much haze as air, to within the 550 nm of both
-    tau = atmosphere.RAYLEIGH * 8000 + haze + atmosphere.OZONE * 15_000
+    haze = atmosphere.RAYLEIGH_SCATTERING[1] * 8000  # turbidity 2: as much haze as air, to within the 550 nm of both
+    tau = atmosphere.RAYLEIGH_SCATTERING * 8000 + haze + atmosphere.OZONE_ABSORPTION * 15_000
     assert air.sunlight(1.0) / atmosphere.SUNLIGHT == pytest.approx(np.exp(-tau), rel=0.02)
 
 

@@ -1,4 +1,4 @@
-"""What a long training must keep as it is: memory, open files, compiled programs."""
+"""Long trainings: memory, open files and compiled programs stay constant."""
 
 import pytest
 

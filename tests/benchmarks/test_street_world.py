@@ -117,8 +117,8 @@ def test_a_weak_battery_has_a_lower_top_speed_and_less_torque(coco: World) -> No
         assert speed[-1] == pytest.approx(2.0 * share, rel=0.02)
         # A servo of first order: the lag grows as its gain falls.
         lag = TICK * int(np.argmax(speed > (1 - math.exp(-1)) * speed[-1]))
-        assert lag == pytest.approx(coco_body.SPEED_LAG / share, rel=0.2)
-    # Slower than the lower top speed, the robot still does as it is told.
+        assert lag == pytest.approx(coco_body.SPEED_TIME_CONSTANT / share, rel=0.2)
+    # Slower than the lower top speed, the robot still follows its command.
     slow = _driven(coco, _under(battery=0.6), 5.0, (0.5, 0.0), np.array([-10.0, 0.0, 0.0, 0.0]))
     assert (slow[-1, 0] - slow[-2, 0]) / TICK == pytest.approx(0.5, rel=0.02)
 

@@ -408,7 +408,7 @@ def test_vehicles_drive_no_faster_than_they_can_stop() -> None:
         return float(new.x[1])
 
     across = speed(10.0, 0.5, 0.0, np.pi / 2)
-    gap = 10.0 - car.half_length - 2 * car.radius - lanes.BUMPER
+    gap = 10.0 - car.half_length - 2 * car.radius - lanes.BUMPER_DISTANCE
     np.testing.assert_allclose(across, np.sqrt(2 * car.braking * gap), rtol=1e-5)
     assert speed(4.0, 0.0, 0.0, np.pi / 2) < 2.5
     assert speed(3.0, 0.0, 0.0, np.pi / 2) == 0.0

@@ -1,4 +1,4 @@
-"""What the controller decides, by hand-made events; its inputs and velocities beside those of the environment."""
+"""Decisions of the controller on hand-made events; its inputs and velocities beside those of the environment."""
 
 import json
 import pathlib

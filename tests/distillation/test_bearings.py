@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.distillation import bearings
 from urbanverse_mjx.distillation.depth_scale import DepthScale
-from urbanverse_mjx.distillation.lifting import POINTS, Views
+from urbanverse_mjx.distillation.lifting import NUM_POINTS, Views
 
 #: T_world_camera of a level camera with its view along +x: its z ahead, its y down.
 LEVEL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -32,7 +32,7 @@ def walk(turn: float, drift: float = 0.0, noise: float = NOISE) -> tuple[Views, 
         local = (posts - true[f, :3, 3]) @ true[f, :3, :3]
         for k in np.flatnonzero((local[:, 2] > 2) & (local[:, 2] < 25) & (np.abs(local[:, 0]) < 0.9 * local[:, 2])):
             # A post is a disc of 0.3 m that faces the camera, at a distance that is off.
-            disc = local[k] + np.c_[rng.uniform(-0.15, 0.15, (POINTS, 2)), np.zeros(POINTS)]
+            disc = local[k] + np.c_[rng.uniform(-0.15, 0.15, (NUM_POINTS, 2)), np.zeros(NUM_POINTS)]
             frame.append(f)
             obj.append(k)
             points.append(disc * (1 + rng.normal(0, noise)))

@@ -4,7 +4,7 @@ import numpy as np
 
 from urbanverse_mjx.distillation.drift import close_loops
 from urbanverse_mjx.distillation.fusion import Placed
-from urbanverse_mjx.distillation.lifting import POINTS, Views
+from urbanverse_mjx.distillation.lifting import NUM_POINTS, Views
 
 
 def two_passes(shift: float) -> tuple[Views, Placed, np.ndarray, np.ndarray, np.ndarray]:
@@ -34,7 +34,7 @@ def two_passes(shift: float) -> tuple[Views, Placed, np.ndarray, np.ndarray, np.
         label=np.zeros(n, np.int32),
         score=np.ones(n, np.float32),
         track=np.full(n, -1, np.int32),
-        points=np.zeros((n, POINTS, 3), np.float32),
+        points=np.zeros((n, NUM_POINTS, 3), np.float32),
         pixels=np.full(n, 50, np.int32),
         clipped=np.zeros((n, 4), bool),
         origin=np.zeros((n, 2), np.int32),

@@ -1,4 +1,4 @@
-"""What `urbanverse_mjx.pipeline` offers: every name exists, is documented, and is imported on first use only."""
+"""Public names of `urbanverse_mjx.pipeline`: each exists, is documented, and is imported on first use only."""
 
 import ast
 import inspect

@@ -268,7 +268,7 @@ class Counting:
 
 
 class Informed:
-    """A policy that is told which episode it drives."""
+    """A policy that receives the episode it drives."""
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
         """As wide as its episodes need, like the planner's fields."""
@@ -308,7 +308,7 @@ def check_same(found: list[Driven], wanted: list[Driven]) -> None:
 
 
 class Straight:
-    """A policy outside JAX; counts the episodes that it is told of."""
+    """A policy outside JAX; counts the episodes that it is begun for."""
 
     begun = 0
 

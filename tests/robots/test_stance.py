@@ -11,7 +11,7 @@ import pytest
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.robots.description import load
 from urbanverse_mjx.robots.stance import stance
-from urbanverse_mjx.robots.start import DRIVE, start, weaker_motors
+from urbanverse_mjx.robots.start import DRIVING_TIME, start, weaker_motors
 
 #: Two wheels behind and a caster in front; the centre of mass 0.05 m before the wheels and 0.3 m above the ground.
 BODY = """
@@ -141,7 +141,7 @@ def test_a_robot_that_falls_on_its_nose_does_so_when_it_stops(tmp_path: pathlib.
     assert found is not None
     assert found.touches == "bumper"
     assert found.after is not None
-    assert DRIVE < found.after < DRIVE + 1.0
+    assert DRIVING_TIME < found.after < DRIVING_TIME + 1.0
     assert found.speed == pytest.approx(1.2, abs=0.02)
 
 

@@ -1,4 +1,4 @@
-"""What tasks of `Progress` say of themselves."""
+"""Records the names and notes of tasks of `Progress`."""
 
 from collections.abc import Callable
 from typing import Any

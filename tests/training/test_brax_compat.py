@@ -1,4 +1,4 @@
-"""What Brax is given in place of `jax.pmap` on one accelerator."""
+"""The replacement of `jax.pmap` for Brax on one accelerator."""
 
 import jax
 import jax.numpy as jnp

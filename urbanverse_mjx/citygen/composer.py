@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from ..datatypes import GraphObject, GroundRegion, SceneGraph
 from . import catalogue, clearance
-from .section import CROSS_ARM, StreetSection, ground_regions
+from .section import CROSS_ROAD_LENGTH, StreetSection, ground_regions
 from .stage import JOINT, Stage
 
 #: One manual placement: label, x (m), side (+1 left, -1 right), distance from the kerb (m), facing. Facing is "street",
@@ -83,7 +83,7 @@ class StreetComposer(Stage):
     def close_view(self, labels: Sequence[str], at_end: bool) -> None:
         """Adds house fronts across one end of the street, facing along it."""
         kind = self.section.end if at_end else self.section.start
-        margin = 0.0 if kind == "court" else CROSS_ARM
+        margin = 0.0 if kind == "court" else CROSS_ROAD_LENGTH
         y0, y1 = -self.section.front(-1) - margin, self.section.front(1) + margin
         edge, y = self.section.closing_x(at_end), y0
         for label, (depth, width, height) in zip(labels, self.frontages(labels, y1 - y0), strict=True):
@@ -100,7 +100,7 @@ class StreetComposer(Stage):
         far = self.section.closing_x(at_end)
         for side, label in ((LEFT, labels[0]), (RIGHT, labels[-1])):
             (depth, width, height), *_ = self.frontages((label,), abs(far - edge))
-            y = side * (self.section.front(side) + CROSS_ARM + depth / 2)
+            y = side * (self.section.front(side) + CROSS_ROAD_LENGTH + depth / 2)
             self.add(self.make(label, (edge + far) / 2, y, -90.0 * side, (depth, round(width - JOINT, 3), height)))
 
     def scatter(

@@ -1,7 +1,7 @@
 """Ground of a straight street as a few convex regions that tile the plane: road, crosswalks, pavements, kerb ramps.
 
 Scene frame: the street runs along +x, its middle at y = 0, the road's top at z = 0 and the pavement's at
-z = `KERB`. Neighbours share corners exactly, so no gap can catch a wheel.
+z = `KERB_HEIGHT`. Neighbours share corners exactly, so no gap can catch a wheel.
 """
 
 import dataclasses
@@ -9,23 +9,23 @@ from typing import Literal
 
 from ..datatypes import GroundRegion
 
-KERB = 0.15  # m, of the six hand-made streets
-RAMP_RUN = 1.5  # m: 1:10, gentler than the 1:8 that a dropped kerb may have
+KERB_HEIGHT = 0.15  # m, of the six hand-made streets
+RAMP_LENGTH = 1.5  # m: 1:10, gentler than the 1:8 that a dropped kerb may have
 RAMP_HALF_WIDTH = 1.0  # m
-FLARE = 1.0  # m, length of the tapered kerb on each side of a ramp
-CROSSWALK_HALF_WIDTH = RAMP_HALF_WIDTH + FLARE
+FLARE_LENGTH = 1.0  # m, length of the tapered kerb on each side of a ramp
+CROSSWALK_HALF_WIDTH = RAMP_HALF_WIDTH + FLARE_LENGTH
 LOT_DEPTH = 3.0  # m, depth of the ground under the houses; less than any house's, so that no path leads behind them
-CROSS_ARM = 10.5  # m that a cross road continues beyond the house fronts
+CROSS_ROAD_LENGTH = 10.5  # m that a cross road continues beyond the house fronts
 COURT_DEPTH = 4.0  # m of pavement across the end of a closed street
-CROSS_ROAD = 6.0  # m, width of the road that a street meets at a junction
-FAR_PAVEMENT = 2.5  # m, pavement on the other side of that road
+CROSS_ROAD_WIDTH = 6.0  # m, width of the road that a street meets at a junction
+FAR_PAVEMENT_WIDTH = 2.5  # m, pavement on the other side of that road
 
 Plane = tuple[float, float, float]
 Corner = tuple[float, float]
 End = Literal["court", "junction"]
 
 ROAD_PLANE: Plane = (0.0, 0.0, 0.0)
-PAVEMENT_PLANE: Plane = (0.0, 0.0, KERB)
+PAVEMENT_PLANE: Plane = (0.0, 0.0, KERB_HEIGHT)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,7 +78,9 @@ class StreetSection:
 
     def closing_x(self, at_end: bool) -> float:
         """Returns x of the house fronts that close the view at one end."""
-        depth = COURT_DEPTH if (self.end if at_end else self.start) == "court" else CROSS_ROAD + FAR_PAVEMENT
+        depth = (
+            COURT_DEPTH if (self.end if at_end else self.start) == "court" else CROSS_ROAD_WIDTH + FAR_PAVEMENT_WIDTH
+        )
         return self.length + depth if at_end else -depth
 
 
@@ -111,16 +113,23 @@ def _ramp(section: StreetSection, side: int, i: int, middle: float) -> list[Grou
     and the pavement's along whole edges, so only the kerb itself is a step.
     """
     kerb = side * section.half
-    top, back = side * (section.half + RAMP_RUN), side * (section.half + section.width(side))
+    top, back = side * (section.half + RAMP_LENGTH), side * (section.half + section.width(side))
     a, b = middle - RAMP_HALF_WIDTH, middle + RAMP_HALF_WIDTH
     name = f"{'left' if side > 0 else 'right'}_ramp_{i}"
-    rise = side * KERB / RAMP_RUN
-    slope = KERB / FLARE
+    rise = side * KERB_HEIGHT / RAMP_LENGTH
+    slope = KERB_HEIGHT / FLARE_LENGTH
     c = -rise * kerb
     return [
         _box(name, "sidewalk", a, b, kerb, top, (0.0, rise, c)),
-        _region(f"{name}_flare_a", "sidewalk", [(a - FLARE, kerb), (a, kerb), (a, top)], (-slope, rise, c + slope * a)),
-        _region(f"{name}_flare_b", "sidewalk", [(b, kerb), (b + FLARE, kerb), (b, top)], (slope, rise, c - slope * b)),
+        _region(
+            f"{name}_flare_a",
+            "sidewalk",
+            [(a - FLARE_LENGTH, kerb), (a, kerb), (a, top)],
+            (-slope, rise, c + slope * a),
+        ),
+        _region(
+            f"{name}_flare_b", "sidewalk", [(b, kerb), (b + FLARE_LENGTH, kerb), (b, top)], (slope, rise, c - slope * b)
+        ),
         _box(f"{name}_top", "sidewalk", a, b, top, back, PAVEMENT_PLANE),
     ]
 
@@ -128,7 +137,7 @@ def _ramp(section: StreetSection, side: int, i: int, middle: float) -> list[Grou
 def _pavement(section: StreetSection, side: int) -> list[GroundRegion]:
     """Returns one side's pavement: pieces with cut corners between the ramps."""
     kerb = side * section.half
-    top, back = side * (section.half + RAMP_RUN), side * (section.half + section.width(side))
+    top, back = side * (section.half + RAMP_LENGTH), side * (section.half + section.width(side))
     name = "left" if side > 0 else "right"
     regions: list[GroundRegion] = []
     opening: list[Corner] = [(0.0, back), (0.0, kerb)]
@@ -137,12 +146,12 @@ def _pavement(section: StreetSection, side: int) -> list[GroundRegion]:
             closing = [(section.length, kerb), (section.length, back)]
         else:
             a = middle - RAMP_HALF_WIDTH
-            closing = [(a - FLARE, kerb), (a, top), (a, back)]
+            closing = [(a - FLARE_LENGTH, kerb), (a, top), (a, back)]
         regions.append(_region(f"{name}_pavement_{i}", "sidewalk", [*opening, *closing], PAVEMENT_PLANE))
         if middle is not None:
             regions += _ramp(section, side, i, middle)
             b = middle + RAMP_HALF_WIDTH
-            opening = [(b, back), (b, top), (b + FLARE, kerb)]
+            opening = [(b, back), (b, top), (b + FLARE_LENGTH, kerb)]
     return regions
 
 
@@ -163,13 +172,13 @@ def _end(section: StreetSection, at_end: bool) -> list[GroundRegion]:
             strip("court", "sidewalk", 0.0, COURT_DEPTH, right, left, PAVEMENT_PLANE),
             strip("lot", section.lot_kind, COURT_DEPTH, COURT_DEPTH + LOT_DEPTH, right, left, PAVEMENT_PLANE),
         ]
-    right, left = right - CROSS_ARM, left + CROSS_ARM
-    far = CROSS_ROAD + FAR_PAVEMENT
+    right, left = right - CROSS_ROAD_LENGTH, left + CROSS_ROAD_LENGTH
+    far = CROSS_ROAD_WIDTH + FAR_PAVEMENT_WIDTH
     return [
         strip("right_corner", section.lot_kind, 0.0, far, right - LOT_DEPTH, right, PAVEMENT_PLANE),
         strip("left_corner", section.lot_kind, 0.0, far, left, left + LOT_DEPTH, PAVEMENT_PLANE),
-        strip("cross_road", "road", 0.0, CROSS_ROAD, right, left, ROAD_PLANE),
-        strip("far_pavement", "sidewalk", CROSS_ROAD, far, right, left, PAVEMENT_PLANE),
+        strip("cross_road", "road", 0.0, CROSS_ROAD_WIDTH, right, left, ROAD_PLANE),
+        strip("far_pavement", "sidewalk", CROSS_ROAD_WIDTH, far, right, left, PAVEMENT_PLANE),
         strip("lot", section.lot_kind, far, far + LOT_DEPTH, right, left, PAVEMENT_PLANE),
     ]
 

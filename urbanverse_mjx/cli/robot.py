@@ -76,7 +76,7 @@ def _remedy(fit: Any) -> str:
 
 
 def _outcome(starts: Any, weaker: Any, margin: float) -> str:
-    from ..robots.start import DRIVE
+    from ..robots.start import DRIVING_TIME
 
     if starts.touches is None:
         return f"only its feet touch the ground, it drives at {starts.speed:.2f} m/s"
@@ -84,7 +84,11 @@ def _outcome(starts: Any, weaker: Any, margin: float) -> str:
         return f"{starts.touches} touches the ground at rest: move the centre of mass inside the feet"
     if not starts.after:
         return f"{starts.touches} touches the ground at rest; raise it, or name it as one of the feet"
-    when = f"{starts.after:.2f} s" if starts.after < DRIVE else f"the command to stop by {starts.after - DRIVE:.2f} s"
+    when = (
+        f"{starts.after:.2f} s"
+        if starts.after < DRIVING_TIME
+        else f"the command to stop by {starts.after - DRIVING_TIME:.2f} s"
+    )
     falls = f"{starts.touches} touches the ground after {when}: the motors tip the robot over; "
     move = "move the centre of mass farther inside the feet"
     if weaker is None:

@@ -174,8 +174,8 @@ class CrowdModel:
         kinds = [np.array([getattr(k, name) for k in self.kinds], np.float32) for name in ("speed", "spread")]
         noise = jax.random.truncated_normal(keys[0], -2.0, 2.0, (number,))
         speed = jnp.clip(kinds[0] + kinds[1] * noise, 0.3 * kinds[0], self._traits.limit)
-        luck = jax.random.uniform(keys[1], (number,))
-        wanted = jnp.ones(number, bool) if count is None else jnp.argsort(jnp.argsort(luck)) < count
+        priority = jax.random.uniform(keys[1], (number,))
+        wanted = jnp.ones(number, bool) if count is None else jnp.argsort(jnp.argsort(priority)) < count
         integer = jnp.zeros(number, jnp.int32)
         crowd = Crowd(
             bodies=Bodies(zero, zero, zero, zero, zero),
@@ -314,11 +314,11 @@ class CrowdModel:
                 continue
             gone &= ~spawning.visible(observer, x, y)
             who = some[jnp.argmax(gone)]
-            luck = keys[1]
+            appear_key = keys[1]
             if RULES[group].from_middle is not None:
-                luck = keys[0]
+                appear_key = keys[0]
                 crowd = crowd._replace(arrived=crowd.arrived.at[who].add(gone.any().astype(jnp.int32)))
-            crowd = self._appear(crowd, who, gone.any(), luck, group, scene, observer, True)
+            crowd = self._appear(crowd, who, gone.any(), appear_key, group, scene, observer, True)
         return crowd
 
     def _courses(self, crowd: Crowd, scene: Any) -> Any:

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 from .bodies import Bodies, PreferredVelocity, Traits
 
 #: m between a standing vehicle and its obstacle.
-BUMPER = 0.4
+BUMPER_DISTANCE = 0.4
 
 
 def stop_in_time(
@@ -42,7 +42,7 @@ def stop_in_time(
         dy = bodies.y + end * traits.half_length * jnp.sin(bodies.heading) - bodies.y[own, None]
         along = dx * cos + dy * sin - traits.half_length[own, None]
         in_lane = others & (along > 0.0) & (jnp.abs(dy * cos - dx * sin) < reach)
-        gap = jnp.maximum(along - reach - BUMPER, 0.0)
+        gap = jnp.maximum(along - reach - BUMPER_DISTANCE, 0.0)
         safe = jnp.sqrt(2.0 * traits.braking[own, None] * gap) + ahead
         most = jnp.minimum(most, jnp.where(in_lane, safe, jnp.inf).min(-1))
     x, y = preferred_velocity.x[own], preferred_velocity.y[own]

@@ -20,10 +20,10 @@ from .linear_program import NO_LIMIT, HalfPlanes, join, solve
 
 #: m/s, largest disturbance of a preferred velocity, which breaks perfect symmetry; the published library's examples
 #: disturb every preferred velocity by up to 1e-4.
-DISTURBANCE = 1e-3
+MAX_DISTURBANCE = 1e-3
 #: m/s, largest retreat of a pedestrian against its preferred velocity. In the published program, agents that push each
 #: other reach a common velocity, so that a group could push a single pedestrian back without limit.
-GIVE_GROUND = 0.3
+MAX_RETREAT_SPEED = 0.3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Options:
       discs_only: whether every body is a disc (all `half_length` are 0), which makes the search for nearest points
         unnecessary.
       part_time: s, time in which bodies that are too near separate.
-      hold_ground: whether the retreat of pedestrians is limited to `GIVE_GROUND`.
+      hold_ground: whether the retreat of pedestrians is limited to `MAX_RETREAT_SPEED`.
       grid: options of the grid; None to compare all bodies.
     """
 
@@ -125,13 +125,13 @@ def _able(bodies: Bodies, traits: Traits, agents: int, options: Options) -> Any:
 
 
 def stand(preferred_velocity: PreferredVelocity) -> HalfPlanes:
-    """One half-plane (1, ...) per pedestrian (...) that limits its retreat to `GIVE_GROUND`."""
+    """One half-plane (1, ...) per pedestrian (...) that limits its retreat to `MAX_RETREAT_SPEED`."""
     wants = (
         preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y
-        > GIVE_GROUND * GIVE_GROUND
+        > MAX_RETREAT_SPEED * MAX_RETREAT_SPEED
     )
     x, y = jnp.cos(preferred_velocity.face), jnp.sin(preferred_velocity.face)
-    return HalfPlanes(x[None], y[None], jnp.where(wants, -GIVE_GROUND, NO_LIMIT)[None])
+    return HalfPlanes(x[None], y[None], jnp.where(wants, -MAX_RETREAT_SPEED, NO_LIMIT)[None])
 
 
 def advance(
@@ -187,7 +187,7 @@ def advance(
 
 
 def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) -> PreferredVelocity:
-    """Disturbs preferred velocities (A,) by at most twice `DISTURBANCE` to break symmetry.
+    """Disturbs preferred velocities (A,) by at most twice `MAX_DISTURBANCE` to break symmetry.
 
     Args:
       preferred_velocity: (A,).
@@ -195,13 +195,13 @@ def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) 
       side: (A,), 1 to disturb to the left, -1 to the right, which determines the side for agents that meet head-on.
     """
     angle, size = jax.random.uniform(key, (2, *preferred_velocity.x.shape))
-    angle, size = 2.0 * math.pi * angle, DISTURBANCE * size
+    angle, size = 2.0 * math.pi * angle, MAX_DISTURBANCE * size
     scale = (
         side
-        * DISTURBANCE
+        * MAX_DISTURBANCE
         / jnp.maximum(
             jnp.sqrt(preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y),
-            DISTURBANCE,
+            MAX_DISTURBANCE,
         )
     )
     x = preferred_velocity.x + size * jnp.cos(angle) - scale * preferred_velocity.y

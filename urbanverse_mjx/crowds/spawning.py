@@ -67,7 +67,7 @@ def choose(
         clear &= ~visible(observer, place[:, 0], place[:, 1])
     else:
         clear &= (away > 1.5) | ~observer.present
-    luck = jax.random.uniform(key, clear.shape)
+    priority = jax.random.uniform(key, clear.shape)
     if reach is not None:
-        luck += observer.present & (away < reach)
-    return jnp.argmax(jnp.where(clear, luck, -1.0)).astype(jnp.int32), clear.any()
+        priority += observer.present & (away < reach)
+    return jnp.argmax(jnp.where(clear, priority, -1.0)).astype(jnp.int32), clear.any()

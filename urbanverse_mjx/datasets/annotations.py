@@ -1,4 +1,4 @@
-"""What is seen in a frame: objects with boxes in the image and in space, and a caption; stored beside the data files.
+"""Annotations of a frame: objects with boxes in the image and in space, and a caption; stored beside the data files.
 
 LeRobot's features have a fixed shape, so these lists stand in files of their own, which its readers ignore.
 """

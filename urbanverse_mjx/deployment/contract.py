@@ -1,4 +1,4 @@
-"""What a policy's ONNX file asks of a robot, and the velocity that its actions mean.
+"""Inputs that a policy's ONNX file requires of a robot, and the velocity that its actions stand for.
 
 In:   a `PolicyRecord`. Out: `Contract`: inputs from odometry, goal and image; velocities from actions. When: every
 control step.

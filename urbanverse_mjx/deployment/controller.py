@@ -22,9 +22,9 @@ from .messages import Command, Image, Odometry, decode
 
 DRIVING, ARRIVED, LOST = "driving", "arrived", "policy lost"
 #: m or rad, motion after which two images cannot be equal.
-_MOVED = 0.02
+_MIN_MOTION = 0.02
 #: Largest number of odometry messages in which this is looked for.
-_TRACK = 200
+_MAX_TRACK = 200
 #: Faults while the robot still has to begin, after which it need not wait before it drives.
 _STARTING = ("no odometry", "no image", "no action")
 
@@ -107,7 +107,7 @@ class Controller:
         self._image_stamp = self._image_seen = -1
         self._image_bytes: np.ndarray | None = None
         #: Odometry since the first image with the content of the newest one.
-        self._track: collections.deque[Odometry] = collections.deque(maxlen=_TRACK)
+        self._track: collections.deque[Odometry] = collections.deque(maxlen=_MAX_TRACK)
         self._repeats = False
         self._arrived_ns = 0  # of the newest odometry, by this machine's clock
         self._goal = 0
@@ -203,7 +203,7 @@ class Controller:
         self._repeats = same and (self._repeats or self._moved(message.stamp_ns))
         if not same:
             self._image_bytes = message.pixels
-            self._track = collections.deque((o for o in self._track if o.stamp_ns >= message.stamp_ns), _TRACK)
+            self._track = collections.deque((o for o in self._track if o.stamp_ns >= message.stamp_ns), _MAX_TRACK)
         if self._repeats or self._contract.size is None:
             return
         fovy = self._contract.robot.camera_fovy
@@ -217,8 +217,8 @@ class Controller:
             return False
         first, yaw = poses[0].position_m, yaw_of(poses[0].orientation_wxyz)
         return any(
-            math.hypot(o.position_m[0] - first[0], o.position_m[1] - first[1]) > _MOVED
-            or abs(math.remainder(yaw_of(o.orientation_wxyz) - yaw, math.tau)) > _MOVED
+            math.hypot(o.position_m[0] - first[0], o.position_m[1] - first[1]) > _MIN_MOTION
+            or abs(math.remainder(yaw_of(o.orientation_wxyz) - yaw, math.tau)) > _MIN_MOTION
             for o in poses
         )
 

@@ -37,7 +37,7 @@ from .controller import Command, Output
 MAGIC = b"urbanverse deploy 1\n"
 _HEAD = struct.Struct("<II")
 _SIZE = struct.Struct("<I")
-_LONGEST = 2**28  # bytes of a body
+_MAX_BODY = 2**28  # bytes of a body
 
 
 def record_of(output: Output) -> tuple[dict[str, Any], bytes]:
@@ -149,10 +149,10 @@ def read_log(path: pathlib.Path) -> Iterator[tuple[dict[str, Any], bytes]]:
         while len(head := file.read(_HEAD.size)) == _HEAD.size:
             where = file.tell() - _HEAD.size
             length, checksum = _HEAD.unpack(head)
-            body = file.read(length) if length <= _LONGEST else b""
-            if length <= _LONGEST and len(body) < length:
+            body = file.read(length) if length <= _MAX_BODY else b""
+            if length <= _MAX_BODY and len(body) < length:
                 return
-            if length > _LONGEST or zlib.crc32(body) != checksum:
+            if length > _MAX_BODY or zlib.crc32(body) != checksum:
                 raise ValidationError(
                     f"{path}: found a damaged record at byte {where}, needed the file as it was written."
                 )

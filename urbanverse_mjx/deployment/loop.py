@@ -24,14 +24,14 @@ from .log import LogWriter
 from .messages import COMMAND_PORT, MAX_PART, SENSOR_PORT
 from .policy_process import PolicyProcess
 
-#: ms after which the controller is told that nothing has arrived.
-_LAPSE = 10
+#: ms without a message after which the controller is called with none.
+_POLL_TIMEOUT = 10
 #: s that commands are still sent after the goal, and the speed (m/s) below which the robot stands.
-_AFTER, _STANDS = 2.0, 0.05
+_STOPPING_TIME, _STANDING_SPEED = 2.0, 0.05
 #: Messages that are taken at once.
 _MOST_AT_ONCE = 100
 #: ms that sockets wait at the end for the last command to be sent.
-_LINGER = 200
+_LINGER_TIME = 200
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,7 +94,7 @@ class _Loop:
         self._sensors.set(zmq.SUBSCRIBE, b"")
         self._sensors.set(zmq.MAXMSGSIZE, MAX_PART)
         for socket, endpoint in ((self._sensors, endpoints.sensors), (self._commands, endpoints.commands)):
-            socket.set(zmq.LINGER, _LINGER)
+            socket.set(zmq.LINGER, _LINGER_TIME)
             try:
                 socket.connect(endpoint)
             except zmq.ZMQError as error:
@@ -120,14 +120,14 @@ class _Loop:
                         return "time limit"
                     if self.controller.reason == ARRIVED and found is not None:
                         arrived_at = arrived_at or time.monotonic()
-                        stands = math.hypot(*found.velocity_mps) < _STANDS
-                        if stands or time.monotonic() - arrived_at > _AFTER:
+                        stands = math.hypot(*found.velocity_mps) < _STANDING_SPEED
+                        if stands or time.monotonic() - arrived_at > _STOPPING_TIME:
                             return "arrived"
         except _Stopped:
             return "interrupted"
 
     def _turn(self) -> None:
-        ready = dict(self._poller.poll(_LAPSE))
+        ready = dict(self._poller.poll(_POLL_TIMEOUT))
         if self._policy.fileno() in ready:
             self._take_answers()
         taken = 0

@@ -19,7 +19,7 @@ from .contract import Contract
 from .controller import Request
 
 #: s until a process must have loaded its policy.
-_START = 120.0
+_START_TIMEOUT = 120.0
 
 
 def load(path: pathlib.Path) -> tuple[OnnxAgent, Contract]:
@@ -93,7 +93,9 @@ class PolicyProcess:
         process.start()
         other.close()
         try:
-            found = own.recv() if own.poll(_START) else f"{path}: found no policy loaded in {_START:g} s."
+            found = (
+                own.recv() if own.poll(_START_TIMEOUT) else f"{path}: found no policy loaded in {_START_TIMEOUT:g} s."
+            )
         except EOFError:
             found = f"{path}: found that the policy's process ended while it was loading."
         if not isinstance(found, Contract):

@@ -11,9 +11,9 @@ from ..datatypes import ValidationError
 from .messages import COMMAND_PORT, SENSOR_PORT, Command, Image, Odometry, decode
 
 #: ns; commands that are in force for longer are ignored.
-_LONGEST = 10**9
+_MAX_DURATION = 10**9
 #: ns without a command of the session in force, after which another session may drive.
-_HANDOVER = 10**9
+_HANDOVER_TIME = 10**9
 #: Messages that are taken in one call, so that a flood of them cannot hold the robot's loop.
 _MOST_AT_ONCE = 1000
 
@@ -45,10 +45,10 @@ class CommandGate:
         return True
 
     def _is_next(self, command: Command, now_ns: int) -> bool:
-        if command.expires_ns > now_ns + _LONGEST:
+        if command.expires_ns > now_ns + _MAX_DURATION:
             return False
         if self.last is None or command.session != self.last.session:
-            return self.last is None or now_ns - self._arrived_ns > _HANDOVER
+            return self.last is None or now_ns - self._arrived_ns > _HANDOVER_TIME
         return command.sequence > self.last.sequence
 
     def velocity(self, now_ns: int) -> tuple[float, float]:
@@ -97,7 +97,7 @@ class RobotLink:
         self.gate = CommandGate()
 
     def publish(self, message: Odometry | Image) -> None:
-        """Sends a message to whoever listens."""
+        """Publishes a message."""
         self._sensors.send_multipart(message.parts())
 
     def publish_parts(self, parts: Sequence[bytes]) -> None:

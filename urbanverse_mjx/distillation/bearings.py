@@ -14,7 +14,7 @@ import numpy as np
 
 from . import control_points
 from .depth_scale import DepthScale
-from .fusion import PLACE, world_points
+from .fusion import MIN_POSITION_ERROR, world_points
 from .lifting import Views
 
 
@@ -182,10 +182,12 @@ class _Problem:
         # A view depends on two control points only, however many there are.
         before, share = control_points.between(len(poses))
         self.before, self.shares = before[seen.frame], np.stack([1.0 - share, share], -1)[seen.frame]
-        self.across = np.hypot(_OPTIONS.direction_sigma, (PLACE + _OPTIONS.middle_error * seen.width) / seen.reach)
-        self.along = noise * seen.reach + PLACE
+        self.across = np.hypot(
+            _OPTIONS.direction_sigma, (MIN_POSITION_ERROR + _OPTIONS.middle_error * seen.width) / seen.reach
+        )
+        self.along = noise * seen.reach + MIN_POSITION_ERROR
         self.behind = _OPTIONS.front_share * np.bincount(which, seen.width) / np.bincount(which)
-        self.held = 1.0 / (PLACE + self.behind) ** 2
+        self.held = 1.0 / (MIN_POSITION_ERROR + self.behind) ** 2
 
     def solve(self, free: bool) -> _Solution:
         """Solves for the objects with fixed poses, or for poses too where `free`."""

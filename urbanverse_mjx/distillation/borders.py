@@ -14,11 +14,11 @@ type Corner = tuple[int, int]
 type Arc = list[Corner]  # corners of cells, one cell apart
 
 #: Number of cells along an arc from which its direction at a node is computed.
-_REACH = 8
+_TANGENT_CELLS = 8
 #: rad, subtracted from the turn between two arcs at a node if both are borders of the same sort.
-_SAME_SORT = np.radians(25.0)
+_SAME_KIND_BONUS = np.radians(25.0)
 #: rad, largest turn at which the second pair of arcs at a node of four is joined.
-_STRAIGHT_ON = np.radians(60.0)
+_MAX_STRAIGHT_TURN = np.radians(60.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -135,7 +135,7 @@ def _paired(ends: list[int], arcs: list[Arc], sorts: list[int]) -> dict[int, int
 
     def heading(e: int) -> complex:
         arc = arcs[e // 2][:: -1 if e % 2 else 1]
-        tip = arc[min(_REACH, len(arc) - 1)]
+        tip = arc[min(_TANGENT_CELLS, len(arc) - 1)]
         if tip == arc[0]:  # a loop of few cells
             tip = arc[len(arc) // 2]
         return complex(tip[0] - arc[0][0], tip[1] - arc[0][1])
@@ -147,10 +147,10 @@ def _paired(ends: list[int], arcs: list[Arc], sorts: list[int]) -> dict[int, int
             same = sorts[first // 2] == sorts[second // 2]
             # A border with the outside is only joined to another border with the outside.
             outer = same and not sorts[first // 2]
-            pairs.append((turn - (np.pi if outer else _SAME_SORT * same), turn, first, second))
+            pairs.append((turn - (np.pi if outer else _SAME_KIND_BONUS * same), turn, first, second))
     partner: dict[int, int] = {}
     for _, turn, first, second in sorted(pairs):
-        if first in partner or second in partner or (partner and turn > _STRAIGHT_ON):
+        if first in partner or second in partner or (partner and turn > _MAX_STRAIGHT_TURN):
             continue
         partner |= {first: second, second: first}
     return partner

@@ -13,7 +13,7 @@ from .straight_pieces import FitOptions, straight_pieces
 #: m: corners are rounded to whole millimetres.
 GRID = 1e-3
 #: Label of a face that contains no cell centre.
-_NOBODY = -1
+_NO_LABEL = -1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -149,10 +149,10 @@ def _votes(faces: list[shapely.Polygon], labels: np.ndarray, origin: np.ndarray,
 
 def _dissolved(faces: list[shapely.Polygon], votes: np.ndarray, min_area: float) -> list[Area]:
     """Merges faces of one label, and areas that are too small into the neighbour with the longest common border."""
-    label = np.where(votes.sum(1) > 0, votes.argmax(1), _NOBODY)
+    label = np.where(votes.sum(1) > 0, votes.argmax(1), _NO_LABEL)
     for _ in range(_OPTIONS.rounds):
         parts = _parts(faces, label)
-        small = [p for p in parts if p.label == _NOBODY or (p.label and p.polygon.area < min_area)]
+        small = [p for p in parts if p.label == _NO_LABEL or (p.label and p.polygon.area < min_area)]
         if not small:
             break
         for part in sorted(small, key=lambda p: p.polygon.area):
@@ -172,7 +172,7 @@ def _neighbour(part: Area, parts: list[Area]) -> int:
     border.pop(0, None)
     outside = part.polygon.length - sum(border.values())
     to = max(border, key=lambda k: (border[k], -k), default=0)
-    return 0 if not border or border[to] <= 0 or (part.label == _NOBODY and outside > border[to]) else to
+    return 0 if not border or border[to] <= 0 or (part.label == _NO_LABEL and outside > border[to]) else to
 
 
 def _parts(faces: list[shapely.Polygon], label: np.ndarray) -> list[Area]:

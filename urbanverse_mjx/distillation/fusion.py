@@ -13,7 +13,7 @@ import scipy.spatial
 from .lifting import Views
 
 #: m, error of a view's position that does not grow with the range (border pixels, visible side).
-PLACE = 0.03
+MIN_POSITION_ERROR = 0.03
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Placed:
 
 def across_error(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """(n,) m: offset of a view's visible centre from the object's centre, in addition to the error of its depth."""
-    return PLACE + 0.15 * np.linalg.norm(high - low, axis=-1)
+    return MIN_POSITION_ERROR + 0.15 * np.linalg.norm(high - low, axis=-1)
 
 
 def world_points(views: Views, poses: np.ndarray, scale: np.ndarray, rows: np.ndarray | slice) -> np.ndarray:
@@ -99,7 +99,7 @@ def place(views: Views, poses: np.ndarray, scale: np.ndarray, noise: float) -> P
         low[rows], high[rows] = points[:, round(_OPTIONS.trim * last)], points[:, round((1 - _OPTIONS.trim) * last)]
         high[rows, 2] = points[:, last - 1, 2]  # tops are thin
         reach[rows] = np.linalg.norm(points[:, last // 2] - poses[views.frame[rows], :3, 3], axis=1)
-    return Placed(low, high, poses[views.frame, :3, 3], PLACE + noise * reach)
+    return Placed(low, high, poses[views.frame, :3, 3], MIN_POSITION_ERROR + noise * reach)
 
 
 class _Map:

@@ -14,7 +14,7 @@ from .ground import CELL, DRIVEN, OPTIONS, WALKED, GroundMap, fit_plane
 type Ring = tuple[tuple[float, float], ...]  # m
 
 #: m^2; smaller pieces are caused by the rounding of a border and are dropped.
-_SLIVER = 0.02
+_MIN_PIECE_AREA = 0.02
 
 
 def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
@@ -54,7 +54,7 @@ def _shared(pieces: Sequence[shapely.Polygon]) -> list[tuple[Ring, int]]:
     tree, found = shapely.STRtree(pieces), []
     for face in faces:
         inside = tree.query(face.representative_point(), predicate="intersects")
-        if not len(inside) or face.area < _SLIVER:
+        if not len(inside) or face.area < _MIN_PIECE_AREA:
             continue
         try:
             ring = check_polygon([list(c) for c in face.exterior.coords[:-1]], "ground")
@@ -69,7 +69,7 @@ def _simple_pieces(outline: shapely.Polygon, seen: GroundMap, kind: int) -> list
     todo, done = [outline], []
     while todo:
         area = todo.pop()
-        if area.is_empty or area.area < _SLIVER:
+        if area.is_empty or area.area < _MIN_PIECE_AREA:
             continue
         x0, y0, x1, y1 = area.bounds
         if area.interiors:

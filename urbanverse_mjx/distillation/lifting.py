@@ -13,7 +13,7 @@ from ..datatypes import GROUND_KINDS, PAINT_KINDS, Recording
 from ..datatypes.recording import SKY
 
 #: Number of points kept of a view; views with fewer pixels repeat some.
-POINTS = 192
+NUM_POINTS = 192
 #: Side, in pixels, of the block that one pixel of the coarse depth covers.
 COARSE_BLOCK_SIDE = 8
 
@@ -43,7 +43,7 @@ class Views:
 
     frame (n,) i32: row of the registered frames; label (n,) i32: row of `labels`; score (n,) f32.
     track (n,) i32: row of the recording's tracks, -1 = none.
-    points (n, POINTS, 3) f32 m, camera frame.
+    points (n, NUM_POINTS, 3) f32 m, camera frame.
     pixels (n,) i32. clipped (n, 4) bool: whether it touches the left, right, top or bottom of the image.
     origin: (n, 2) i32: number of the frame in the recording and of the detection in it.
     """
@@ -134,7 +134,7 @@ def lift(
 
 
 def _joined(parts: list[tuple[np.ndarray, ...]], labels: tuple[str, ...]) -> Views:
-    empty = ((0,), (0,), (0,), (0,), (0, POINTS, 3), (0,), (0, 4), (0, 2))
+    empty = ((0,), (0,), (0,), (0,), (0, NUM_POINTS, 3), (0,), (0, 4), (0, 2))
     types = (np.int32, np.int32, np.float32, np.int32, np.float32, np.int32, bool, np.int32)
     columns = [
         np.concatenate([np.zeros(shape, dtype), *(p[k].reshape(-1, *shape[1:]).astype(dtype) for p in parts)])
@@ -152,7 +152,7 @@ def _joined_ground(parts: list[tuple[np.ndarray, ...]]) -> GroundPoints:
 def _views(
     masks: np.ndarray, depth: np.ndarray, rays: np.ndarray, min_pixels: int, reach: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """(k,) detections, (k, POINTS, 3) points, (k,) pixels, (k, 4) clipped; k = detections with enough depth."""
+    """(k,) detections, (k, NUM_POINTS, 3) points, (k,) pixels, (k, 4) clipped; k = detections with enough depth."""
     height, width = masks.shape
     flat = np.flatnonzero((masks >= 0) & (depth > 0))
     which, z = masks.ravel()[flat], depth.ravel()[flat]
@@ -163,7 +163,7 @@ def _views(
     order = np.argsort(which, kind="stable")
     starts = np.r_[0, np.cumsum(counts)][index]
     # Evenly over the view's pixels in raster order, so over the whole visible part.
-    steps = np.floor((np.arange(POINTS) + 0.5) / POINTS * counts[index, None]).astype(np.int64)
+    steps = np.floor((np.arange(NUM_POINTS) + 0.5) / NUM_POINTS * counts[index, None]).astype(np.int64)
     pixels = flat[order[starts[:, None] + steps]]
     points = rays.reshape(-1, 3)[pixels] * depth.ravel()[pixels][..., None]
     rim = np.stack([np.zeros(len(counts), bool)] * 4, -1)

@@ -12,7 +12,7 @@ from . import overlap
 from .shortlists import LeftOut
 
 #: Overlap, as a share of the smaller footprint, from which two objects of one label are the same object detected twice.
-SAME_PLACE = 0.5
+MIN_DUPLICATE_OVERLAP = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,7 +81,7 @@ def found_twice(graph_objects: Sequence[GraphObject]) -> list[LeftOut]:
         if a.label != b.label or apart or i in doubles or j in doubles:
             continue
         shared = boxes[i].intersection(boxes[j]).area / min(boxes[i].area, boxes[j].area)
-        if shared > SAME_PLACE:
+        if shared > MIN_DUPLICATE_OVERLAP:
             k, kept = (i, b) if (a.score, b.id) < (b.score, a.id) else (j, a)
             reason = f"it shares {100 * shared:.0f} % of its ground with {kept.id!r}, which is the same object"
             doubles[k] = LeftOut(graph_objects[k].id, graph_objects[k].label, reason)

@@ -41,7 +41,7 @@ STEER_EFFORT = 64.0  # N m, effort_limit
 
 #: s. coco2play_kinematics.speed_time_constant_s is 0.2, i.e. 10 m/s² at a full start, which exceeds the tyres'
 #: friction: they would spin, and the rear wheels would hop at the physics rate. At 0.3 s they hardly do.
-SPEED_LAG = 0.3
+SPEED_TIME_CONSTANT = 0.3
 
 # --- Camera (coco.json, urbansim_camera) ---
 CAMERA_POSITION = (0.51, 0.0, 0.015)  # pos_in_base
@@ -49,14 +49,15 @@ CAMERA_FOVY_DEG = 90.96  # static_env.vfov_deg; 122.1 across at 16:9
 
 # --- Choices without a public source ---
 #: m, penetration of the tyres into flat ground at rest with MuJoCo's default contact (tests/robots/test_coco.py).
-TYRE_DENT = 0.0003
+TYRE_PENETRATION = 0.0003
 #: Height of base_link above flat ground at rest.
-SPAWN_HEIGHT = WHEEL_RADIUS - WHEEL_Z - TYRE_DENT
+SPAWN_HEIGHT = WHEEL_RADIUS - WHEEL_Z - TYRE_PENETRATION
 #: Half-way between the axles, so that all wheels carry the same load.
 CENTRE_X = 0.5 * (FRONT_AXLE_X + REAR_AXLE_X)
 #: Centre of the shell: its lower side is `GROUND_CLEARANCE` above the ground.
 SHELL_Z = GROUND_CLEARANCE + 0.5 * BODY_HEIGHT - SPAWN_HEIGHT
-SHELL_ROUNDING = 0.155
+#: m, radius of the shell's rounded edges.
+SHELL_CORNER_RADIUS = 0.155
 #: Eight spheres as tall as the shell; no point of the shell is 3 cm outside (tests/robots/test_coco.py).
 BODY_SPHERE_RADIUS = 0.5 * BODY_HEIGHT
 BODY_SPHERES = tuple((x, y, SHELL_Z) for x in (-0.153, -0.051, 0.051, 0.153) for y in (-0.052, 0.052))
@@ -79,7 +80,7 @@ class Servo:
 
 
 def make_servo(drive: str) -> Servo:
-    """Gains that follow a speed command with the lag `SPEED_LAG`.
+    """Gains that follow a speed command with the lag `SPEED_TIME_CONSTANT`.
 
     coco.json has contradictory wheel gains, 1e6 (USD) and 0.3 (UrbanSim, with commands a hundred times too fast), so
     the gain is computed from the lag: moving inertia at the wheels with friction / (their number * lag). A slope of 1:8
@@ -88,7 +89,7 @@ def make_servo(drive: str) -> Servo:
     """
     gripping = 2 if drive == "differential" else 4
     inertia = TOTAL_MASS * WHEEL_RADIUS**2 + gripping * WHEEL_INERTIA
-    return Servo(wheel=inertia / (gripping * SPEED_LAG), steer=100.0, steer_damping=0.5)
+    return Servo(wheel=inertia / (gripping * SPEED_TIME_CONSTANT), steer=100.0, steer_damping=0.5)
 
 
 def rounded_box(half: tuple[float, float, float], radius: float, steps: int = 6) -> tuple[np.ndarray, np.ndarray]:
@@ -130,7 +131,7 @@ def _fan(first: int, count: int) -> np.ndarray:
 
 def shell_mesh() -> tuple[np.ndarray, np.ndarray]:
     """Vertices (n, 3) m in base_link and faces (m, 3) of the visible shell."""
-    vertices, faces = rounded_box((0.5 * BODY_LENGTH, 0.5 * BODY_WIDTH, 0.5 * BODY_HEIGHT), SHELL_ROUNDING)
+    vertices, faces = rounded_box((0.5 * BODY_LENGTH, 0.5 * BODY_WIDTH, 0.5 * BODY_HEIGHT), SHELL_CORNER_RADIUS)
     return vertices + (0.0, 0.0, SHELL_Z), faces
 
 

@@ -14,17 +14,17 @@ from .wheel_drive import WheelDrive
 #: Sliding friction of the streets' ground.
 _FRICTION = 1.0
 #: s at rest, then at full speed, then with the command to stop.
-_REST, DRIVE, _STOP = 0.5, 2.0, 1.0
+_STANDING_TIME, DRIVING_TIME, _STOPPING_TIME = 0.5, 2.0, 1.0
 #: Shares of the motors' gain that are tried where a robot falls over.
-_SHARES = (1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32)
+_GAIN_SHARES = (1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32)
 #: Share of `RobotSpec.max_speed` that weaker motors must reach.
-_FAST_ENOUGH = 0.8
+_MIN_SPEED_SHARE = 0.8
 
 
 @dataclasses.dataclass(frozen=True)
 class Start:
     """A start from rest with the command for full speed straight ahead, as a waypoint 1 m ahead gives it, and a stop
-    `DRIVE` s later.
+    `DRIVING_TIME` s later.
 
     Attributes:
       touches: name of the first collision sphere other than feet that touched the ground; None where none did.
@@ -77,15 +77,17 @@ def start(robot: RobotSpec, share: float = 1.0) -> Start | None:
     feet = {model.geom(name).id for name in robot.foot_geoms}
     full = np.asarray(command(np.array([robot.max_speed, 0.0])), np.float64)
     speed = 0.0
-    for step in range(-int(_REST / model.opt.timestep), int((DRIVE + _STOP) / model.opt.timestep)):
+    for step in range(
+        -int(_STANDING_TIME / model.opt.timestep), int((DRIVING_TIME + _STOPPING_TIME) / model.opt.timestep)
+    ):
         time = step * float(model.opt.timestep)
-        data.ctrl[:] = full if 0.0 <= time < DRIVE else 0.0
+        data.ctrl[:] = full if 0.0 <= time < DRIVING_TIME else 0.0
         mujoco.mj_step(model, data)
         others = set(data.contact.geom.ravel().tolist()) - feet - {model.geom("_ground").id}
         if others:
             geom = min(others)
             return Start(model.geom(geom).name or f"geom {geom}", max(time, 0.0), speed)
-        if time < DRIVE:
+        if time < DRIVING_TIME:
             speed = float(data.joint(root.jntadr[0]).qvel[:3] @ data.body(root.id).xmat.reshape(3, 3)[:, 0])
     return Start(None, None, speed)
 
@@ -93,9 +95,9 @@ def start(robot: RobotSpec, share: float = 1.0) -> Start | None:
 def weaker_motors(robot: RobotSpec) -> WeakerMotors | None:
     """The strongest motors of 1/2, 1/4, .. 1/32 of the gain with which a robot on wheels stays on its feet and nearly
     reaches its speed; None where there are none."""
-    for share in _SHARES:
+    for share in _GAIN_SHARES:
         found = start(robot, share)
-        if found is not None and found.touches is None and found.speed > _FAST_ENOUGH * robot.max_speed:
+        if found is not None and found.touches is None and found.speed > _MIN_SPEED_SHARE * robot.max_speed:
             model, wheel = mujoco.MjModel.from_xml_string(robot.mjcf), robot.command.left[0]
             damping = _weaken(model, wheel, share)
             return WeakerMotors(share, float(model.actuator_gainprm[wheel, 0]), damping, found)

@@ -13,7 +13,7 @@ from ..datatypes.scene_bank import MAX_HULL_TRIANGLES
 
 #: Triangles with a smaller area, as a share of the hull's squared size, are slivers of Qhull's triangulation of flat
 #: facets. Their neighbours lie in the same plane and share their edges, so dropping them does not change the hull.
-_SLIVER = 1e-12
+_MIN_TRIANGLE_SHARE = 1e-12
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,7 +74,7 @@ def _convex_part(content: bytes) -> ConvexPart:
     normals = hull.equations[:, :3]
     flip = np.einsum("ij,ij->i", cross, normals) < 0
     triangles = np.where(flip[:, None], hull.simplices[:, ::-1], hull.simplices)
-    solid = np.linalg.norm(cross, axis=1) > _SLIVER * np.ptp(hull.points, axis=0).max() ** 2
+    solid = np.linalg.norm(cross, axis=1) > _MIN_TRIANGLE_SHARE * np.ptp(hull.points, axis=0).max() ** 2
     offsets = -hull.equations[:, 3] + normals @ centre
     part = ConvexPart(
         corners=points[keep],

@@ -23,7 +23,7 @@ POOL = 4
 KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
 NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
 #: m, least step between neighbouring cells that counts as a kerb (same source).
-KERB = 0.03
+MIN_KERB_STEP = 0.03
 #: m; road within this distance of painted stripes on two sides is part of the crosswalk (same source).
 _MAX_STRIPE_GAP = 0.6
 #: Number of additional shortening passes; even, because each reverses the path.
@@ -151,7 +151,7 @@ def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -
     cost = pooled(price, prices.pool, np.max)
     if prices.kerb:
         # Both cells beside a kerb count as its edge, so crossing it passes two of them.
-        kerb = _edges(scene_map.height, KERB) * (prices.kerb / (2 * resolution))
+        kerb = _edges(scene_map.height, MIN_KERB_STEP) * (prices.kerb / (2 * resolution))
         cost, price = cost + pooled(kerb, prices.pool, np.mean), price + kerb
     cost = np.where(pooled(free, prices.pool, np.all), cost, -1.0)
     return FreeSpace(scene_map, distance, free, cost, prices.pool, price if prices.kerb else None)

@@ -14,21 +14,21 @@ from scipy import ndimage
 
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from .geometry import SceneMap
-from .planner import KERB, NAVBENCH, ROBOTS, FreeSpace, GoalField, RobotSize, free_space, path_length, resample
+from .planner import MIN_KERB_STEP, NAVBENCH, ROBOTS, FreeSpace, GoalField, RobotSize, free_space, path_length, resample
 
 Point = tuple[float, float]
 
 #: Distance (m) between waypoints of a route.
 SPACING = 0.5
 #: rad, least change of direction that counts as a turn.
-TURN = np.pi / 6
+MIN_TURN = np.pi / 6
 #: m, least continuous length on these kinds that counts as a road crossing.
-CROSSING = 1.0
+MIN_CROSSING_LENGTH = 1.0
 ROAD_KINDS = ("road", "road_marking", "crosswalk")
 #: m by which a start, via point or goal on blocked ground may be moved.
-SNAP = 1.0
+MAX_SNAP_DISTANCE = 1.0
 #: For each goal of the chosen routes, the path costs of its starts, as shares of the largest path cost to it.
-SHARES = ((1.0, 0.75, 0.5, 0.25), (0.9, 0.65, 0.4, 0.2), (1.0, 0.7, 0.45, 0.2))
+START_COST_SHARES = ((1.0, 0.75, 0.5, 0.25), (0.9, 0.65, 0.4, 0.2), (1.0, 0.7, 0.45, 0.2))
 #: m, additional clearance at chosen starts and goals.
 _START_CLEARANCE = 0.15
 #: Relative difference to the target cost within which starts are equally good.
@@ -104,7 +104,7 @@ class RoutePlanner:
         halfway = self._costs(cells, first)
         middle = tuple(cells[int(np.abs(halfway - halfway.max() / 2).argmin())])
         ends = []
-        for goal, shares in zip((first, second, middle), SHARES, strict=True):
+        for goal, shares in zip((first, second, middle), START_COST_SHARES, strict=True):
             costs = self._costs(cells, goal)
             for share in shares:
                 off = np.abs(costs - share * costs.max())
@@ -151,7 +151,10 @@ class RoutePlanner:
             cell = self._snap(place)
             if cell is None:
                 where = f"the {name} ({place[0]:.2f}, {place[1]:.2f})"
-                why = f"{where} is blocked for the {self.robot} robot or off the map, and so is all within {SNAP:g} m"
+                why = (
+                    f"{where} is blocked for the {self.robot} robot or off the map, and so is all within "
+                    f"{MAX_SNAP_DISTANCE:g} m"
+                )
                 return NoRoute(wanted.id, wanted.note, why)
             cells.append(cell)
         path = np.asarray([self.space.coarse_center(np.array(cells[0]))])
@@ -169,12 +172,12 @@ class RoutePlanner:
         return Route(wanted.id, wanted.note, points, path, self._waypoints(path), self._facts(path))
 
     def _snap(self, place: Point) -> tuple[int, int] | None:
-        """The passable planning cell at a point or the nearest one within `SNAP`."""
+        """The passable planning cell at a point or the nearest one within `MAX_SNAP_DISTANCE`."""
         shape = np.array(self.space.cost.shape)
         cell = self.space.coarse_cell(np.array(place))
         if ((cell < 0) | (cell >= shape)).any():
             return None
-        reach = int(np.ceil(SNAP / (self.space.pool * self.space.map.resolution)))
+        reach = int(np.ceil(MAX_SNAP_DISTANCE / (self.space.pool * self.space.map.resolution)))
         low, high = np.maximum(cell - reach, 0), np.minimum(cell + reach + 1, shape)
         near = np.argwhere(self.space.cost[low[0] : high[0], low[1] : high[1]] > 0) + low
         away = np.linalg.norm(near - cell, axis=1)
@@ -208,9 +211,9 @@ class RoutePlanner:
             "straight_m": round(straight, 2),
             "detour": round(length / straight, 3) if straight > 0 else None,
             "by_kind_m": {n: round(float(s), 2) for n, s in zip(GROUND_KINDS, share, strict=True) if s > 0},
-            "road_crossings": sum(n * length / len(kind) >= CROSSING for n in runs),
-            "curbs": int((np.abs(np.diff(z)) > KERB).sum()),
+            "road_crossings": sum(n * length / len(kind) >= MIN_CROSSING_LENGTH for n in runs),
+            "curbs": int((np.abs(np.diff(z)) > MIN_KERB_STEP).sum()),
             "min_clearance_m": round(float(self.space.distance[cells].min()), 2),
-            "turns": int((np.abs(turns) > TURN).sum()),
+            "turns": int((np.abs(turns) > MIN_TURN).sum()),
             "climb_m": round(float(np.ptp(z)), 2),
         }

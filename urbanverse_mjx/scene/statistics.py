@@ -16,7 +16,7 @@ from ..geometry import rotations
 from ..geometry.grids import closed, pooled
 from .geometry import SceneGeometry, SceneMap
 from .maps import tops
-from .planner import KERB
+from .planner import MIN_KERB_STEP
 
 #: m, least horizontal sides and height of houses (vegetation and vehicles are excluded).
 HOUSE_SIDE, HOUSE_HEIGHT = 4.0, 3.0
@@ -118,7 +118,7 @@ def kerbs(scene_map: SceneMap) -> dict[str, float]:
         legs = np.linalg.norm(np.diff(line, axis=0), axis=1) * scene_map.resolution
         middle = ((line[1:] + line[:-1]) / 2).round().astype(int)
         high = step[middle[:, 0], middle[:, 1]]
-        is_kerb = np.isfinite(high) & (high > KERB)
+        is_kerb = np.isfinite(high) & (high > MIN_KERB_STEP)
         total += float(legs[is_kerb].sum())
         steps.append(high[is_kerb])
     found = np.concatenate(steps)

@@ -28,20 +28,20 @@ LEVELS = 10
 SCENE_SIDE = 20.0
 #: Least and greatest height of a kerb (m), rise of a stair (m), slope, unevenness of rough ground (m), tilt of its
 #: pieces.
-KERB, RISE = (0.03, 0.22), (0.03, 0.17)
-SLOPE = (0.08, 0.45)  # the steepest is 24 degrees; a wheelchair ramp is 0.083
-ROUGHNESS, TILT = (0.01, 0.07), (0.02, 0.15)
+KERB_HEIGHT, STEP_RISE = (0.03, 0.22), (0.03, 0.17)
+SLOPE_GRADE = (0.08, 0.45)  # the steepest is 24 degrees; a wheelchair ramp is 0.083
+ROUGH_HEIGHT, ROUGH_GRADE = (0.01, 0.07), (0.02, 0.15)
 #: m; no training kerb has the height of a test kerb within `TEST_KERB_MARGIN`.
 TEST_KERBS, TEST_KERB_MARGIN = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20), 0.003
 #: Least height of a kerb as a share of its level's height.
 MIN_KERB_SHARE = 0.7
-TREAD = (0.30, 0.38)  # m, as stairs out of doors have it
-KERB_SPACING, SLOPE_LENGTH, LANDING = (1.0, 2.5), (1.5, 3.0), (1.0, 1.6)  # m
-STAIRS = 4  # steps of a flight
-PIECE = (0.6, 1.2)  # m, of rough ground
+STEP_TREAD = (0.30, 0.38)  # m, as stairs out of doors have it
+KERB_SPACING, SLOPE_LENGTH, LANDING_LENGTH = (1.0, 2.5), (1.5, 3.0), (1.0, 1.6)  # m
+STEPS_PER_FLIGHT = 4  # steps of a flight
+ROUGH_PIECE_SIDE = (0.6, 1.2)  # m, of rough ground
 #: Friction of rubber on concrete; environments scale it.
 FRICTION = 0.8
-_TILE = 1.0  # m, a repetition of the image
+_IMAGE_PERIOD = 1.0  # m, a repetition of the image
 
 #: A strip of ground: its length along x (m), and its heights (m) at its beginning and end.
 Strip = tuple[float, float, float]
@@ -62,7 +62,7 @@ def _at(span: tuple[float, float], difficulty: float) -> float:
 
 def _kerb_height(rng: np.random.Generator, difficulty: float) -> float:
     """m, random height of a kerb; never a height that is reserved for tests."""
-    high = _at(KERB, difficulty)
+    high = _at(KERB_HEIGHT, difficulty)
     while True:
         height = rng.uniform(MIN_KERB_SHARE * high, high)
         if np.abs(height - np.array(TEST_KERBS)).min() > TEST_KERB_MARGIN:
@@ -87,24 +87,24 @@ def _kerbs(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
 
 
 def _stairs(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
-    rise, height = _at(RISE, difficulty), 0.0
+    rise, height = _at(STEP_RISE, difficulty), 0.0
     while True:
-        yield rng.uniform(*LANDING), height, height
-        sign, tread = (1.0 if height == 0.0 else -1.0), rng.uniform(*TREAD)
-        for step in range(STAIRS):
+        yield rng.uniform(*LANDING_LENGTH), height, height
+        sign, tread = (1.0 if height == 0.0 else -1.0), rng.uniform(*STEP_TREAD)
+        for step in range(STEPS_PER_FLIGHT):
             height += sign * rise
-            if step < STAIRS - 1:
+            if step < STEPS_PER_FLIGHT - 1:
                 yield tread, height, height
         height = max(round(height, 6), 0.0)
 
 
 def _slopes(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
-    slope = _at(SLOPE, difficulty)
+    slope = _at(SLOPE_GRADE, difficulty)
     while True:
-        yield rng.uniform(*LANDING), 0.0, 0.0
+        yield rng.uniform(*LANDING_LENGTH), 0.0, 0.0
         length = rng.uniform(*SLOPE_LENGTH)
         yield length, 0.0, slope * length
-        yield rng.uniform(*LANDING), slope * length, slope * length
+        yield rng.uniform(*LANDING_LENGTH), slope * length, slope * length
         yield length, slope * length, 0.0
 
 
@@ -140,15 +140,15 @@ def strips_regions(strips: Iterator[Strip], side: float = SCENE_SIDE) -> list[Gr
 
 def _rough_regions(rng: np.random.Generator, difficulty: float) -> list[GroundRegion]:
     """Pieces like unevenly laid slabs, each with a random height and tilt."""
-    half, unevenness, tilt = 0.5 * SCENE_SIDE, _at(ROUGHNESS, difficulty), _at(TILT, difficulty)
-    rows, columns = round(SCENE_SIDE / PIECE[0]), round(SCENE_SIDE / PIECE[1])
+    half, unevenness, tilt = 0.5 * SCENE_SIDE, _at(ROUGH_HEIGHT, difficulty), _at(ROUGH_GRADE, difficulty)
+    rows, columns = round(SCENE_SIDE / ROUGH_PIECE_SIDE[0]), round(SCENE_SIDE / ROUGH_PIECE_SIDE[1])
     xs, ys = (np.linspace(-half, half, n + 1).tolist() for n in (rows, columns))
     regions: list[GroundRegion] = []
     for i in range(rows):
         for j in range(columns):
             sx, sy = rng.uniform(-tilt, tilt, 2).tolist()
             # The piece is tilted about its centre; the height is that of its lower corner.
-            height = rng.uniform(0.0, unevenness) - 0.5 * (sx * PIECE[0] + sy * PIECE[1])
+            height = rng.uniform(0.0, unevenness) - 0.5 * (sx * ROUGH_PIECE_SIDE[0] + sy * ROUGH_PIECE_SIDE[1])
             corners = (xs[i], ys[j]), (xs[i + 1], ys[j + 1])
             regions.append(_rectangle(len(regions), *corners, (sx, sy), height))
     return regions
@@ -178,7 +178,7 @@ def _image() -> np.ndarray:
 def region_scene(name: str, regions: list[GroundRegion], friction: float = FRICTION) -> SceneGeometry:
     """A scene that has only ground; its single episode leads 1 m along x from the centre."""
     prisms, scene_map = ground.ground_prisms(regions), maps.ground_map(regions)
-    visuals = [ground.region_mesh(r, _image(), _TILE, 0.9) for r in regions]
+    visuals = [ground.region_mesh(r, _image(), _IMAGE_PERIOD, 0.9) for r in regions]
     i, j = scene_map.grid.cell(np.zeros(2))
     start = np.array([[0.0, 0.0, scene_map.height[i, j], 0.0]])
     goal, no, none = start[:, :3] + np.array([1.0, 0.0, 0.0]), np.zeros(1, bool), np.zeros(0, np.int32)

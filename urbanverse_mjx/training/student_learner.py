@@ -1,4 +1,4 @@
-"""What the algorithms share that step envs with a student with a camera and query a teacher in each visited state.
+"""Shared by the algorithms that step envs with a camera student and query a teacher in each visited state.
 
 `dagger.Dagger` imitates the teacher, `finetune.Finetune` continues by PPO. The observations of half of the envs are
 mirrored (`sequences`).

@@ -18,7 +18,7 @@ from . import noise, sky_maps
 HEIGHT, WIDTH = 64, 128
 
 # Bucholtz 1995 (Rayleigh at sea level) at 680, 550, 440 nm, 1/m; scale heights of the standard atmosphere, m.
-RAYLEIGH = np.array([5.8e-6, 13.6e-6, 33.1e-6])
+RAYLEIGH_SCATTERING = np.array([5.8e-6, 13.6e-6, 33.1e-6])
 RAYLEIGH_HEIGHT = 8_000.0
 MIE_HEIGHT = 1_200.0
 EARTH_RADIUS = 6_371_000.0
@@ -223,7 +223,7 @@ def _depths(origin: np.ndarray, direction: np.ndarray, steps: int = 16) -> tuple
 
 def _transmittance(rayleigh: np.ndarray, mie: np.ndarray, beta_mie: float) -> np.ndarray:
     """(..., 3) share of light left after columns of air; Mie extinction is scattering / 0.9."""
-    return np.exp(-(rayleigh[..., None] * RAYLEIGH + mie[..., None] * beta_mie / 0.9))
+    return np.exp(-(rayleigh[..., None] * RAYLEIGH_SCATTERING + mie[..., None] * beta_mie / 0.9))
 
 
 def _clear(directions: np.ndarray, sun: np.ndarray, beta_mie: float) -> tuple[np.ndarray, np.ndarray]:
@@ -254,7 +254,7 @@ def _clear(directions: np.ndarray, sun: np.ndarray, beta_mie: float) -> tuple[np
         to_sun = _depths(point, np.broadcast_to(sun, point.shape))
         half = [c + d * step / 2 for c, d in zip(column, density, strict=True)]
         reach = _transmittance(half[0] + to_sun[0], half[1] + to_sun[1], beta_mie)
-        air = (density[0] * step)[:, None] * RAYLEIGH
+        air = (density[0] * step)[:, None] * RAYLEIGH_SCATTERING
         dust = (density[1] * step)[:, None] * np.full(3, beta_mie)
         total += reach * (air * phase_rayleigh[:, None] + dust * phase_mie[:, None])
         isotropic += _transmittance(half[0], half[1], beta_mie) * (air + dust) / (4 * np.pi)

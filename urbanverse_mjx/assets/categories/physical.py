@@ -39,7 +39,7 @@ SOLID_SPREAD, HOLLOW_SPREAD = 0.02, 0.12
 BUILD_SPREAD = 0.28
 MAKE_SPREAD = 0.3  # relative, to either side: mass of one make of a leaf that has several
 FRICTION_SPREAD = 0.1  # relative, to either side: wear, dirt and the paving
-DRAWS = 16  # numbers per record; `sample` documents the use of each
+NUM_DRAWS = 16  # numbers per record; `sample` documents the use of each
 SIZE_STEP, MASS_STEP = 1e-4, 1e-6  # m and kg that sizes and masses are rounded to
 
 
@@ -88,15 +88,15 @@ class Physical:
 
 
 def uniforms(uids: Sequence[str]) -> Floats:
-    """(n, DRAWS) pseudo-random numbers in (0, 1) from a hash of the uid, the same on every machine."""
+    """(n, NUM_DRAWS) pseudo-random numbers in (0, 1) from a hash of the uid, the same on every machine."""
     text = b"".join(hashlib.blake2b(uid.encode("utf-8")).digest() for uid in uids)
-    words = np.frombuffer(text, dtype="<u4").reshape(len(uids), DRAWS)
+    words = np.frombuffer(text, dtype="<u4").reshape(len(uids), NUM_DRAWS)
     return (words.astype(np.float64) + 0.5) / 2.0**32
 
 
 def medians(count: int = 1) -> Floats:
     """The draws that yield a leaf's median record of its most common make."""
-    draws = np.full((count, DRAWS), 0.5)
+    draws = np.full((count, NUM_DRAWS), 0.5)
     draws[:, 9] = 0.0
     return draws
 

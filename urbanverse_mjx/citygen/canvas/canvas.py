@@ -17,7 +17,7 @@ from ...assets.appearances.ground_materials import build_material
 from ...datatypes import GraphObject, GroundRegion, SceneGraph, Source, ValidationError
 from ...datatypes.ground import PAINT_KINDS
 from .. import catalogue
-from ..section import RAMP_HALF_WIDTH, RAMP_RUN
+from ..section import RAMP_HALF_WIDTH, RAMP_LENGTH
 from ..stage import JOINT, Stage
 from . import faults, ground_layers, object_sizes
 from .ground_layers import Corner, Layer
@@ -123,7 +123,7 @@ class Canvas(Stage):
         foot: Corner,
         degrees: float,
         half_width: float = RAMP_HALF_WIDTH,
-        run: float = RAMP_RUN,
+        run: float = RAMP_LENGTH,
         flare: float = 1.0,
         parted: bool = True,
     ) -> None:

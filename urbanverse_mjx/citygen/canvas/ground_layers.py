@@ -22,7 +22,7 @@ Plane = tuple[float, float, float]
 #: m, raster of all corners. Along a long skewed seam a coarser raster leaves overlaps that the compiler refuses.
 GRID = 1e-5
 #: m², fragments of regions up to this area are dropped: no object fits on them.
-CRUMB = 1e-4
+MAX_FRAGMENT_AREA = 1e-4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,7 +62,7 @@ def outline(corners: Iterable[Corner]) -> shapely.Polygon:
       ValidationError: the ring crosses itself or has no area.
     """
     ring = shapely.Polygon([(round(x, 3), round(y, 3)) for x, y in corners])
-    if not ring.is_valid or ring.area < CRUMB:
+    if not ring.is_valid or ring.area < MAX_FRAGMENT_AREA:
         found = shapely.is_valid_reason(ring) if not ring.is_valid else "a ring without area"
         raise ValidationError(f"outline: found {found}; needed a simple ring; put its corners in order.")
     return ring
@@ -126,7 +126,7 @@ def tiles(layers: Sequence[Layer], cuts: Sequence[Cut] = ()) -> list[GroundRegio
     visible: list[tuple[Layer, list[shapely.Polygon]]] = []
     for layer in reversed(layers):
         rest = shapely.difference(layer.outline, covered, grid_size=GRID)
-        parts = [p for p in shapely.get_parts(rest) if isinstance(p, shapely.Polygon) and p.area > CRUMB]
+        parts = [p for p in shapely.get_parts(rest) if isinstance(p, shapely.Polygon) and p.area > MAX_FRAGMENT_AREA]
         parts = [q for p in parts for q in _without_holes(p)]
         for cut in (c for c in cuts if c.layer in (None, layer.name)):
             parts = [q for p in parts for q in _parted(p, cut)]
@@ -149,13 +149,15 @@ def _without_holes(part: shapely.Polygon) -> list[shapely.Polygon]:
     x0, y0, x1, y1 = part.bounds
     halves = [shapely.box(x0, y0, x, y1), shapely.box(x, y0, x1, y1)]
     pieces = [q for half in halves for q in shapely.get_parts(shapely.intersection(part, half, grid_size=GRID))]
-    return [r for q in pieces if isinstance(q, shapely.Polygon) and q.area > CRUMB for r in _without_holes(q)]
+    return [
+        r for q in pieces if isinstance(q, shapely.Polygon) and q.area > MAX_FRAGMENT_AREA for r in _without_holes(q)
+    ]
 
 
 def _parted(part: shapely.Polygon, cut: Cut) -> list[shapely.Polygon]:
     pieces = shapely.get_parts(shapely.ops.split(part, shapely.LineString([cut.start, cut.end])))
     on_grid = [q for p in pieces for q in shapely.get_parts(shapely.set_precision(p, GRID))]
-    return [q for q in on_grid if isinstance(q, shapely.Polygon) and q.area > CRUMB]
+    return [q for q in on_grid if isinstance(q, shapely.Polygon) and q.area > MAX_FRAGMENT_AREA]
 
 
 def _ring(part: shapely.Polygon) -> tuple[Corner, ...]:
@@ -228,7 +230,7 @@ def seams(regions: Sequence[GroundRegion]) -> list[str]:
     whole = shapely.union_all(shapes, grid_size=GRID)
     for part in shapely.get_parts(whole):
         for hole in part.interiors:
-            if 5 * CRUMB < shapely.Polygon(hole).area < 0.5:
+            if 5 * MAX_FRAGMENT_AREA < shapely.Polygon(hole).area < 0.5:
                 x, y = hole.centroid.x, hole.centroid.y
                 found.append(f"a slit of {shapely.Polygon(hole).area:.4f} m² at ({x:.2f}, {y:.2f})")
     return found

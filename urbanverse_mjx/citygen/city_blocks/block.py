@@ -9,7 +9,7 @@ from ... import versions
 from ...assets.appearances import appearance_search
 from ...datatypes import GroundRegion, SceneGraph, Source
 from . import fronts, groups, stock
-from .filling import ENDS, Filler
+from .filling import END_CLEARANCE, Filler
 from .ground import BAY, CROSSWALK_HALF, END_RAMP, Plan, SideStreet, ground
 from .line import StreetLine
 from .profile import CityProfile
@@ -121,8 +121,8 @@ def _ahead(filler: Filler, side: int) -> float:
 def _parked(filler: Filler) -> None:
     profile = filler.plan.profile
     for side, share in ((1, profile.parked_left), (-1, profile.parked_right)):
-        at = ENDS
-        while at < filler.line.length - ENDS - 4.0:
+        at = END_CLEARANCE
+        while at < filler.line.length - END_CLEARANCE - 4.0:
             item = stock.draw(stock.pick(profile.parked, filler.rng), filler.rng)
             if not filler.chance(share):
                 at += filler.uniform(3.0, 6.5)
@@ -157,7 +157,7 @@ def _traffic(filler: Filler) -> None:
         side = 1 if k % 2 else -1
         offset = profile.road / 4 if profile.road > 6.0 else filler.uniform(0.2, 0.6)
         for _ in range(8):
-            s = filler.uniform(ENDS + 8.0, length - ENDS - 8.0)
+            s = filler.uniform(END_CLEARANCE + 8.0, length - END_CLEARANCE - 8.0)
             v = offset - profile.road / 2 + filler.uniform(-0.3, 0.3)
             if filler.put(item, s, side, v, _ahead(filler, side) + filler.uniform(-2, 2)):
                 break

@@ -19,9 +19,9 @@ TWO_WHEELED = frozenset({"bicycle", "motorcycle", "scooter"})
 #: m, least gap between two objects.
 MIN_GAP = 0.06
 #: m along the street between the points of a lane, and between its bends.
-STEP, WANDER = 2.0, 11.0
+LANE_POINT_SPACING, LANE_BEND_SPACING = 2.0, 11.0
 #: m kept free at both ends of the road.
-ENDS = 4.0
+END_CLEARANCE = 4.0
 #: m kept free before and after a crosswalk.
 MOUTH = CROSSWALK_HALF + 0.5
 
@@ -56,12 +56,12 @@ class Filler:
         plan = self.plan
         low = plan.verge(side) + plan.profile.lane / 2 + 0.1
         high = max(plan.width(side) - plan.profile.lane / 2 - 0.1, low)
-        knots = np.arange(0.0, self.line.length + WANDER, WANDER)
+        knots = np.arange(0.0, self.line.length + LANE_BEND_SPACING, LANE_BEND_SPACING)
         wanted, at = [], self.uniform(low, high)
         for _ in knots:
             wanted.append(at)
             at = min(max(at + self.uniform(-0.6, 0.6) * (high - low), low), high)
-        s = np.arange(0.0, self.line.length + STEP / 2, STEP)
+        s = np.arange(0.0, self.line.length + LANE_POINT_SPACING / 2, LANE_POINT_SPACING)
         return [(float(a), float(b)) for a, b in zip(s, np.interp(s, knots, wanted), strict=True)]
 
     def close_zones(self) -> None:
@@ -197,11 +197,11 @@ class Filler:
     def stretch(self, side: int, length: float, road: bool = False) -> float:
         """Returns a random start s of a free stretch of a side, away from crosswalks and mouths."""
         for _ in range(30):
-            s = self.uniform(ENDS, self.line.length - ENDS - length)
+            s = self.uniform(END_CLEARANCE, self.line.length - END_CLEARANCE - length)
             clear = all(c + MOUTH < s or c - MOUTH > s + length for c in self.plan.crosswalks)
             if clear and all(m.end + END_RAMP < s or m.begin - END_RAMP > s + length for m in self.plan.mouths(side)):
                 return s
-        return self.uniform(ENDS, self.line.length - ENDS - length)
+        return self.uniform(END_CLEARANCE, self.line.length - END_CLEARANCE - length)
 
     def sides(self) -> Sequence[int]:
         """Returns the sides whose pavements are walked on."""

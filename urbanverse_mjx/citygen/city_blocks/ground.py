@@ -161,10 +161,10 @@ def _dropped(strips: _Strips, side: int, middle: float) -> None:
     """Adds a kerb ramp with flares, as in `section`, in a piece's own axes."""
     plan, piece = strips.plan, strips.line.piece_at(middle)
     high, half, width = plan.profile.kerb, plan.half, plan.width(side)
-    run = min(section.RAMP_RUN, width - 0.2)
+    run = min(section.RAMP_LENGTH, width - 0.2)
     kerb, top, back = side * half, side * (half + run), side * (half + width)
     a, b = middle - section.RAMP_HALF_WIDTH, middle + section.RAMP_HALF_WIDTH
-    flare = section.FLARE
+    flare = section.FLARE_LENGTH
     rise, slope = side * high / run, high / flare
     level = -rise * kerb
     strips.tilted("sidewalk", piece, [(a, kerb), (b, kerb), (b, top), (a, top)], 0.0, rise, level)

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import shapely
 
 from ..canvas.ground_layers import rectangle
-from ..section import RAMP_RUN
+from ..section import RAMP_LENGTH
 from . import stock
 from .outlines import joined, ring
 from .site import LANE, Site
 
-END = 4.0  # m of pavement across the closed end of a street
+END_PAVEMENT_DEPTH = 4.0  # m of pavement across the closed end of a street
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,7 +34,9 @@ class Street:
 
     @property
     def outline(self) -> shapely.Polygon:
-        return shapely.box(-END, -self.half - self.right, self.length + END, self.half + self.left)
+        return shapely.box(
+            -END_PAVEMENT_DEPTH, -self.half - self.right, self.length + END_PAVEMENT_DEPTH, self.half + self.left
+        )
 
     def width(self, side: int) -> float:
         return self.left if side > 0 else self.right
@@ -50,7 +52,7 @@ class Street:
     def walk(self, side: int) -> shapely.Polygon:
         """Returns the area of a pavement on which objects may stand."""
         a, b = self.y(side, 0.08), self.y(side, self.width(side) - 0.03)
-        return shapely.box(-END + 0.05, min(a, b), self.length + END - 0.05, max(a, b))
+        return shapely.box(-END_PAVEMENT_DEPTH + 0.05, min(a, b), self.length + END_PAVEMENT_DEPTH - 0.05, max(a, b))
 
     @property
     def road(self) -> shapely.Polygon:
@@ -104,7 +106,7 @@ def lay(
 
 
 def dropped(site: Site, street: Street, side: int, x: float, name: str) -> None:
-    run = min(RAMP_RUN, max(0.5, round(street.kerb * 9.0, 2)), street.path(side) - 0.3)
+    run = min(RAMP_LENGTH, max(0.5, round(street.kerb * 9.0, 2)), street.path(side) - 0.3)
     site.canvas.ramp(name, (x, street.y(side, 0.0)), 90.0 * side, half_width=1.0, run=run, flare=0.6)
     y0, y1 = street.y(side, 0.0), street.y(side, run + 0.1)
     site.keep(shapely.box(x - 1.7, min(y0, y1), x + 1.7, max(y0, y1)))
@@ -118,12 +120,12 @@ def walks(site: Site, street: Street, shut: Sequence[tuple[int, float, float]] =
         wide = street.path(side)
         y = street.y(side, wide / 2)
         cuts = sorted((a, b) for s, a, b in shut if s == side)
-        x = -END / 2
-        for a, b in (*cuts, (length + END / 2, length + END / 2)):
+        x = -END_PAVEMENT_DEPTH / 2
+        for a, b in (*cuts, (length + END_PAVEMENT_DEPTH / 2, length + END_PAVEMENT_DEPTH / 2)):
             if a - x > 1.0:
                 site.lane([(x, y), (a, y)], reach=min(reach, max(0.0, wide / 2 - LANE / 2 - 0.04)))
             x = b
-    for x in (-END / 2, length + END / 2):
+    for x in (-END_PAVEMENT_DEPTH / 2, length + END_PAVEMENT_DEPTH / 2):
         site.lane([(x, street.y(1, street.path(1) / 2)), (x, street.y(-1, street.path(-1) / 2))], reach=0.6)
     for x in street.crossings:
         site.lane([(x, street.y(1, street.path(1) / 2)), (x, street.y(-1, street.path(-1) / 2))], width=2.0)

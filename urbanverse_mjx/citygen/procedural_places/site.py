@@ -20,7 +20,7 @@ from .outlines import Corner, corners, ring
 #: m, free width of a lane: a robot of 0.4 m radius, plus the planner's cells of 20 cm.
 LANE = 1.25
 #: m, depth of the ground under the fronts; less than the depth of any house, so that no path leads behind them.
-APRON = 2.4
+APRON_DEPTH = 2.4
 #: At most this many hulls within `REACH` (m) of a point of the raster (`CELL`, m): 16 slots, minus a reserve for points
 #: between those of the raster.
 MAX_HULLS_IN_REACH, REACH, CELL = 14, 0.95, 0.3
@@ -53,7 +53,7 @@ def _front(label: str, size: catalogue.Size, a: Corner, b: Corner, s: float) -> 
         return a[0] + u * (s + width / 2) + w * out, a[1] + w * (s + width / 2) - u * out
 
     x, y = at(JOINT + depth / 2)
-    behind = box(*at(JOINT + depth + APRON), degrees, 2 * APRON, width + 2 * JOINT)
+    behind = box(*at(JOINT + depth + APRON_DEPTH), degrees, 2 * APRON_DEPTH, width + 2 * JOINT)
     return _Front(label, x, y, degrees, size, box(x, y, degrees, depth, width), behind)
 
 
@@ -128,7 +128,7 @@ class Site:
           labels: labels of the houses; if empty, twelve random ones.
           walls: share of bare walls, which also fill gaps too small for a house.
         """
-        wide = outline.buffer(APRON, join_style="mitre", mitre_limit=2.0)
+        wide = outline.buffer(APRON_DEPTH, join_style="mitre", mitre_limit=2.0)
         x0, y0, x1, y1 = wide.bounds
         self._origin = np.array([x0, y0])
         self._hulls = np.zeros((math.ceil((x1 - x0) / CELL) + 1, math.ceil((y1 - y0) / CELL) + 1), np.int64)

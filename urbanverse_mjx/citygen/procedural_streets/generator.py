@@ -15,7 +15,7 @@ from ...datatypes import GraphObject, SceneGraph, Source
 from ...datatypes import validation as v
 from .. import catalogue, clearance
 from ..composer import JOINT
-from ..section import KERB
+from ..section import KERB_HEIGHT
 from .ground import Arm, Ground, lay
 from .templates import TEMPLATES, Plan
 
@@ -106,7 +106,7 @@ def _trajectory(arm: Arm, offset: float) -> tuple[tuple[float, float, float, flo
     for k in range(int((arm.free[1] - arm.free[0]) // 5) + 1):
         (x, y), (u, w) = arm.frame(arm.free[0] + 5.0 * k)
         heading = round(math.atan2(w, u), 3)
-        path.append((round(x + w * offset, 3), round(y - u * offset, 3), KERB + CAMERA_HEIGHT, heading))
+        path.append((round(x + w * offset, 3), round(y - u * offset, 3), KERB_HEIGHT + CAMERA_HEIGHT, heading))
     return tuple(path)
 
 
@@ -258,7 +258,7 @@ class _Scene:
 
     def _make(self, label: str, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> GraphObject:
         """Returns an object with its stem, or its middle where it has none, at (x, y)."""
-        ground = 0.0 if self.ground.road.contains(shapely.Point(x, y)) else KERB
+        ground = 0.0 if self.ground.road.contains(shapely.Point(x, y)) else KERB_HEIGHT
         stem = catalogue.STEMS.get(label)
         if stem:
             ahead = stem.offset * size[0] / 2

@@ -13,9 +13,18 @@ from shapely.geometry.base import BaseGeometry
 
 from ...datatypes import GroundRegion
 from ...geometry.polygons import MAX_OVERLAP
-from ..section import CROSSWALK_HALF_WIDTH, FLARE, KERB, LOT_DEPTH, RAMP_HALF_WIDTH, RAMP_RUN, ROAD_PLANE, Plane
+from ..section import (
+    CROSSWALK_HALF_WIDTH,
+    FLARE_LENGTH,
+    KERB_HEIGHT,
+    LOT_DEPTH,
+    RAMP_HALF_WIDTH,
+    RAMP_LENGTH,
+    ROAD_PLANE,
+    Plane,
+)
 
-PAVEMENT: Plane = (0.0, 0.0, KERB)
+PAVEMENT: Plane = (0.0, 0.0, KERB_HEIGHT)
 _GRID = 0.001  # m
 _MIN_AREA = 0.05  # m², pieces smaller than this are left out
 
@@ -138,15 +147,15 @@ def _ramp(arm: Arm, s: float, side: int, half: float, name: str) -> list[GroundR
     def plane(slope: float, level: float) -> Plane:
         """Returns a plane that rises outwards from the kerb by the ramp's slope and along the arm by `slope`, with
         `level` at the kerb's middle."""
-        rise = KERB / RAMP_RUN
+        rise = KERB_HEIGHT / RAMP_LENGTH
         a, b = rise * out[0] + slope * along[0], rise * out[1] + slope * along[1]
         return round(a, 9), round(b, 9), round(level - a * kerb[0] - b * kerb[1], 9)
 
-    w, steep = RAMP_HALF_WIDTH, KERB / FLARE
+    w, steep = RAMP_HALF_WIDTH, KERB_HEIGHT / FLARE_LENGTH
     parts = (
-        ("", ((-w, 0.0), (w, 0.0), (w, RAMP_RUN), (-w, RAMP_RUN)), plane(0.0, 0.0)),
-        ("_a", ((-w - FLARE, 0.0), (-w, 0.0), (-w, RAMP_RUN)), plane(-steep, -steep * w)),
-        ("_b", ((w, 0.0), (w + FLARE, 0.0), (w, RAMP_RUN)), plane(steep, -steep * w)),
+        ("", ((-w, 0.0), (w, 0.0), (w, RAMP_LENGTH), (-w, RAMP_LENGTH)), plane(0.0, 0.0)),
+        ("_a", ((-w - FLARE_LENGTH, 0.0), (-w, 0.0), (-w, RAMP_LENGTH)), plane(-steep, -steep * w)),
+        ("_b", ((w, 0.0), (w + FLARE_LENGTH, 0.0), (w, RAMP_LENGTH)), plane(steep, -steep * w)),
     )
     return [GroundRegion(f"{name}{tail}", "sidewalk", tuple(corner(*c) for c in ring), p) for tail, ring, p in parts]
 

@@ -18,7 +18,7 @@ _JPEG_TABLE = np.array(
     ],
     np.float32,
 )
-_BLUR_REACH = 4  # pixels
+_BLUR_RADIUS = 4  # pixels
 
 
 def _cosines() -> np.ndarray:
@@ -50,14 +50,14 @@ def jpeg(image: jax.Array, quality: jax.Array) -> jax.Array:
 
 def _blur(image: jax.Array, sigma: jax.Array) -> jax.Array:
     """Gaussian blur of rows and columns with `sigma` (2,) pixels."""
-    offsets = jnp.arange(-_BLUR_REACH, _BLUR_REACH + 1, dtype=jnp.float32)
+    offsets = jnp.arange(-_BLUR_RADIUS, _BLUR_RADIUS + 1, dtype=jnp.float32)
     for axis in (0, 1):
         weight = jnp.exp(-(offsets**2) / (2.0 * sigma[axis] ** 2 + 1e-6))
         weight = weight / weight.sum()
-        padded = jnp.pad(image, [(_BLUR_REACH, _BLUR_REACH) if a == axis else (0, 0) for a in range(3)], "edge")
+        padded = jnp.pad(image, [(_BLUR_RADIUS, _BLUR_RADIUS) if a == axis else (0, 0) for a in range(3)], "edge")
         size = image.shape[axis]
         image = sum(
-            (weight[i] * jax.lax.slice_in_dim(padded, i, i + size, axis=axis) for i in range(2 * _BLUR_REACH + 1)),
+            (weight[i] * jax.lax.slice_in_dim(padded, i, i + size, axis=axis) for i in range(2 * _BLUR_RADIUS + 1)),
             jnp.zeros_like(image),
         )
     return image

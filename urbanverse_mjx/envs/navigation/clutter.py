@@ -83,8 +83,8 @@ class Clutter:
         and can be reused."""
         corners = jnp.concatenate([start[None, :2], waypoints[:, :2]])
         free = self._movable[scene] & (terms.distance_to_route(self._home[scene, :, :2], corners) > MIN_SOURCE_DISTANCE)
-        luck = jax.random.uniform(jax.random.fold_in(key, _CHOOSE), free.shape)
-        value, chosen = jax.lax.top_k(jnp.where(free, luck, -1.0), min(self._number, len(luck)))
+        priority = jax.random.uniform(jax.random.fold_in(key, _CHOOSE), free.shape)
+        value, chosen = jax.lax.top_k(jnp.where(free, priority, -1.0), min(self._number, len(priority)))
         chosen = jnp.where(value >= 0.0, chosen, -1).astype(jnp.int32)
         return jnp.pad(chosen, (0, self._number - len(chosen)), constant_values=-1)
 

@@ -25,9 +25,9 @@ MIN_CACHED_HULLS = 20_000
 #: m, largest stored distance: the maximum of an unsigned byte in centimetres.
 MAX_DISTANCE = 2.55
 #: Distances that are computed together: few enough that they stay in a processor's cache.
-_TOGETHER = 1 << 15
+_DISTANCES_TOGETHER = 1 << 15
 #: Cells; the windows of hulls have multiples of it as sizes.
-_ROUNDED = 4
+_WINDOW_MULTIPLE = 4
 
 
 def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
@@ -61,13 +61,13 @@ def _to_hulls(bank: SceneBank, scene: int, grid: Grid, height: float) -> np.ndar
     first, last = grid.windows(low - MAX_DISTANCE, high + MAX_DISTANCE)
     near = (middle[:, 2] - reach[:, 2] <= top) & (middle[:, 2] + reach[:, 2] >= bottom) & (first < last).all(1)
     # Windows a few cells larger than needed have few different sizes.
-    size = np.minimum(_ROUNDED * -(-(last - first) // _ROUNDED), grid.shape)
+    size = np.minimum(_WINDOW_MULTIPLE * -(-(last - first) // _WINDOW_MULTIPLE), grid.shape)
     first = np.minimum(first, grid.shape - size)
     boxes = _Boxes(first, rotation, position, centre, half, z)
     square = np.full(grid.shape, np.inf, np.float32)
     for shape in np.unique(size[near], axis=0):
         alike = np.flatnonzero(near & (size == shape).all(1))
-        for some in np.array_split(alike, math.ceil(len(alike) * shape.prod() / _TOGETHER)):
+        for some in np.array_split(alike, math.ceil(len(alike) * shape.prod() / _DISTANCES_TOGETHER)):
             found = _squares(grid, _Boxes(*(values[some] for values in boxes)), shape)
             for (i, j), values in zip(first[some].tolist(), found, strict=True):
                 part = square[i : i + shape[0], j : j + shape[1]]

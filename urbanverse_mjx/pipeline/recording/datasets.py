@@ -1,4 +1,4 @@
-"""What a dataset holds and whether it is sound; the functions of `urbanverse_mjx.datasets`."""
+"""Summary and checks of a dataset; the functions of `urbanverse_mjx.datasets`."""
 
 from ...datasets import check_dataset, dataset_page, summarise_dataset
 

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from ...viewer.session import Machine
 
 #: Steps in one compiled call.
-_CHUNK = 20
-#: Episodes of which a privileged policy is told together: its data (the planner's are 0.6 MB an episode) have one
+_STEPS_PER_CALL = 20
+#: Episodes whose data a privileged policy receives together: its data (the planner's are 0.6 MB an episode) have one
 #: shape for those, and the program is compiled for it.
-_BLOCK = 256
+_EPISODES_PER_BLOCK = 256
 
 
 class Steps(NamedTuple):
@@ -34,7 +34,7 @@ class Steps(NamedTuple):
 
     Attributes:
       running: bool, the episode had not ended.
-      goal: (2,) m as the policy is told.
+      goal: (2,) m as the policy observes it.
       proprio: (3 + A,), see `NavEnv`.
       action: (A,) as applied.
       reward: of the step.
@@ -190,7 +190,7 @@ class BatchDrive:
         Raises:
           ValidationError: a policy outside JAX answers with something else than finite actions (num_envs, A).
         """
-        size = _BLOCK if isinstance(self._driver.agent, Privileged) else len(episodes)
+        size = _EPISODES_PER_BLOCK if isinstance(self._driver.agent, Privileged) else len(episodes)
         for start in range(first // size * size, len(episodes), size):
             block = episodes.part(np.arange(start, min(start + size, len(episodes))))
             yield from self._run_block(block, min(num_envs, len(block)), on_compiled, max(first - start, 0))
@@ -214,7 +214,7 @@ class BatchDrive:
             slots.take(steps)
             if done := [self._driven(steps, episodes, i) for i, steps in slots.in_order() if i >= first]:
                 yield done
-            # A policy outside JAX is told only that all its episodes begin.
+            # A policy outside JAX is reset only for all its episodes together.
             if (not self._driver.outside or slots.idle.all()) and len(envs := slots.refill()):
                 fresh = self._started(episodes, known, np.maximum(slots.episode, 0))
                 state = self._replace(np.isin(np.arange(num_envs), envs), fresh, state)
@@ -271,7 +271,7 @@ class BatchDrive:
             nav, steps = jax.vmap(self._advance)(state.nav, obs, action)
             return _State(nav, memory, keys, state.known), steps
 
-        return jax.lax.scan(step, state, None, length=_CHUNK)
+        return jax.lax.scan(step, state, None, length=_STEPS_PER_CALL)
 
     def _advance(self, nav: "NavState", obs: Any, action: jax.Array) -> tuple["NavState", Steps]:
         """One env one step on; an ended episode stands still as it ended."""

@@ -20,9 +20,9 @@ from .driving import Driven
 from .lidar import LIDAR, Lidar
 
 #: Images of which pixels are counted for the statistics: every fourth.
-_COUNTED = 4
+_STATISTICS_STRIDE = 4
 #: Bytes of drawn images that may wait to be encoded.
-_WAITING = 512 * 2**20
+_MAX_WAITING = 512 * 2**20
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,7 +92,7 @@ def image_file(image: np.ndarray, kind: str) -> bytes:
 def _statistics(images: Iterable[np.ndarray], channels: int, values: int, scale: float) -> Stats:
     """As LeRobot has them: colours and labels divided by 255, distances as they are."""
     counts = PixelCounts(channels, values)
-    for image in itertools.islice(images, 0, None, _COUNTED):
+    for image in itertools.islice(images, 0, None, _STATISTICS_STRIDE):
         counts.add(np.ascontiguousarray(image))
     return counts.stats(scale)
 
@@ -116,7 +116,7 @@ class EpisodeWriting:
         encode: Callable[[Driven, Drawn], Filmed],
         write: Callable[[Filmed], None],
         threads: int,
-        waiting: int = _WAITING,
+        waiting: int = _MAX_WAITING,
     ) -> None:
         self._encode, self._write, self._most = encode, write, waiting
         self._pool = concurrent.futures.ThreadPoolExecutor(threads, "encode")

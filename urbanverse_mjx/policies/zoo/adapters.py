@@ -176,7 +176,7 @@ class ZooAgent:
         near = (ahead < 0.01) & (np.abs(bearing) > 1e-3)
         ahead = np.where(near, 0.01, ahead)
         left = ahead * np.tan(bearing)
-        # A waypoint beyond the range is brought nearer in its direction: the robot turns as told and drives slower.
+        # A waypoint beyond the range is brought nearer in its direction: the robot turns as asked and drives slower.
         share = np.minimum(1.0, 1.0 / np.maximum(np.maximum(np.abs(ahead), np.abs(left)), 1e-9))
         return np.stack([share * ahead, share * left], -1).astype(np.float32)
 

@@ -1,4 +1,4 @@
-"""What each published model takes and gives, and what is known to be wrong with its export.
+"""Inputs and outputs of each published model, and known faults of its export.
 
 The ONNX files are those of https://huggingface.co/UCLA-VAIL/Navigation-Model-Zoo-Public (revision 9c1f523e). The
 contracts are from the catalogue of VAIL-UCLA/visnavkit (docs/models.md, visnavkit/benchmark), the models' own
@@ -24,7 +24,7 @@ class ZooContract:
       frames: number of images, the newest last.
       stride: control steps from one of these images to the next.
       imagenet: whether images are normalised before the graph; otherwise they are in [0, 1].
-      goal: "image" (a camera image taken at the goal), "point" (its place), or "none" (it is not told the goal).
+      goal: "image" (a camera image taken at the goal), "point" (its place), or "none" (it has no goal as input).
       inputs, outputs: shapes, n robots, with their meaning.
       drive: how an output becomes a velocity.
       faults: what is known to be wrong, unknown or different from the model's publication.
@@ -160,7 +160,7 @@ CONTRACTS: dict[str, ZooContract] = {
         {"output": "1, 15, 3: (ahead, left, heading) in m after 0.2, 0.4, 0.8, 1.2, 1.4, 1.6, 2.0, ... 5.0 s"},
         "The arc to the fourth waypoint, driven in its 1.2 s.",
         (
-            "The published graph is not told the goal, unlike the paper's model: it follows pavements, and reaches "
+            "The published graph has no goal as input, unlike the paper's model: it follows pavements, and reaches "
             "goals by chance.",
             "The times of the waypoints are uneven, and the zoo's wrapper drops the last two.",
             "The zoo's wrapper imports urbansim, which it does not need.",

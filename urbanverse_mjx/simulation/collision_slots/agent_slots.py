@@ -23,7 +23,7 @@ FIRST_OWNER = -2
 #: MuJoCo's default for geoms, which the reference's cylinders have.
 FRICTION = 1.0
 #: m from the axis below which the direction of the contact is undefined.
-_ON_AXIS = 1e-6
+_AXIS_TOLERANCE = 1e-6
 
 
 def moved(motion: AgentMotion, time: Any) -> AgentMotion:
@@ -46,16 +46,16 @@ def prism_distance(offset: Any, heading: Any, shapes: AgentShapes) -> tuple[Any,
     x, y = offset[..., 0] - along * cos, offset[..., 1] - along * sin
     rho = jnp.sqrt(x * x + y * y)
     # On the axis, the normal is to the left.
-    near = rho < _ON_AXIS
-    x, y = (jnp.where(near, b, a / jnp.maximum(rho, _ON_AXIS)) for a, b in ((x, -sin), (y, cos)))
+    near = rho < _AXIS_TOLERANCE
+    x, y = (jnp.where(near, b, a / jnp.maximum(rho, _AXIS_TOLERANCE)) for a, b in ((x, -sin), (y, cos)))
     up = jnp.where(offset[..., 2] > 0.5 * height, 1.0, -1.0)
     aside = rho - radius
     above = jnp.abs(offset[..., 2] - 0.5 * height) - 0.5 * height
     corner = jnp.sqrt(jnp.maximum(aside, 0.0) ** 2 + jnp.maximum(above, 0.0) ** 2)
     distance = corner + jnp.minimum(jnp.maximum(aside, above), 0.0)
     outside = (aside > 0.0) & (above > 0.0)
-    wide = jnp.where(outside, aside / jnp.maximum(corner, _ON_AXIS), jnp.where(aside > above, 1.0, 0.0))
-    high = jnp.where(outside, above / jnp.maximum(corner, _ON_AXIS), jnp.where(aside > above, 0.0, 1.0))
+    wide = jnp.where(outside, aside / jnp.maximum(corner, _AXIS_TOLERANCE), jnp.where(aside > above, 1.0, 0.0))
+    high = jnp.where(outside, above / jnp.maximum(corner, _AXIS_TOLERANCE), jnp.where(aside > above, 0.0, 1.0))
     return distance, jnp.stack([wide * x, wide * y, high * up], -1)
 
 

@@ -29,7 +29,7 @@ AXES = _AXES / np.linalg.norm(_AXES, axis=1, keepdims=True)
 #: m, tolerance of the test whether the projection of a point lies on a face (float32 over tens of metres).
 _FOOT_TOLERANCE = 1e-5
 #: m; within this distance of an edge the direction is undefined, and the face's normal is used.
-_ON_EDGE = 1e-6
+_EDGE_TOLERANCE = 1e-6
 
 
 class HullTable(NamedTuple):
@@ -137,7 +137,9 @@ def edge_distance(point: Any, edges: Any, normal: Any) -> tuple[Any, Any]:
     square = _dot(to_edge, to_edge)
     nearest = jnp.argmin(square)
     distance = jnp.sqrt(square[nearest])
-    return distance, jnp.where(distance > _ON_EDGE, to_edge[:, nearest] / jnp.maximum(distance, _ON_EDGE), normal)
+    return distance, jnp.where(
+        distance > _EDGE_TOLERANCE, to_edge[:, nearest] / jnp.maximum(distance, _EDGE_TOLERANCE), normal
+    )
 
 
 def _with_edges(

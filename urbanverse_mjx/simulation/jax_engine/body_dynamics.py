@@ -22,7 +22,7 @@ from .constraint import Pushed, Rows, pyramid_rows, tangents
 _SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)
 _GRAVITY = -9.81
 #: Mass (kg) and moments (kg m^2) of an empty slot, on which no force acts.
-_NOBODY = 1.0
+_EMPTY_SLOT_MASS = 1.0
 
 
 class Scenery(NamedTuple):
@@ -66,10 +66,10 @@ def prism_planes(bank: SceneBank, table: HullTable) -> Any:
 def matter(table: BodyConstants, awake: Awake) -> Matter:
     row = jnp.maximum(awake.row, 0)
     shape, there = table.shape[row], awake.row >= 0
-    mass = jnp.where(there, table.mass[row], _NOBODY)
+    mass = jnp.where(there, table.mass[row], _EMPTY_SLOT_MASS)
     axes = table.axes[shape]
     moments = jnp.einsum("wik,wk,wjk->wij", axes, table.inertia[shape], axes) * mass[:, None, None]
-    moments = jnp.where(there[:, None, None], moments, _NOBODY * jnp.eye(3))
+    moments = jnp.where(there[:, None, None], moments, _EMPTY_SLOT_MASS * jnp.eye(3))
     hull = jnp.where(there[:, None], table.hull[shape], -1)
     return Matter(mass, moments, table.friction[row], table.points[shape], table.centre[shape], hull)
 

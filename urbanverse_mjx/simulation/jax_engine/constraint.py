@@ -20,10 +20,10 @@ from ..collision_slots.static_slots import both_surfaces
 from ..physics_model import LimitTable, SphereTable
 
 #: Tolerance within which a step of length 1 ends at the minimum of the quadratic.
-_FULL_STEP = 1e-3
+_FULL_STEP_TOLERANCE = 1e-3
 #: Step length relative to the acceleration below which the solver stops; otherwise rows with nearly zero force could be
 #: added and removed forever.
-_NO_STEP = 1e-6
+_MIN_STEP_RATIO = 1e-6
 #: The line search ends when the slope is below this share of that at its start.
 _SLOPE_TOLERANCE = 1e-4
 
@@ -246,8 +246,8 @@ def solve(mass: Any, free: Any, start: Any, rows: Rows, iterations: int, line_st
         alpha = _line_search(smooth @ step, step @ mass @ step, gap, change, stiffness, line_steps)
         a = a + alpha * step
         gap = jacobian @ a - reference
-        done = jnp.all((gap < 0) == pushing) & (jnp.abs(alpha - 1.0) < _FULL_STEP)
-        done |= jnp.max(jnp.abs(alpha * step)) <= _NO_STEP * jnp.max(jnp.abs(a))
+        done = jnp.all((gap < 0) == pushing) & (jnp.abs(alpha - 1.0) < _FULL_STEP_TOLERANCE)
+        done |= jnp.max(jnp.abs(alpha * step)) <= _MIN_STEP_RATIO * jnp.max(jnp.abs(a))
         return _Search(a, gap, gap < 0, done, steps + 1)
 
     (gap_start, cost_start), (gap_free, cost_free) = begin(start), begin(free)

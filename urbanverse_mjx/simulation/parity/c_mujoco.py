@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 #: Torsional and rolling friction, MuJoCo's defaults, which contacts of condim 3 do not use.
-_NO_SLIDE = (0.005, 0.0001, 0.0001)
+_DEFAULT_SPIN_FRICTION = (0.005, 0.0001, 0.0001)
 #: Prefixes of names in the scene's MJCF that are not objects.
 _GROUND = "ground/"
 _ROBOT = "robot/"
@@ -133,7 +133,7 @@ def reference_model(scene: mujoco.MjSpec, robot: RobotSpec, least: bool = False)
                 geomname1=mine.name,
                 geomname2=other.name,
                 condim=mine.condim if alone else 3,
-                friction=[friction, friction, *_NO_SLIDE],
+                friction=[friction, friction, *_DEFAULT_SPIN_FRICTION],
             )
     return scene.compile()
 

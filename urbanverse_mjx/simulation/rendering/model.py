@@ -29,9 +29,9 @@ SLOT_GROUP = 0
 #: MuJoCo's default colour: a geom of this colour shows its material's colour instead.
 _INHERIT = (0.5, 0.5, 0.5, 1.0)
 #: m^2, product of a part's two shorter half sizes; thinner parts do not make the shade of a robot wider or taller.
-_THIN = 0.002
+_MIN_CROSS_SECTION = 0.002
 #: Triangles of the meshes that are compiled together, at least.
-_TOGETHER = 1 << 17
+_MIN_TRIANGLES_TOGETHER = 1 << 17
 
 
 @dataclasses.dataclass(frozen=True)
@@ -160,7 +160,7 @@ def _bank_meshes(bank: SceneBank) -> Iterator[RenderMeshes]:
     first = 0
     while first < bank.num_meshes:
         spec, triangles, last = mujoco.MjSpec(), 0, first
-        while last < bank.num_meshes and triangles < _TOGETHER:
+        while last < bank.num_meshes and triangles < _MIN_TRIANGLES_TOGETHER:
             _add_mesh(spec, bank, last)
             triangles += int(bank.mesh_face_start[last + 1] - bank.mesh_face_start[last])
             last += 1
@@ -291,7 +291,7 @@ def _robot_box(model: mujoco.MjModel, geoms: list[int]) -> tuple[int, np.ndarray
         points = (centre + corners * half) @ data.geom_xmat[g].reshape(3, 3).T + data.geom_xpos[g]
         local = (points - data.xpos[1]) @ data.xmat[1].reshape(3, 3)
         ends.append((local.min(0), local.max(0)))
-        thin.append(np.prod(np.sort(half)[:2]) < _THIN)
+        thin.append(np.prod(np.sort(half)[:2]) < _MIN_CROSS_SECTION)
     low, high = np.moveaxis(np.array(ends), 1, 0)
     # The mast of a flag makes no robot taller.
     thick = ~np.array(thin) if not all(thin) else np.ones(len(geoms), bool)

@@ -1,4 +1,4 @@
-"""What the Warp engine hands over to Warp of an env's bodies, and reads back: `Awake` as one array."""
+"""Inputs and outputs of Warp's kernels for an env's movable bodies: `Awake` as one array."""
 
 import itertools
 from typing import Any

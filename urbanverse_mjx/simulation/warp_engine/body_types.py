@@ -1,4 +1,4 @@
-"""What the kernels of `bodies` read and write."""
+"""Structs that the kernels of `bodies` read and write."""
 
 import warp as wp
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from .. import noise
-from .atmosphere import EARTH, henyey_greenstein
+from .atmosphere import EARTH_RADIUS, henyey_greenstein
 
 CELLS = 256
 
@@ -65,7 +65,7 @@ class Light:
 
 def distance_to(sine: np.ndarray, height: np.ndarray | float) -> np.ndarray:
     """m along a ray of elevation `sine` to a layer over the round earth."""
-    return -EARTH * sine + np.sqrt((EARTH * sine) ** 2 + 2 * EARTH * height + np.square(height))
+    return -EARTH_RADIUS * sine + np.sqrt((EARTH_RADIUS * sine) ** 2 + 2 * EARTH_RADIUS * height + np.square(height))
 
 
 def _fractal(rng: np.random.Generator, beta: float, waves: float) -> np.ndarray:

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 
 from .. import noise
-from .atmosphere import MIE_ALBEDO, RAYLEIGH, SUN_LUX, Air, build_air, clear_sky
+from .atmosphere import MIE_ALBEDO, RAYLEIGH_SCATTERING, SUN_LUX, Air, build_air, clear_sky
 from .clouds import Heaps, Light, Sheet, heap_clouds, sheet_clouds, sheet_depth
 from .land import add_land
 from .table import SkyRecord, find_sky, unit_to_sun
@@ -18,10 +18,10 @@ HEIGHT = 256
 #: factor.
 _HORIZON_ELEVATION, _HORIZON_SUPERSAMPLING = 10.0, 3
 #: Half the angle of the sun's and the moon's disc, rad.
-DISC = np.radians(0.2666)
+DISC_RADIUS = np.radians(0.2666)
 #: Full moon against the sun in lux: 0.25 over 133,000; and the sky glow over a city, cd/m2 against a clear day's
 #: radiance unit: at the horizon some 0.02 cd/m2, at the zenith 0.004 (bright urban sky, Bortle 8-9).
-MOON = 0.25 / SUN_LUX
+MOON_RADIANCE = 0.25 / SUN_LUX
 GLOW_COLOUR = np.array([1.0, 0.70, 0.42])
 _ZENITH_GLOW, _HORIZON_GLOW = 0.006 / SUN_LUX, 0.030 / SUN_LUX
 
@@ -157,7 +157,7 @@ def paint_sky(uid: str, height: int = HEIGHT) -> SkyMap:
     direct = air.sunlight(float(sun[2]))
     night = record.time == "night"
     if night:
-        clear, direct = clear * MOON + _night(directions, rng), direct * MOON
+        clear, direct = clear * MOON_RADIANCE + _night(directions, rng), direct * MOON_RADIANCE
     sky, passed = _weather(clear, direct, directions, record, air, sun, rng)
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     sky = np.add.reduceat(sky, starts, axis=0) / counts[:, None, None]
@@ -177,7 +177,7 @@ def _weather(
     if night:  # lamps light clouds from below
         below = below + GLOW_COLOUR * 0.022 / SUN_LUX
     far = _distance_colour(clear, record.cover)
-    haze = (RAYLEIGH + 0.7 * air.haze / MIE_ALBEDO) * 1.6
+    haze = (RAYLEIGH_SCATTERING + 0.7 * air.haze / MIE_ALBEDO) * 1.6
     # High clouds are still lit by a sun that has just set.
     lit = air.sunlight(max(float(sun[2]), 0.0) + 0.02) if not night else direct
     late = float(np.clip((np.degrees(np.arcsin(sun[2])) + 5.0) / 5.0, 0.0, 1.0))
@@ -266,7 +266,7 @@ def with_disc(sky: SkyMap) -> np.ndarray:
     x, y, z = sky.sun_direction
     cosine = np.sin(polar) * (np.cos(yaw) * x + np.sin(yaw) * y) + np.cos(polar) * z
     # A disc smaller than a pixel is spread over a spot of pixel size that holds the same light.
-    spot = max(DISC, 0.75 * np.pi / height)
+    spot = max(DISC_RADIUS, 0.75 * np.pi / height)
     cover = np.exp(-2.0 * (1.0 - cosine) / spot**2)
     weight = (cover * np.sin(polar)).sum() * (np.pi / height) * (2 * np.pi / width)
     return image + (cover / weight)[..., None].astype(np.float32) * sky.sun_irradiance

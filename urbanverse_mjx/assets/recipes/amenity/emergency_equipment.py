@@ -1,4 +1,4 @@
-"""What one grabs or presses in an emergency: extinguishers, defibrillators, alarms, first-aid kits."""
+"""Emergency equipment: extinguishers, defibrillators, alarms, first-aid kits."""
 
 import numpy as np
 from PIL import Image

@@ -1,4 +1,4 @@
-"""What bars or opens a path: gates, boom gates, turnstiles, toll booths."""
+"""Access control: gates, boom gates, turnstiles, toll booths."""
 
 import numpy as np
 

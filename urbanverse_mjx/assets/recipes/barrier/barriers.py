@@ -1,4 +1,4 @@
-"""What keeps wheels and feet away: cones, barricades, barriers, fences, rails, rocks; and manhole covers."""
+"""Barriers against wheels and pedestrians: cones, barricades, fences, rails, rocks; and manhole covers."""
 
 import numpy as np
 from PIL import Image

@@ -1,4 +1,4 @@
-"""Walls, and what lies about: rubble, stones, hewn blocks, branches, breakwater blocks."""
+"""Walls, and loose objects on the ground: rubble, stones, hewn blocks, branches, breakwater blocks."""
 
 import dataclasses
 

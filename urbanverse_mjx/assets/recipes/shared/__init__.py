@@ -1,1 +1,1 @@
-"""What recipes of several folders share: sizes, outlines, soft and painted shapes, images of fronts."""
+"""Shared by recipes of several folders: sizes, outlines, soft and painted shapes, images of fronts."""

@@ -1,4 +1,4 @@
-"""What people wear and carry."""
+"""Clothes and bags of people."""
 
 import numpy as np
 

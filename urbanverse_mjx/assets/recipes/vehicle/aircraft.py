@@ -1,4 +1,4 @@
-"""What flies: airplanes, helicopters, drones, balloons."""
+"""Aircraft: airplanes, helicopters, drones, balloons."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What hangs on regional fronts and stands on their roofs: air conditioners, tanks, dishes, wires, signs, washing."""
+"""Objects on regional fronts and roofs: air conditioners, tanks, dishes, wires, signs, washing."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a region's buildings look like: `traditions.toml` as frozen records."""
+"""Appearance of a region's buildings: `traditions.toml` as frozen records."""
 
 import dataclasses
 import functools

@@ -1,4 +1,4 @@
-"""What a shop sets out on the pavement, close to its wall: crates, tables, bicycles, an ice bench."""
+"""Goods and furniture on the pavement close to a shop's wall: crates, tables, bicycles, an ice bench."""
 
 import itertools
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What each trade's shops show: goods, names and colours of three variants."""
+"""Shop windows of each trade: goods, names and colours of three variants."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""What heats, cools and moves air: air conditioners, radiators, hoods, fans, dryers. Fronts look along +x."""
+"""Appliances that heat, cool or move air: air conditioners, radiators, hoods, fans, dryers. Fronts look along +x."""
 
 import numpy as np
 

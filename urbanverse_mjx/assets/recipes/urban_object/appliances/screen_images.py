@@ -1,4 +1,4 @@
-"""What screens show: a desktop, a landscape, rows of icons, a chart, an arcade game."""
+"""Images on screens: a desktop, a landscape, rows of icons, a chart, an arcade game."""
 
 import numpy as np
 from PIL import Image

@@ -1,4 +1,4 @@
-"""What plays, speaks and records: radios, record and CD players, loudspeakers, telephones, megaphones, cameras."""
+"""Sound and image devices: radios, record and CD players, loudspeakers, telephones, megaphones, cameras."""
 
 import numpy as np
 

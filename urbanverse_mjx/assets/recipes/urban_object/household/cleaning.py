@@ -1,4 +1,4 @@
-"""What keeps a household clean, and its cloth: brooms, pans, plungers, vacuum cleaners, irons, curtains, towels."""
+"""Cleaning tools and household textiles: brooms, pans, plungers, vacuum cleaners, irons, curtains, towels."""
 
 import numpy as np
 

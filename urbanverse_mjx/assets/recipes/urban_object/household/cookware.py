@@ -1,4 +1,4 @@
-"""What cooks use: chopping boards, pans, woks, teapots, spice racks. Handles and spouts to the front (+x)."""
+"""Cookware: chopping boards, pans, woks, teapots, spice racks. Handles and spouts to the front (+x)."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a season brings: Christmas trees, snowmen."""
+"""Seasonal objects: Christmas trees, snowmen."""
 
 import numpy as np
 

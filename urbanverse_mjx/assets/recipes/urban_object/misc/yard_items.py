@@ -1,4 +1,4 @@
-"""What stands in yards and car parks: shopping carts, vehicle wheels, air pumps, easels."""
+"""Objects of yards and car parks: shopping carts, vehicle wheels, air pumps, easels."""
 
 import numpy as np
 

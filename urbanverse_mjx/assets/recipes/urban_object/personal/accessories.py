@@ -1,4 +1,4 @@
-"""What people wear or hold: hats, helmets, gloves, shoes, umbrellas, glasses, watches, jewelry. Front or toes at +x."""
+"""Accessories: hats, helmets, gloves, shoes, umbrellas, glasses, watches, jewelry. Front or toes at +x."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What pockets and handbags hold: glasses, books, cigarettes, jewelry, watches. Front at +x."""
+"""Contents of pockets and handbags: glasses, books, cigarettes, jewelry, watches. Front at +x."""
 
 import numpy as np
 from PIL import Image

@@ -1,4 +1,4 @@
-"""What stands on sports grounds and in gardens: outdoor machines, trampolines, hurdles, table-tennis tables."""
+"""Equipment of sports grounds and gardens: outdoor machines, trampolines, hurdles, table-tennis tables."""
 
 import numpy as np
 from PIL import Image

@@ -1,4 +1,4 @@
-"""What athletes hold: bats, gloves, rackets, flying discs, fishing rods. Long ones lie along x."""
+"""Hand-held sports equipment: bats, gloves, rackets, flying discs, fishing rods. Long ones lie along x."""
 
 import numpy as np
 
