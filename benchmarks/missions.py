@@ -72,15 +72,15 @@ def _street(folder: pathlib.Path, robot: str, size: Any, vision: str) -> tuple[A
 
 
 def drive(
-    driver: transfer.Driver, number: int, size: streets.Size, folder: pathlib.Path, file: pathlib.Path, film: bool
+    tested: transfer.TestedPolicy, number: int, size: streets.Size, folder: pathlib.Path, file: pathlib.Path, film: bool
 ) -> None:
     """Drives a mission in this process and writes what became of it; with a film of the same name, if asked."""
     from benchmarks.lib.mission_drive import Track, contract_of, drive_mission
 
-    task = transfer.load_task(driver)
-    world, near, people = _street(folder, driver.robot, task.size, json.dumps(dict(task.vision)))
+    task = transfer.load_task(tested)
+    world, near, people = _street(folder, tested.robot, task.size, json.dumps(dict(task.vision)))
     policy, track = task.agent, Track() if film else None
-    contract = contract_of(policy.record, policy.observations, world.robot, driver.source)
+    contract = contract_of(policy.record, policy.observations, world.robot, tested.source)
     done = drive_mission(world, near, streets.mission(number, size), policy, contract, people, track)
     if track is not None:
         _film(track, folder, world, people, done, file.with_suffix(".mp4"))
@@ -106,9 +106,9 @@ def _film(
     )  # fmt: skip
 
 
-def mission_file(out: pathlib.Path, driver: transfer.Driver, size: streets.Size, number: int) -> pathlib.Path:
+def mission_file(out: pathlib.Path, tested: transfer.TestedPolicy, size: streets.Size, number: int) -> pathlib.Path:
     """Where a mission's outcome is kept."""
-    name = f"{driver.name}-{driver.robot}"
+    name = f"{tested.name}-{tested.robot}"
     return out / "missions" / name / f"{size.blocks}x{size.block:g}" / f"mission_{number:02d}.json"
 
 
@@ -137,9 +137,9 @@ def summary(missions: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def read_missions(out: pathlib.Path, driver: transfer.Driver, size: streets.Size) -> list[dict[str, Any]]:
-    """Outcomes of a driver's missions that are there."""
-    folder = mission_file(out, driver, size, 0).parent
+def read_missions(out: pathlib.Path, tested: transfer.TestedPolicy, size: streets.Size) -> list[dict[str, Any]]:
+    """Outcomes of a policy's missions that are there."""
+    folder = mission_file(out, tested, size, 0).parent
     return [v.read_json(file, "mission") for file in sorted(folder.glob("mission_*.json"))]
 
 
@@ -147,7 +147,7 @@ def add(out: pathlib.Path, folder: pathlib.Path = results.SCORES, size: streets.
     """Writes the missions of the default policies that are there into missions.csv; returns their number."""
     size, count = size or streets.Size(), 0
     for name, robot in DRIVERS:
-        missions = read_missions(out, transfer.Driver(name, "", robot), size)
+        missions = read_missions(out, transfer.TestedPolicy(name, "", robot), size)
         about = {"policy": name, "robot": robot, "blocks": size.blocks, "block": f"{size.block:g}"}
         rows = [
             {**about, **{k: m[k] for k in COLUMNS[4:]}, **{c: m["interventions"][c] for c in _CAUSES}} for m in missions
@@ -249,19 +249,19 @@ def _main(args: argparse.Namespace) -> int:
     for number in (*args.missions, *args.film):
         v.integer(number, "--missions", 0, total() - 1)
     named = [(args.policy, args.robot)] if args.policy is not None else DRIVERS
-    drivers = [transfer.find_driver(policy, robot, args.out) for policy, robot in named]
+    tested_policies = [transfer.find_policy(policy, robot, args.out) for policy, robot in named]
     numbers = sorted({*args.missions, *args.film} if args.missions else args.film)
     _build(numbers, size, args)
     tasks = []
-    for driver in drivers:
+    for tested in tested_policies:
         for number in sorted(numbers, key=lambda n: (n % streets.STREETS, n)):
-            file, film = mission_file(args.out, driver, size, number), number in args.film
+            file, film = mission_file(args.out, tested, size, number), number in args.film
             if not file.is_file() or (film and not file.with_suffix(".mp4").is_file()):
-                tasks.append((driver, number, size, _folder(args.out, number, size), file, film))
+                tasks.append((tested, number, size, _folder(args.out, number, size), file, film))
     for done, (task, _) in enumerate(results_as_completed(drive, tasks, args.workers), 1):
         said = v.read_json(tasks[task][4], "mission")
         print(f"{done}/{len(tasks)} {tasks[task][0].name}: {json.dumps(said)}", file=sys.stderr, flush=True)
-    found = {f"{d.name} ({d.robot})": summary(read_missions(args.out, d, size)) for d in drivers}
+    found = {f"{d.name} ({d.robot})": summary(read_missions(args.out, d, size)) for d in tested_policies}
     v.write_json(args.out / "result.json", found)
     print(json.dumps(found))
     return 0

@@ -67,7 +67,7 @@ def all_shifts() -> dict[str, s.Shifts]:
 
 
 @dataclasses.dataclass(frozen=True)
-class Driver:
+class TestedPolicy:
     """A policy as a worker process loads it.
 
     Attributes:
@@ -89,14 +89,14 @@ class GoToGoal:
         return goal / np.maximum(np.linalg.norm(goal, axis=-1, keepdims=True), 1e-6)
 
 
-def find_driver(policy: str, robot: str | None, out: pathlib.Path) -> Driver:
-    """The driver of a policy as given on the command line; a policy folder is exported as ONNX first.
+def find_policy(policy: str, robot: str | None, out: pathlib.Path) -> TestedPolicy:
+    """The policy to test as given on the command line; a policy folder is exported as ONNX first.
 
     Raises:
       ValidationError: there is no such policy.
     """
     if policy == "go_to_goal":
-        return Driver(policy, policy, robot or "coco")
+        return TestedPolicy(policy, policy, robot or "coco")
     path = pathlib.Path(policy)
     if not path.exists() and (SHIPPED / policy).is_dir():
         path = SHIPPED / policy
@@ -109,11 +109,11 @@ def find_driver(policy: str, robot: str | None, out: pathlib.Path) -> Driver:
         if not file.is_file():
             file.parent.mkdir(parents=True, exist_ok=True)
             export_onnx(path, file)
-        return Driver(path.name, str(file), robot or _robot_of(file))
+        return TestedPolicy(path.name, str(file), robot or _robot_of(file))
     if policy.endswith(".onnx"):
-        return Driver(path.stem, policy, robot or _robot_of(path))
+        return TestedPolicy(path.stem, policy, robot or _robot_of(path))
     if ":" in policy and not policy.startswith("zoo:"):
-        return Driver(policy.replace(":", "."), policy, robot or "coco")
+        return TestedPolicy(policy.replace(":", "."), policy, robot or "coco")
     shipped = ", ".join(sorted(p.parent.name for p in SHIPPED.glob("*/policy.json")))
     raise ValidationError(
         f"--policy: found {policy!r}, needed go_to_goal, a policy folder or one of {shipped}, FILE.onnx or "
@@ -143,22 +143,22 @@ class Task:
 
 
 @functools.lru_cache(2)
-def load_task(driver: Driver) -> Task:
-    """Loads a driver in this process."""
+def load_task(tested: TestedPolicy) -> Task:
+    """Loads a policy in this process."""
     from urbanverse_mjx.evaluation.external import ExternalPolicy, load_callable
     from urbanverse_mjx.evaluation.onnx_policy import load_onnx
 
-    if driver.source == "go_to_goal":
+    if tested.source == "go_to_goal":
         policy = ExternalPolicy(GoToGoal(), GoToGoal.observations)
-    elif driver.source.endswith(".onnx"):
-        policy = load_onnx(pathlib.Path(driver.source))
+    elif tested.source.endswith(".onnx"):
+        policy = load_onnx(pathlib.Path(tested.source))
     else:
-        policy = load_callable(driver.source)
+        policy = load_callable(tested.source)
     if policy.privileged or policy.sees_goal:
-        raise ValidationError(f"{driver.source}: found inputs that no sensor gives, needed image, goal and proprio.")
+        raise ValidationError(f"{tested.source}: found inputs that no sensor gives, needed image, goal and proprio.")
     record = policy.record
     config = {} if record is None else record.env_config
-    mode = v.choice(config.get("action_mode", "waypoint"), f"{driver.source}: actions", ("waypoint", "velocity"))
+    mode = v.choice(config.get("action_mode", "waypoint"), f"{tested.source}: actions", ("waypoint", "velocity"))
     return Task(
         policy,
         (policy.size or (90, 160)) if policy.sees else None,
@@ -273,10 +273,12 @@ def _world(folder: pathlib.Path, robot: str, lens: s.Shifts, size: Any, vision: 
     return World.load(folder, robot, lens, size, json.loads(vision))
 
 
-def drive_place(driver: Driver, shifts: s.Shifts, folder: pathlib.Path, episodes: int, file: pathlib.Path) -> None:
+def drive_place(
+    tested: TestedPolicy, shifts: s.Shifts, folder: pathlib.Path, episodes: int, file: pathlib.Path
+) -> None:
     """Drives evenly spaced episodes of a compiled scene in this process, and writes them to a file."""
-    task = load_task(driver)
-    world = _world(folder, driver.robot, shifts, task.size, json.dumps(dict(task.vision)))
+    task = load_task(tested)
+    world = _world(folder, tested.robot, shifts, task.size, json.dumps(dict(task.vision)))
     table = world.geometry.episodes
     found = []
     for row in np.linspace(0, len(table) - 1, episodes).round().astype(int):
@@ -359,13 +361,13 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
 
 
-def episode_file(out: pathlib.Path, driver: Driver, shift: str, place: str) -> pathlib.Path:
+def episode_file(out: pathlib.Path, tested: TestedPolicy, shift: str, place: str) -> pathlib.Path:
     """Where the episodes of a task are kept."""
-    return out / "episodes" / f"{driver.name}-{driver.robot}" / slug(shift) / f"{place}.json"
+    return out / "episodes" / f"{tested.name}-{tested.robot}" / slug(shift) / f"{place}.json"
 
 
 def run(
-    rows: Sequence[tuple[Driver, str, s.Shifts]],
+    rows: Sequence[tuple[TestedPolicy, str, s.Shifts]],
     folders: Sequence[pathlib.Path],
     out: pathlib.Path,
     episodes: int,
@@ -373,13 +375,13 @@ def run(
 ) -> None:
     """Drives all rows in all places that are not done yet; a file with another number of episodes is driven again."""
     tasks = []
-    for driver, shift, shifts in rows:
+    for tested, shift, shifts in rows:
         for folder in folders:
-            file = episode_file(out, driver, shift, folder.name)
+            file = episode_file(out, tested, shift, folder.name)
             wanted = json.loads(json.dumps(dataclasses.asdict(shifts)))
             done = v.read_json(file, "episodes") if file.is_file() else {}
             if done.get("shifts") != wanted or len(done["episodes"]) != episodes:
-                tasks.append((driver, shifts, folder, episodes, file))
+                tasks.append((tested, shifts, folder, episodes, file))
     for number, (task, _) in enumerate(results_as_completed(drive_place, tasks, workers), 1):
         file = tasks[task][4]
         ends = [e["end"] for e in v.read_json(file, "episodes")["episodes"]]
@@ -412,9 +414,9 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def rows_of(out: pathlib.Path, driver: Driver, shift: str, places: Sequence[str]) -> list[dict[str, Any]]:
+def rows_of(out: pathlib.Path, tested: TestedPolicy, shift: str, places: Sequence[str]) -> list[dict[str, Any]]:
     """The rows of a policy and a shift that are there, one for each place."""
-    files = {place: episode_file(out, driver, shift, place) for place in places}
+    files = {place: episode_file(out, tested, shift, place) for place in places}
     done = {place: v.read_json(file, "episodes") for place, file in files.items() if file.is_file()}
     return [{"place": place, **place_row(body["episodes"])} for place, body in done.items()]
 
@@ -424,7 +426,7 @@ def add(out: pathlib.Path, folder: pathlib.Path = results.SCORES) -> int:
     count = 0
     for name, robot in POLICIES:
         for shift in all_shifts():
-            rows = rows_of(out, Driver(name, "", robot), shift, place_names())
+            rows = rows_of(out, TestedPolicy(name, "", robot), shift, place_names())
             about = {"policy": name, "robot": robot, "shift": shift}
             if rows:
                 results.replace_rows(folder / "transfer.csv", about, [{**about, **row} for row in rows])
@@ -457,7 +459,7 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     return cli.parse_args(argv)
 
 
-def _rows(args: argparse.Namespace) -> list[tuple[Driver, str, s.Shifts]]:
+def _rows(args: argparse.Namespace) -> list[tuple[TestedPolicy, str, s.Shifts]]:
     known = all_shifts()
     if args.set:
         values = dict(part.partition("=")[::2] for part in args.set)
@@ -473,14 +475,14 @@ def _rows(args: argparse.Namespace) -> list[tuple[Driver, str, s.Shifts]]:
     for name in names:
         v.choice(name, "--shifts", tuple(known))
     if args.policy is not None:
-        driver = find_driver(args.policy, args.robot, args.out)
-        return [(driver, name, known[name]) for name in names]
-    drivers = [find_driver(policy, robot, args.out) for policy, robot in POLICIES]
+        tested = find_policy(args.policy, args.robot, args.out)
+        return [(tested, name, known[name]) for name in names]
+    tested_policies = [find_policy(policy, robot, args.out) for policy, robot in POLICIES]
     return [
-        (driver, name, known[name])
-        for driver in drivers
+        (tested, name, known[name])
+        for tested in tested_policies
         for name in names
-        if name == "all" or (driver.name, driver.robot) in SINGLE
+        if name == "all" or (tested.name, tested.robot) in SINGLE
     ]
 
 
@@ -504,10 +506,10 @@ def _main(args: argparse.Namespace) -> int:
     run(rows, folders, args.out, args.episodes, args.workers)
     names = [folder.name for folder in folders]
     found: dict[str, Any] = {}
-    for driver, shift, _ in rows:
-        done = summary(rows_of(args.out, driver, shift, names))
-        found.setdefault(f"{driver.name} ({driver.robot})", {})[shift] = done
-        print(f"{driver.name} ({driver.robot}), {shift}: {json.dumps(done)}", file=sys.stderr)
+    for tested, shift, _ in rows:
+        done = summary(rows_of(args.out, tested, shift, names))
+        found.setdefault(f"{tested.name} ({tested.robot})", {})[shift] = done
+        print(f"{tested.name} ({tested.robot}), {shift}: {json.dumps(done)}", file=sys.stderr)
     v.write_json(args.out / "result.json", found)
     print(json.dumps(found))
     return 0

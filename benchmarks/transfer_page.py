@@ -39,8 +39,8 @@ def read(folder: pathlib.Path) -> Rows:
 
 def wanted() -> list[tuple[str, str, str]]:
     """The rows of both tables."""
-    rows = [(*driver, "all") for driver in transfer.POLICIES]
-    return rows + [(*driver, shift) for driver in transfer.SINGLE for shift in transfer.s.ALONE]
+    rows = [(*tested, "all") for tested in transfer.POLICIES]
+    return rows + [(*tested, shift) for tested in transfer.SINGLE for shift in transfer.s.ALONE]
 
 
 def _cells(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -93,9 +93,9 @@ def text(rows: Rows) -> str:
     if absent:
         who: dict[str, list[str]] = {}
         for shift in ("all", *transfer.s.ALONE):
-            drivers = ", ".join(f"{name} ({titles[robot]})" for name, robot, its in absent if its == shift)
-            who.setdefault(drivers, []).append(shift)
-        said = "; ".join(f"{', '.join(shifts)}: {drivers}" for drivers, shifts in who.items() if drivers)
+            names = ", ".join(f"{name} ({titles[robot]})" for name, robot, its in absent if its == shift)
+            who.setdefault(names, []).append(shift)
+        said = "; ".join(f"{', '.join(shifts)}: {names}" for names, shifts in who.items() if names)
         parts.append(f"Not run yet: {said}. {command}")
     missing = sorted(set(FILMED) - set(transfer.place_names()))
     if missing:

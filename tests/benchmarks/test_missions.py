@@ -278,9 +278,9 @@ def test_rates_are_sums_over_kilometres() -> None:
 
 def test_missions_are_added_once_and_the_page_counts_them(tmp_path: pathlib.Path) -> None:
     (tmp_path / "missions.csv").write_text(HEAD + "\n", encoding="utf-8")
-    driver, size = transfer.Driver("coco_best", "", "coco"), streets.Size()
+    tested, size = transfer.TestedPolicy("coco_best", "", "coco"), streets.Size()
     for k in range(3):
-        file = missions.mission_file(tmp_path, driver, size, k)
+        file = missions.mission_file(tmp_path, tested, size, k)
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(_outcome(k, k, 400.0)), encoding="utf-8")
     assert missions.add(tmp_path, tmp_path) == missions.add(tmp_path, tmp_path) == 3

@@ -151,8 +151,8 @@ def _fake_places(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> lis
     """Counts what is driven, without MuJoCo."""
     driven: list[str] = []
 
-    def drive_place(driver, shifts, folder, episodes, file) -> None:
-        driven.append(f"{driver.name} {folder.name}")
+    def drive_place(tested, shifts, folder, episodes, file) -> None:
+        driven.append(f"{tested.name} {folder.name}")
         ends = [
             {"episode": k, "end": "goal", "hit": None, "seconds": 1.0, "metres": 9.0, "left": 0.5}
             for k in range(episodes)
@@ -169,15 +169,15 @@ def test_a_run_continues_and_drives_again_what_has_changed(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     driven = _fake_places(tmp_path, monkeypatch)
-    driver, folders = transfer.Driver("mine", "mine.onnx", "coco"), [tmp_path / "a", tmp_path / "b"]
+    tested, folders = transfer.TestedPolicy("mine", "mine.onnx", "coco"), [tmp_path / "a", tmp_path / "b"]
     latency = s.Shifts(latency=(0.1, 0.1))
-    transfer.run([(driver, "own", latency)], folders[:1], tmp_path, 3, 1)
-    transfer.run([(driver, "own", latency)], folders, tmp_path, 3, 1)
+    transfer.run([(tested, "own", latency)], folders[:1], tmp_path, 3, 1)
+    transfer.run([(tested, "own", latency)], folders, tmp_path, 3, 1)
     assert driven == ["mine a", "mine b"]
-    transfer.run([(driver, "own", s.Shifts(latency=(0.2, 0.2)))], folders[:1], tmp_path, 3, 1)
-    transfer.run([(driver, "own", s.Shifts(latency=(0.2, 0.2)))], folders[:1], tmp_path, 4, 1)
+    transfer.run([(tested, "own", s.Shifts(latency=(0.2, 0.2)))], folders[:1], tmp_path, 3, 1)
+    transfer.run([(tested, "own", s.Shifts(latency=(0.2, 0.2)))], folders[:1], tmp_path, 4, 1)
     assert driven == ["mine a", "mine b", "mine a", "mine a"]
-    rows = transfer.rows_of(tmp_path, driver, "own", ["a", "b", "c"])
+    rows = transfer.rows_of(tmp_path, tested, "own", ["a", "b", "c"])
     assert [(r["place"], r["episodes"], r["goal"], r["metres"]) for r in rows] == [("a", 4, 4, 36.0), ("b", 3, 3, 27.0)]
 
 
@@ -199,7 +199,9 @@ def test_rows_are_written_once_and_the_page_counts_them(
     _fake_places(tmp_path, monkeypatch)
     (tmp_path / "transfer.csv").write_text(HEAD + "\n", encoding="utf-8")
     folders = [tmp_path / place for place in transfer.place_names()]
-    rows = [(transfer.Driver("coco_best", "", "coco"), name, shifts) for name, shifts in transfer.all_shifts().items()]
+    rows = [
+        (transfer.TestedPolicy("coco_best", "", "coco"), name, shifts) for name, shifts in transfer.all_shifts().items()
+    ]
     transfer.run(rows[:2], folders, tmp_path, 5, 1)
     assert transfer.add(tmp_path, tmp_path) == transfer.add(tmp_path, tmp_path) == 2 * len(folders)
     found = transfer_page.read(tmp_path)
@@ -260,4 +262,4 @@ def test_a_policy_that_needs_what_no_sensor_gives_is_refused(monkeypatch: pytest
     found = types.SimpleNamespace(privileged=True, sees_goal=False, record=None, sees=False, size=None)
     monkeypatch.setattr("urbanverse_mjx.evaluation.external.load_callable", lambda name: found)
     with pytest.raises(ValidationError, match="no sensor gives"):
-        transfer.load_task(transfer.Driver("x", "pkg:privileged", "coco"))
+        transfer.load_task(transfer.TestedPolicy("x", "pkg:privileged", "coco"))

@@ -8,7 +8,7 @@ import pytest
 
 from urbanverse_mjx.cli import main as cli
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.pipeline import drivers, view_scenes
+from urbanverse_mjx.pipeline import machines, view_scenes
 from urbanverse_mjx.pipeline.view_scenes import ViewScenes
 
 
@@ -119,12 +119,12 @@ def test_a_graph_with_the_name_of_a_shipped_street_is_the_users(
 
 
 def test_the_camera_of_a_rule_is_drawn_and_everything_is_as_in_the_bank() -> None:
-    config = drivers._fresh_config(None, False, "cpu", drivers.IMAGE_SIZE)
+    config = machines._fresh_config(None, False, "cpu", machines.IMAGE_SIZE)
     assert config.vision
-    assert (config.vision_config.height, config.vision_config.width) == drivers.IMAGE_SIZE
+    assert (config.vision_config.height, config.vision_config.width) == machines.IMAGE_SIZE
     assert config.randomization.appearance == 0
 
 
 def test_a_recorder_draws_no_image_for_a_rule() -> None:
-    config = drivers._fresh_config(None, False, "paper", None)
+    config = machines._fresh_config(None, False, "paper", None)
     assert (config.preset, config.vision) == ("paper", False)

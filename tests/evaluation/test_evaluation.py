@@ -26,7 +26,7 @@ from urbanverse_mjx.evaluation.agents import BASELINES, zero
 from urbanverse_mjx.evaluation.metrics import drawn_counts, mean_interval, wilson_interval
 from urbanverse_mjx.evaluation.report import write_report
 from urbanverse_mjx.pipeline.evaluation import evaluation_config
-from urbanverse_mjx.viewer.session import Driver, Machine, Session
+from urbanverse_mjx.viewer.session import Machine, NamedPolicy, Session
 
 
 def _result(**changes: object) -> EpisodeResult:
@@ -153,7 +153,7 @@ def test_a_hit_of_the_ground_is_told_from_one_of_an_object(
     episodes = fixed_episodes(env, 2)
     results, _ = Rollout(env).run({"zero": zero}, episodes)
     assert {(r.result, r.outcome, r.success) for r in results} == {("hit", outcome, False)}
-    session = Session(Machine(env, Driver("zero", zero)), int(episodes.scenes[0]), [int(episodes.episodes[0])])
+    session = Session(Machine(env, NamedPolicy("zero", zero)), int(episodes.scenes[0]), [int(episodes.episodes[0])])
     assert session.outcome(0) is None
     session.step()
     assert session.outcome(1) == outcome

@@ -17,7 +17,7 @@ from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.evaluation import BASELINES
 from urbanverse_mjx.evaluation.frozen import freeze
 from urbanverse_mjx.pipeline import BenchmarkOptions, PlayOptions, benchmark, evaluate_policy, play, rollout_video
-from urbanverse_mjx.pipeline.drivers import load_machine
+from urbanverse_mjx.pipeline.machines import load_machine
 
 OVERRIDES = {"robot": "/robots/tug", "sim_dt": 0.005}
 

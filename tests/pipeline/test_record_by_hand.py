@@ -17,7 +17,7 @@ from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import main as cli
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv
-from urbanverse_mjx.pipeline import drivers
+from urbanverse_mjx.pipeline import machines
 from urbanverse_mjx.viewer.record_page import RecordPage
 from urbanverse_mjx.viewer.session import Session
 from urbanverse_mjx.viewer.teleop import Command
@@ -122,7 +122,7 @@ def test_a_recording_without_an_episode_leaves_no_folder(tmp_path: pathlib.Path)
 def test_wrong_input_is_one_sentence_before_anything_is_loaded(
     capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(drivers, "load_machine", None)
+    monkeypatch.setattr(machines, "load_machine", None)
 
     def refused(*argv: str) -> str:
         assert cli.main(["record", "--out", str(tmp_path / "new"), "--teleop", "--no-open", *argv]) == 2

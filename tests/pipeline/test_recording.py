@@ -24,14 +24,14 @@ from urbanverse_mjx.envs.navigation.draws import OFF
 from urbanverse_mjx.evaluation import BASELINES, Rollout
 from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 from urbanverse_mjx.geometry import rotations
-from urbanverse_mjx.pipeline import drivers
+from urbanverse_mjx.pipeline import machines
 from urbanverse_mjx.pipeline.recording import cameras, driving, readings
 from urbanverse_mjx.pipeline.recording.cameras import FRONT, numbered
 from urbanverse_mjx.pipeline.recording.driving import BatchDrive, Driven, drawn_episodes
 from urbanverse_mjx.pipeline.recording.record import RecordOptions
 from urbanverse_mjx.progress import Progress
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
-from urbanverse_mjx.viewer.session import Driver, Machine
+from urbanverse_mjx.viewer.session import Machine, NamedPolicy
 
 SIZE = (24, 32)
 STEPS, BODIES = 12, 7
@@ -87,9 +87,9 @@ def use(env: NavEnv, monkeypatch: pytest.MonkeyPatch) -> None:
     """Lets recordings drive in a kinematic environment."""
 
     def load(policy: str, *_: Any) -> Machine:
-        return Machine(env, Driver(policy, BASELINES[policy]))
+        return Machine(env, NamedPolicy(policy, BASELINES[policy]))
 
-    monkeypatch.setattr(drivers, "load_machine", load)
+    monkeypatch.setattr(machines, "load_machine", load)
     monkeypatch.setattr("urbanverse_mjx.pipeline.training_run.bank_of", lambda *_: env.bank)
 
 
@@ -252,8 +252,8 @@ def test_only_successes_leaves_the_others_out(
     assert not (tmp_path / "none").exists()
 
 
-def driven(env: NavEnv, driver: Driver, episodes: EpisodeSet, num_envs: int, first: int = 0) -> list[Driven]:
-    return [e for part in BatchDrive(Machine(env, driver)).run(episodes, num_envs, first=first) for e in part]
+def driven(env: NavEnv, policy: NamedPolicy, episodes: EpisodeSet, num_envs: int, first: int = 0) -> list[Driven]:
+    return [e for part in BatchDrive(Machine(env, policy)).run(episodes, num_envs, first=first) for e in part]
 
 
 class Counting:
@@ -286,8 +286,8 @@ def test_an_env_that_begins_the_next_episode_drives_as_a_new_one(
     """Episodes of different lengths, two at a time and each alone: the same steps, in the same order."""
     monkeypatch.setattr(driving, "_BLOCK", 4)
     env = drawn_env(small_bank, {"episode_length": 45, "terminate_off_traversable": True})
-    episodes, driver = drawn_episodes(small_bank, np.arange(3), 7, 2), Driver("own", agent)
-    together, alone = driven(env, driver, episodes, 2), driven(env, driver, episodes, 1)
+    episodes, policy = drawn_episodes(small_bank, np.arange(3), 7, 2), NamedPolicy("own", agent)
+    together, alone = driven(env, policy, episodes, 2), driven(env, policy, episodes, 1)
     assert [(e.scene, e.row) for e in together] == list(zip(episodes.scenes, episodes.episodes, strict=True))
     assert len({len(e.steps.running) for e in together}) > 2
     assert all(e.steps.running.all() for e in together)
@@ -297,7 +297,7 @@ def test_an_env_that_begins_the_next_episode_drives_as_a_new_one(
         jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)
     # From the third on, and from the last, which the second block has with two others.
     for first in (2, 6):
-        check_same(driven(env, driver, episodes, 2, first), together[first:])
+        check_same(driven(env, policy, episodes, 2, first), together[first:])
 
 
 def check_same(found: list[Driven], wanted: list[Driven]) -> None:
@@ -322,11 +322,11 @@ class Straight:
 
 def test_a_policy_outside_jax_drives_as_one_inside(env: NavEnv) -> None:
     episodes, straight = drawn_episodes(env.bank, env.scenes, 3, 1), Straight()
-    inside = driven(env, Driver("go_to_goal", BASELINES["go_to_goal"]), episodes, 2)
-    outside = driven(env, Driver("own", straight, outside=True), episodes, 2)
+    inside = driven(env, NamedPolicy("go_to_goal", BASELINES["go_to_goal"]), episodes, 2)
+    outside = driven(env, NamedPolicy("own", straight, outside=True), episodes, 2)
     # Two together, then the third, in a batch of the same size.
     assert straight.begun == 4
-    check_same(driven(env, Driver("own", Straight(), outside=True), episodes, 2, 1), outside[1:])
+    check_same(driven(env, NamedPolicy("own", Straight(), outside=True), episodes, 2, 1), outside[1:])
     for a, b in zip(inside, outside, strict=True):
         assert (a.scene, a.row, a.seed, a.result) == (b.scene, b.row, b.seed, b.result)
         jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)
@@ -334,9 +334,9 @@ def test_a_policy_outside_jax_drives_as_one_inside(env: NavEnv) -> None:
 
 @pytest.mark.parametrize("answer", [np.zeros((3, 1)), np.full((3, 2), np.nan)])
 def test_wrong_actions_are_refused(env: NavEnv, answer: np.ndarray) -> None:
-    driver, episodes = Driver("own", lambda obs: answer, outside=True), drawn_episodes(env.bank, env.scenes, 3, 0)
+    policy, episodes = NamedPolicy("own", lambda obs: answer, outside=True), drawn_episodes(env.bank, env.scenes, 3, 0)
     with pytest.raises(ValidationError, match=r"policy 'own': found actions of shape .* needed finite ones of shape"):
-        driven(env, driver, episodes, 3)
+        driven(env, policy, episodes, 3)
 
 
 def test_episodes_differ_and_a_smaller_number_gives_the_first_ones(small_bank: SceneBank) -> None:
@@ -357,7 +357,7 @@ def test_episodes_differ_and_a_smaller_number_gives_the_first_ones(small_bank: S
 def test_nothing_is_driven_where_the_folder_is_in_use(
     capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(drivers, "load_machine", None)
+    monkeypatch.setattr(machines, "load_machine", None)
     (tmp_path / "mine").write_text("mine")
     assert cli.main(["record", "--out", str(tmp_path)]) == 2
     said = capsys.readouterr()

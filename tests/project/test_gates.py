@@ -8,7 +8,11 @@ import subprocess
 import sys
 import tomllib
 
+import grimp
+import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 ROOT = pathlib.Path(__file__).parents[2]
 
@@ -102,3 +106,21 @@ def test_a_new_package_must_be_given_a_layer(copy: pathlib.Path) -> None:
     output = lint(copy)
     assert f"{LAYERS} BROKEN" in output
     assert "newcomer" in output
+
+
+def in_circles(imports: dict[str, set[str]]) -> list[list[str]]:
+    """Modules that import each other, also over others, for the imports of each module."""
+    order = sorted(imports)
+    number = {name: i for i, name in enumerate(order)}
+    rows, columns = np.array([(number[a], number[b]) for a in order for b in imports[a]]).T
+    graph = csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(order), len(order)))
+    _, labels = connected_components(graph, connection="strong")
+    groups = [[order[i] for i in np.flatnonzero(labels == k)] for k in range(labels.max() + 1)]
+    return [group for group in groups if len(group) > 1]
+
+
+def test_no_modules_import_each_other() -> None:
+    """Imports within functions and for types included."""
+    assert in_circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+    graph = grimp.build_graph("urbanverse_mjx", cache_dir=None)
+    assert in_circles({name: graph.find_modules_directly_imported_by(name) for name in graph.modules}) == []

@@ -7,7 +7,7 @@ from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.evaluation.agents import BASELINES
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
-from urbanverse_mjx.viewer.session import Driver, Machine
+from urbanverse_mjx.viewer.session import Machine, NamedPolicy
 
 _BOX = """<mujoco><worldbody><body name="base" pos="0 0 0.3"><freejoint/>
 <geom type="box" size="0.4 0.3 0.2" group="2" rgba="0.9 0.1 0.1 1"/>
@@ -20,4 +20,4 @@ def box_machine(bank: SceneBank, policy: str = "go_to_goal") -> Machine:
     config = registry.with_overrides(registry.get_default_config("CocoNav", "cpu"), {"scenes": "all"})
     engine = UnicycleEngine(robot, config.ctrl_dt)
     env = NavEnv(config, bank, robot, engine, Renderer(bank, robot, 18, 32, shading="matte"))
-    return Machine(env, Driver(policy, BASELINES[policy]))
+    return Machine(env, NamedPolicy(policy, BASELINES[policy]))

@@ -12,7 +12,7 @@ from urbanverse_mjx.evaluation import Rollout
 from urbanverse_mjx.evaluation.agents import BASELINES
 from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 from urbanverse_mjx.viewer import layers
-from urbanverse_mjx.viewer.session import Driver, Machine, Session
+from urbanverse_mjx.viewer.session import Machine, NamedPolicy, Session
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def env(small_bank: SceneBank):
 
 @pytest.fixture(scope="module")
 def machine(env) -> Machine:
-    return Machine(env, Driver("go_to_goal", BASELINES["go_to_goal"]))
+    return Machine(env, NamedPolicy("go_to_goal", BASELINES["go_to_goal"]))
 
 
 def test_states_are_those_of_the_environment(env, machine: Machine) -> None:
@@ -45,7 +45,7 @@ def test_states_are_those_of_the_environment(env, machine: Machine) -> None:
 def test_it_ends_as_an_evaluation_does(env, name: str) -> None:
     """Also for a random agent: the same keys, and an ended episode pauses while others continue."""
     rows = [0, 5, 9]
-    session = Session(Machine(env, Driver(name, BASELINES[name])), 0, rows, seed=7)
+    session = Session(Machine(env, NamedPolicy(name, BASELINES[name])), 0, rows, seed=7)
     while not session.over:
         session.step()
     results, trajectory = Rollout(env).run(
@@ -61,7 +61,7 @@ def test_it_ends_as_an_evaluation_does(env, name: str) -> None:
 
 
 def test_one_of_many_episodes_is_driven_again_by_its_key(env) -> None:
-    machine = Machine(env, Driver("random", BASELINES["random"]))
+    machine = Machine(env, NamedPolicy("random", BASELINES["random"]))
     episodes = EpisodeSet(np.zeros(3, np.int32), np.array([2, 7, 4], np.int32), 1)
     together = Session(machine, 0, [2, 7, 4], keys=episodes.keys())
     alone = Session(machine, 0, [7], keys=episodes.keys()[1:2])
@@ -90,7 +90,7 @@ class Counting:
 
 def test_a_person_takes_over_one_robot_and_gives_it_back(env) -> None:
     agent = Counting()
-    session = Session(Machine(env, Driver("straight", agent, outside=True)), 0, [0, 1])
+    session = Session(Machine(env, NamedPolicy("straight", agent, outside=True)), 0, [0, 1])
     session.step()
     frame = session.step({1: np.array([0.0, 1.0], np.float32)})
     np.testing.assert_array_equal(frame.action, [[1.0, 0.0], [0.0, 1.0]])
@@ -105,7 +105,7 @@ def test_a_person_takes_over_one_robot_and_gives_it_back(env) -> None:
 
 @pytest.mark.parametrize("answer", [np.zeros((1, 3)), np.full((1, 2), np.nan), np.zeros(2)])
 def test_wrong_actions_are_refused(env, answer: np.ndarray) -> None:
-    session = Session(Machine(env, Driver("broken", lambda obs: answer, outside=True)), 0, [0])
+    session = Session(Machine(env, NamedPolicy("broken", lambda obs: answer, outside=True)), 0, [0])
     with pytest.raises(ValidationError, match="policy 'broken': found actions"):
         session.step()
     assert len(session) == 1

@@ -18,7 +18,7 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.evaluation.agents import BASELINES
 from urbanverse_mjx.viewer.front import Front, served
-from urbanverse_mjx.viewer.session import Driver, Machine, Session
+from urbanverse_mjx.viewer.session import Machine, NamedPolicy, Session
 from urbanverse_mjx.viewer.teleop import (
     DEAD_ZONE,
     MESSAGE_LIFETIME,
@@ -92,7 +92,7 @@ def test_the_dead_zone_is_still_and_grows_steadily_from_its_edge() -> None:
 def test_a_robot_drives_as_it_is_commanded(small_bank: SceneBank, mode: str) -> None:
     """The kinematic robot has the commanded velocity after one step."""
     env = unicycle_env(small_bank, {"action_mode": mode, "vision": False})
-    machine = Machine(env, Driver("zero", BASELINES["zero"]))
+    machine = Machine(env, NamedPolicy("zero", BASELINES["zero"]))
     session = Session(machine, 0, [3])
     for command in (Command(1.0, 0.0), Command(0.0, -1.0), Command(1.0, 1.0), Command(0.4, -0.3), STOP):
         frame = session.step({0: machine.action_of(command)})
@@ -109,7 +109,7 @@ def test_joints_are_not_driven_by_hand(small_bank: SceneBank) -> None:
     env.config.unlock()
     env.config.action_mode = "joint"
     with pytest.raises(ValidationError, match="action_mode: found 'joint', needed 'waypoint' or 'velocity'"):
-        Machine(env, Driver("zero", BASELINES["zero"])).action_of(STOP)
+        Machine(env, NamedPolicy("zero", BASELINES["zero"])).action_of(STOP)
 
 
 # Taking over and giving back.

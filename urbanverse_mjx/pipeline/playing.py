@@ -111,11 +111,11 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
 def _write_html(path: pathlib.Path, env: "NavEnv", name: str, agent: Any, episodes: "EpisodeSet", shown: int) -> None:
     """Runs one of the episodes again with the same random draws and writes it as a page."""
     from ..viewer.recording import html_recording
-    from ..viewer.session import Driver, Machine, Session
+    from ..viewer.session import Machine, NamedPolicy, Session
     from ..viewer.street import StreetMeshes
 
     scene, row = int(episodes.scenes[shown]), int(episodes.episodes[shown])
-    session = Session(Machine(env, Driver(name, agent)), scene, [row], keys=episodes.keys()[shown : shown + 1])
+    session = Session(Machine(env, NamedPolicy(name, agent)), scene, [row], keys=episodes.keys()[shown : shown + 1])
     while not session.over:
         session.step()
     page = html_recording(session, StreetMeshes(env.bank, scene))

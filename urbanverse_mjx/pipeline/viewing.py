@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import settings
 from ..datatypes import validation as v
-from .drivers import load_machine
+from .machines import load_machine
 from .view_scenes import ViewScenes
 
 if TYPE_CHECKING:

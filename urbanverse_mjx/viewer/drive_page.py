@@ -129,7 +129,7 @@ class DrivePage:
             if self._held:
                 self._go(len(self.session) - 1)
                 self._run()
-            elif not self._held and self.session.machine.driver.name == NOBODY:
+            elif not self._held and self.session.machine.policy.name == NOBODY:
                 self._pause()
             self._tell()
         elif ignores_key != self._ignores_key:
@@ -140,7 +140,7 @@ class DrivePage:
     def _tell(self) -> None:
         """Updates the state shown at the page's lower edge."""
         session = self.session
-        name = session.machine.driver.name
+        name = session.machine.policy.name
         policy = "nobody" if name == NOBODY else name
         who, note = f"{policy} drives", ""
         if session.over:
@@ -244,7 +244,7 @@ class DrivePage:
         self._say("writing the recording")
         bank = self.session.machine.env.bank
         page = html_recording(self.session, StreetMeshes(bank, self.session.scene), self._shown())
-        name = f"{bank.scene_ids[self.session.scene]}_{self.session.machine.driver.name}.html".replace("/", "-")
+        name = f"{bank.scene_ids[self.session.scene]}_{self.session.machine.policy.name}.html".replace("/", "-")
         client.send_file_download(name, page.encode(), save_immediately=True)
         self._report()
 

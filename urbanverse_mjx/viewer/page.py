@@ -28,7 +28,7 @@ class Choices(Protocol):
         ...
 
     def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
-        """Returns the environment with its driver, and the scene's row in its bank.
+        """Returns the environment with its policy, and the scene's row in its bank.
 
         Raises:
           ValidationError: no such scene, cousin or policy.
@@ -93,7 +93,7 @@ class Page(DrivePage):
         self.begin(Session(self._machine, self._row, rows))
 
     def _open(self) -> None:
-        """Opens the chosen scene with the chosen driver."""
+        """Opens the chosen scene with the chosen policy."""
         self._pause()
         scene, policy = self._scene.value, self._path.value.strip() or self._policy.value
         self._say(f"opening {scene}, driven by {policy}")

@@ -44,7 +44,7 @@ class RecordPage(DrivePage):
             session = make()
             self.begin(session)
             # A policy continues with the next episode; without one the next episode waits for a key.
-            if going and session.machine.driver.name != NOBODY:
+            if going and session.machine.policy.name != NOBODY:
                 self._run()
             self.run(lambda session=session: session.over or self._wanted is not None or until())
             if self._wanted == "again":

@@ -1,6 +1,6 @@
 """Runs robots of one environment through episodes of one scene step by step and keeps every state.
 
-In: an environment, its drivers (policies), a scene and rows of its episode table. Out:  `Frame`s: the states, as
+In: an environment, its policy, a scene and rows of its episode table. Out:  `Frame`s: the states, as
 stepping the environment gives them. When: while a page shows them; this module does not depend on the page.
 """
 
@@ -23,7 +23,7 @@ IMAGE = "pixels/front"
 
 
 @dataclasses.dataclass(frozen=True)
-class Driver:
+class NamedPolicy:
     """A policy and how to call it.
 
     Attributes:
@@ -54,15 +54,15 @@ class Frame(NamedTuple):
 
 
 class Machine:
-    """An environment and a driver, compiled once for any number of sessions.
+    """An environment and a policy, compiled once for any number of sessions.
 
     Args:
       env: the environment.
-      driver: the policy.
+      policy: the policy.
     """
 
-    def __init__(self, env: NavEnv, driver: Driver) -> None:
-        self.env, self.driver = env, driver
+    def __init__(self, env: NavEnv, policy: NamedPolicy) -> None:
+        self.env, self.policy = env, policy
         self.begin = jax.jit(jax.vmap(env.begin_at))
         self.observe = jax.jit(jax.vmap(env.observe))
         self.act = jax.jit(jax.vmap(self._act))
@@ -96,7 +96,7 @@ class Machine:
     def _act(self, nav: NavState, memory: Any, known: Any, key: jax.Array) -> tuple[jax.Array, Any, jax.Array]:
         """Returns the action of one robot, its memory and its next key; keys are derived as in `Rollout`."""
         key, now = jax.random.split(key)
-        agent = self.driver.agent
+        agent = self.policy.agent
         action, memory = agent_action(agent, nav, self.env.observe(nav), known, memory, now)  # type: ignore[arg-type]
         return action, memory, key
 
@@ -113,13 +113,13 @@ class Machine:
 
 
 class Session:
-    """Running episodes of one scene with one driver.
+    """Running episodes of one scene with one policy.
 
     Args:
-      machine: the environment and its drivers.
+      machine: the environment and its policy.
       scene: row of the bank.
       rows: (n,) of the scene's episode table, one for each robot; robots do not interact.
-      seed: of random drivers and streets.
+      seed: of random policies and streets.
       keys: (n,) of the episodes in its place, as `EpisodeSet.keys`.
       known: (n, ...) result of `evaluation.agents.episode_data` for the episodes, if computed before.
 
@@ -149,8 +149,8 @@ class Session:
         self._key = episodes.keys() if keys is None else keys
         nav = machine.begin(self._key, jnp.asarray(scenes), jnp.asarray(episodes.episodes))
         self._memory, self._known = (), ()
-        agent: Any = machine.driver.agent
-        if machine.driver.outside:
+        agent: Any = machine.policy.agent
+        if machine.policy.outside:
             if isinstance(agent, Beginning):
                 agent.begin(count)
         else:
@@ -177,7 +177,7 @@ class Session:
     def compile(self) -> None:
         """Compiles a step unless a session of this machine has done so; no state changes."""
         nav = self.frames[0].nav
-        if not self.machine.driver.outside:
+        if not self.machine.policy.outside:
             self.machine.act(nav, self._memory, self._known, self._key)
         self.machine.advance(nav, jnp.zeros((self.num_robots, self.machine.env.action_size)))
 
@@ -185,11 +185,11 @@ class Session:
         """Runs one control step of all robots; ended ones stand still.
 
         Args:
-          by_hand: robot -> its action (A,) from a person, instead of the driver's; the driver is still called, so that
+          by_hand: robot -> its action (A,) from a person, instead of the policy's; the policy is still called, so that
             its memory is current when it takes over again.
 
         Raises:
-          ValidationError: the driver's actions are not finite or have another shape.
+          ValidationError: the policy's actions are not finite or have another shape.
         """
         nav = self.frames[-1].nav
         action = self._answers(nav)
@@ -209,8 +209,8 @@ class Session:
 
     def _answers(self, nav: NavState) -> np.ndarray:
         machine = self.machine
-        if machine.driver.outside:
-            agent: Any = machine.driver.agent
+        if machine.policy.outside:
+            agent: Any = machine.policy.agent
             action = np.array(agent(jax.tree.map(np.asarray, machine.observe(nav))), np.float32)
         else:
             answers, self._memory, self._key = machine.act(nav, self._memory, self._known, self._key)
@@ -218,7 +218,7 @@ class Session:
         wanted = (self.num_robots, machine.env.action_size)
         if action.shape != wanted or not np.isfinite(action).all():
             raise ValidationError(
-                f"policy {machine.driver.name!r}: found actions of shape {action.shape}"
+                f"policy {machine.policy.name!r}: found actions of shape {action.shape}"
                 f"{'' if np.isfinite(action).all() else ' with NaN'}, needed finite ones of shape {wanted}."
             )
         return action

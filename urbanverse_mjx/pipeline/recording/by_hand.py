@@ -56,8 +56,8 @@ class HandDrive:
           ValidationError: the port is in use.
         """
         # Of all episodes together, so that they have one shape and the policy is compiled once.
-        agent: Any = self._machine.driver.agent
-        known = () if self._machine.driver.outside else episode_data(agent, episodes.scenes, episodes.episodes)
+        agent: Any = self._machine.policy.agent
+        known = () if self._machine.policy.outside else episode_data(agent, episodes.scenes, episodes.episodes)
         teleop = Teleop(self._options.give_back_after)
         with served(self._options.host, self._options.port, teleop) as (server, front):
             page = RecordPage(server, teleop)

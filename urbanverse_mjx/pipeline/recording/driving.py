@@ -168,7 +168,7 @@ class BatchDrive:
     """
 
     def __init__(self, machine: "Machine") -> None:
-        self._env, self._driver = machine.env, machine.driver
+        self._env, self._policy = machine.env, machine.policy
         self._begin = table_arguments.jit(jax.vmap(self._env.begin_at))
         self._observe = table_arguments.jit(jax.vmap(self._env.observe))
         self._step = table_arguments.jit(jax.vmap(self._advance))
@@ -190,7 +190,7 @@ class BatchDrive:
         Raises:
           ValidationError: a policy outside JAX answers with something else than finite actions (num_envs, A).
         """
-        size = _EPISODES_PER_BLOCK if isinstance(self._driver.agent, Privileged) else len(episodes)
+        size = _EPISODES_PER_BLOCK if isinstance(self._policy.agent, Privileged) else len(episodes)
         for start in range(first // size * size, len(episodes), size):
             block = episodes.part(np.arange(start, min(start + size, len(episodes))))
             yield from self._run_block(block, min(num_envs, len(block)), on_compiled, max(first - start, 0))
@@ -200,14 +200,14 @@ class BatchDrive:
         self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None, first: int
     ) -> Iterator[list[Driven]]:
         """Drives the episodes of a block from `first` on."""
-        agent: Any = self._driver.agent
-        known = () if self._driver.outside else episode_data(agent, episodes.scenes, episodes.episodes)
+        agent: Any = self._policy.agent
+        known = () if self._policy.outside else episode_data(agent, episodes.scenes, episodes.episodes)
         known = jax.tree.map(np.asarray, known)
         # A policy outside JAX drives whole batches, as it does from the beginning.
-        slots = _Slots(len(episodes), num_envs, first // num_envs * num_envs if self._driver.outside else first)
+        slots = _Slots(len(episodes), num_envs, first // num_envs * num_envs if self._policy.outside else first)
         state = self._started(episodes, known, np.maximum(slots.episode, 0))
         while not slots.idle.all():
-            state, steps = self._outside(state) if self._driver.outside else self._inside(state)
+            state, steps = self._outside(state) if self._policy.outside else self._inside(state)
             if on_compiled is not None:
                 on_compiled()
                 on_compiled = None
@@ -215,17 +215,17 @@ class BatchDrive:
             if done := [self._driven(steps, episodes, i) for i, steps in slots.in_order() if i >= first]:
                 yield done
             # A policy outside JAX is reset only for all its episodes together.
-            if (not self._driver.outside or slots.idle.all()) and len(envs := slots.refill()):
+            if (not self._policy.outside or slots.idle.all()) and len(envs := slots.refill()):
                 fresh = self._started(episodes, known, np.maximum(slots.episode, 0))
                 state = self._replace(np.isin(np.arange(num_envs), envs), fresh, state)
 
     def _started(self, episodes: EpisodeSet, known: Any, rows: np.ndarray) -> "_State":
         """First states of the episodes `rows`, one for each env."""
-        agent: Any = self._driver.agent
+        agent: Any = self._policy.agent
         episodes = episodes.part(rows)
-        if self._driver.outside and isinstance(agent, Beginning):
+        if self._policy.outside and isinstance(agent, Beginning):
             agent.begin(len(rows))
-        memory = agent.first_memory() if isinstance(agent, Recurrent) and not self._driver.outside else ()
+        memory = agent.first_memory() if isinstance(agent, Recurrent) and not self._policy.outside else ()
         keys = episodes.keys()
         return _State(
             self._begin(keys, jnp.asarray(episodes.scenes), jnp.asarray(episodes.episodes)),
@@ -250,15 +250,15 @@ class BatchDrive:
         return state, jax.tree.map(np.asarray, steps)
 
     def _outside(self, state: "_State") -> tuple["_State", Steps]:
-        agent: Any = self._driver.agent
+        agent: Any = self._policy.agent
         obs = self._observe(state.nav)
         shape = (state.nav.result.shape[0], self._env.action_size)
-        action = checked_actions(self._driver.name, agent, obs, shape)
+        action = checked_actions(self._policy.name, agent, obs, shape)
         nav, steps = self._step(state.nav, obs, jnp.asarray(action, jnp.float32))
         return state._replace(nav=nav), jax.tree.map(lambda x: np.asarray(x)[None], steps)
 
     def _scan(self, state: "_State") -> tuple["_State", Steps]:
-        agent: Any = self._driver.agent
+        agent: Any = self._policy.agent
 
         def act(nav: "NavState", obs: Any, memory: Any, key: jax.Array, known: Any) -> tuple[Any, Any, jax.Array]:
             key, now = jax.random.split(key)

@@ -268,7 +268,7 @@ def _prepared(
 ) -> tuple["NavEnv", Any, np.ndarray, dict[str, "Feature"]]:
     """The environment, its policy, the scenes' rows of the bank, and the dataset's features."""
     from ...envs.navigation.scenarios import select_scenes
-    from ..drivers import IMAGE_SIZE, load_machine
+    from ..machines import IMAGE_SIZE, load_machine
     from ..training_run import bank_of
 
     bank = bank_of(options.env_name or "CocoNav", options.quiet, options.preset, options.bank)

@@ -39,13 +39,13 @@ def load_machine(
     from ..envs import registry
     from ..evaluation.agents import BASELINES
     from ..evaluation.planner import Planner
-    from ..viewer.session import Driver, Machine
+    from ..viewer.session import Machine, NamedPolicy
 
     overrides = overrides or {}
     if policy in BASELINES or policy == "planner":
         config = registry.with_overrides(_fresh_config(env_name, people, preset, image_size), overrides)
         env = registry.load_nav_env(env_name or "CocoNav", config, bank)
-        return Machine(env, Driver(policy, Planner(env) if policy == "planner" else BASELINES[policy]))
+        return Machine(env, NamedPolicy(policy, Planner(env) if policy == "planner" else BASELINES[policy]))
     path = pathlib.Path(policy).expanduser()
     if policy.endswith(".onnx"):
         return _onnx_machine(path, bank, people, env_name, preset, image_size, overrides)
@@ -58,7 +58,7 @@ def load_machine(
     agent, spec = load_policy(folder)
     name, config = _trained_config(spec.environment, spec.env_config, people, env_name)
     config = registry.with_overrides(config, overrides)
-    return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, agent))
+    return Machine(registry.load_nav_env(name, config, bank), NamedPolicy(path.name, agent))
 
 
 def _onnx_machine(
@@ -73,7 +73,7 @@ def _onnx_machine(
     from ..envs import registry
     from ..evaluation.onnx_policy import load_onnx
     from ..policies.onnx_agent import PROPRIO
-    from ..viewer.session import Driver, Machine
+    from ..viewer.session import Machine, NamedPolicy
 
     policy = load_onnx(path)
     if policy.record is not None:
@@ -83,7 +83,7 @@ def _onnx_machine(
         name, config = env_name or "CocoNav", _fresh_config(env_name, people, preset, size)
         config = registry.with_overrides(config, {"observations.proprio": PROPRIO in policy.observations})
     config = registry.with_overrides(config, overrides)
-    return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, policy, outside=True))
+    return Machine(registry.load_nav_env(name, config, bank), NamedPolicy(path.name, policy, outside=True))
 
 
 def _fresh_config(env_name: str | None, people: bool, preset: str, size: tuple[int, int] | None) -> Any:
