@@ -61,7 +61,7 @@ def _skewed_strips() -> tuple[GroundRegion, ...]:
 
 @pytest.mark.parametrize("drive", ["differential", "ackermann"])
 def test_seams_are_not_felt(drive: Drive) -> None:
-    """Issue 2, item 6: 20 m over prism seams at 1.5 m/s move the body less than 2 mm."""
+    """20 m over prism seams at 1.5 m/s move the body less than 2 mm."""
     robot = make_coco(drive)
     model, _ = _ground(_skewed_strips(), robot)
     route = _straight(model, robot, np.array([1.5, 1.5, 0.15, 0.0]), 1.5, 15.5)
