@@ -284,7 +284,7 @@ def test_an_env_that_begins_the_next_episode_drives_as_a_new_one(
     small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch, agent: Any
 ) -> None:
     """Episodes of different lengths, two at a time and each alone: the same steps, in the same order."""
-    monkeypatch.setattr(driving, "_BLOCK", 4)
+    monkeypatch.setattr(driving, "_EPISODES_PER_BLOCK", 4)
     env = drawn_env(small_bank, {"episode_length": 45, "terminate_off_traversable": True})
     episodes, policy = drawn_episodes(small_bank, np.arange(3), 7, 2), NamedPolicy("own", agent)
     together, alone = driven(env, policy, episodes, 2), driven(env, policy, episodes, 1)
