@@ -19,7 +19,7 @@ from urbanverse_mjx.datatypes import ValidationError, validation
 
 COUNT = 5
 STILL = (1.0, 0.0, 0.0, 0.0)
-SEEN = SeenObject(3, "b", "box", (1, 2, 5, 6), 16, (1.0, 1.0, 1.0), (4.0, 0.0, 0.5), STILL, (0.0, 0.0, 4.0), STILL)
+SEEN = SeenObject(3, "b", "box", (1, 2, 5, 6), 16, 0.5, (1.0, 1.0, 1.0), (4.0, 0.0, 0.5), STILL, (0.0, 0.0, 4.0), STILL)
 
 
 @pytest.fixture(autouse=True)

@@ -24,7 +24,9 @@ WRITERS = {"coco": coco.CocoWriter, "kitti": kitti.KittiWriter, "mcap": McapWrit
 def episode(length: int = 3) -> FrameEpisode:
     """Frames that show one box; contents of images do not matter here."""
     still = (1.0, 0.0, 0.0, 0.0)
-    seen = SeenObject(3, "b", "box", (1, 2, 5, 6), 16, (1.0, 1.0, 1.0), (4.0, 0.0, 0.5), still, (0.0, 0.0, 4.0), still)
+    seen = SeenObject(
+        3, "b", "box", (1, 2, 5, 6), 16, 1.0, (1.0, 1.0, 1.0), (4.0, 0.0, 0.5), still, (0.0, 0.0, 4.0), still
+    )
     pose = np.tile([0.0, 0.0, 0.2, 1.0, 0.0, 0.0, 0.0], (length, 1))
     camera = np.tile([0.0, 0.0, 0.7, 0.5, -0.5, 0.5, -0.5], (length, 1))
     runs = [10, 4, 4, 4, 4, 4, 4, 4, 58]

@@ -42,7 +42,7 @@ def seen_in(folder: pathlib.Path) -> list[dict[str, Any]]:
 
 def test_boxes_enclose_the_pixels_of_the_instance_image(recorded: pathlib.Path, small_bank: SceneBank) -> None:
     assert pipeline.check_dataset(recorded).problems == ()
-    rows, seen, objects = table_of(recorded), seen_in(recorded), 0
+    rows, seen, objects, hidden = table_of(recorded), seen_in(recorded), 0, 0
     assert len(seen) == len(rows["index"])
     ground = {i for i, name in enumerate(small_bank.meta["categories"]) if name.startswith("ground:")}
     for k, frame in enumerate(seen):
@@ -56,8 +56,11 @@ def test_boxes_enclose_the_pixels_of_the_instance_image(recorded: pathlib.Path, 
             y, x = np.nonzero(image == item["label"])
             assert item["box"] == [x.min(), y.min(), x.max() + 1, y.max() + 1]
             assert item["pixels"] == len(x)
+            hidden += item["visible"] < 0.8
+            assert 0.0 < item["visible"] <= 1.0
         objects += len(expected)
     assert objects > 40
+    assert 5 < hidden < objects - 5
 
 
 def test_boxes_in_space_project_around_those_in_the_image(recorded: pathlib.Path) -> None:
@@ -118,10 +121,13 @@ def test_agents_are_told_apart(small_bank: SceneBank) -> None:
     driven = Driven(0, 0, 0, steps, "goal", 1.0)
     labels = np.full((6, 8), -1)
     labels[2:4, 1:3], labels[3:6, 4:8] = -3, -4
-    seen = Boxes(env, masks=True).annotate(driven, 0, labels)
+    coverage = np.zeros(bank.slot_mesh.shape[1] + 2, int)
+    coverage[-2:] = 8, 12
+    seen = Boxes(env, masks=True).annotate(driven, 0, labels, coverage)
     first, second = sorted(seen.objects, key=lambda item: item.name)
     assert (first.name, first.label, first.category, first.box) == ("agent_0", 2, "agent:pedestrian", (1, 2, 3, 4))
     assert (second.name, second.category, second.pixels) == ("agent_1", "agent:car", 12)
+    assert (first.pixels, first.visible, second.visible) == (4, 0.5, 1.0)
     np.testing.assert_allclose(second.size, BOXES["car"], atol=1e-5)
     np.testing.assert_allclose(first.position_world, [5.0, 1.0, BOXES["pedestrian"][2] / 2], atol=1e-5)
     assert "pedestrian 5.1 m 11° to the left, car 9.2 m 13° to the right" in seen.caption

@@ -1,5 +1,6 @@
 """COCO, KITTI and MCAP: each read back by its own reader or by its documented columns."""
 
+import dataclasses
 import io
 import itertools
 import json
@@ -77,6 +78,7 @@ def test_coco_is_read_by_pycocotools(recorded: dict[str, pathlib.Path]) -> None:
         for a, item in zip(own, frame["objects"], strict=True):
             mask = data.annToMask(a)
             assert mask.sum() == a["area"] == item["pixels"]
+            assert a["visible"] == pytest.approx(item["visible"], abs=1e-4)
             # The box that the library computes of the mask is the stored one.
             np.testing.assert_array_equal(mask_of.toBbox(data.annToRLE(a)), a["bbox"])
             assert data.loadCats([a["category_id"]])[0]["name"] == item["category"]
@@ -94,7 +96,7 @@ def test_kitti_boxes_project_onto_those_in_the_image(recorded: dict[str, pathlib
     folder = recorded["kitti"] / "training"
     names = (recorded["kitti"] / kitti.IMAGE_SET).read_text().split()
     assert names == [f"{k:06d}" for k in range(FRAMES)]
-    whole, inside = 0, []
+    whole, inside, hidden = 0, [], set()
     for name in names:
         image = cv2.imread(str(folder / f"image_2/{name}.png"))
         assert image is not None
@@ -104,7 +106,7 @@ def test_kitti_boxes_project_onto_those_in_the_image(recorded: dict[str, pathlib
             kind, *numbers = line.split()
             truncated, occluded, alpha, left, top, right, bottom, h, w, length, x, y, z, turn = map(float, numbers)
             assert kind in ("Box", "Wedge", "Cylinder")
-            assert occluded == 3
+            hidden.add(occluded)
             assert alpha == pytest.approx((turn - np.arctan2(x, z) + np.pi) % (2 * np.pi) - np.pi, abs=1e-3)
             own = (CORNERS * [length, h, w] + [0.0, -0.5 * h, 0.0]).T
             c, s = np.cos(turn), np.sin(turn)
@@ -120,6 +122,7 @@ def test_kitti_boxes_project_onto_those_in_the_image(recorded: dict[str, pathlib
             if truncated == 0.0 and (right - left + 1) * (bottom - top + 1) > 0.6 * np.prod(size):
                 whole += 1
     assert whole > 10
+    assert {0, 1} <= hidden <= {0, 1, 2}
     assert sum(inside) > 50
 
 
@@ -147,9 +150,13 @@ def test_a_label_of_a_known_place_has_kittis_axes() -> None:
     np.testing.assert_allclose(level, np.column_stack([[0, -1, 0], [0, 0, -1], [1, 0, 0]]), atol=1e-6)
     facing_left = tuple(rotations.from_yaw(np.float64(np.pi / 2)))
     car = SeenObject(
-        3, "c", "car", (10, 20, 30, 40), 50, (4.0, 2.0, 1.5), (10.0, -2.0, 0.75), facing_left, (0, 0, 9), (1, 0, 0, 0)
+        *(3, "c", "car", (10, 20, 30, 40), 50, 0.9, (4.0, 2.0, 1.5)),
+        *((10.0, -2.0, 0.75), facing_left, (0, 0, 9), (1, 0, 0, 0)),
     )
     kind, *numbers = kitti.label_line(car, camera, level, rig).split()
+    shares = {1.0: "0", 0.9: "0", 0.89: "1", 0.5: "1", 0.49: "2", 0.01: "2"}
+    seen = [kitti.label_line(dataclasses.replace(car, visible=share), camera, level, rig) for share in shares]
+    assert [line.split()[2] for line in seen] == list(shares.values())
     assert kind == "Car"
     h, w, length, x, y, z, turned = map(float, numbers[7:])
     assert (h, w, length) == (1.5, 2.0, 4.0)

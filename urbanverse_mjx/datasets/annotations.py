@@ -21,6 +21,7 @@ class SeenObject:
       category: of the bank.
       box: left, top, right, bottom in pixels, the last two exclusive, around the visible pixels.
       pixels: number of visible pixels.
+      visible: share that these are of the pixels that the object would have if nothing else were in the image.
       size: m, of the box in space along its own x, y, z.
       position_world, quaternion_world: (3,) m, (4,) wxyz of the box's centre and axes in the scene.
       position_camera, quaternion_camera: the same in the camera's frame (x right, y down, z ahead).
@@ -31,6 +32,7 @@ class SeenObject:
     category: str
     box: tuple[int, int, int, int]
     pixels: int
+    visible: float
     size: tuple[float, ...]
     position_world: tuple[float, ...]
     quaternion_world: tuple[float, ...]
@@ -51,8 +53,8 @@ class Annotation:
 _FLOATS = pa.list_(pa.float32())
 _OBJECT = pa.struct(
     [("label", pa.int64()), ("name", pa.string()), ("category", pa.string()), ("box", pa.list_(pa.int64()))]
-    + [("pixels", pa.int64())]
-    + [(f.name, _FLOATS) for f in dataclasses.fields(SeenObject)[5:]]
+    + [("pixels", pa.int64()), ("visible", pa.float32())]
+    + [(f.name, _FLOATS) for f in dataclasses.fields(SeenObject)[6:]]
 )
 SCHEMA = pa.schema([("index", pa.int64()), ("caption", pa.string()), ("objects", pa.list_(_OBJECT))])
 
@@ -73,7 +75,8 @@ def check_annotations(table: pa.Table, first: int, rows: int, size: tuple[int, i
       a sentence for each problem.
     """
     if table.schema != SCHEMA:
-        yield f"{where}: found columns {', '.join(table.column_names)}, needed index, caption and objects"
+        found = ", ".join(table.column_names)
+        yield f"{where}: found columns {found}, needed index, caption and objects as this version writes them"
         return
     if table.num_rows < rows:
         yield f"{where}: found {table.num_rows} rows, needed {rows}"
@@ -88,6 +91,8 @@ def check_annotations(table: pa.Table, first: int, rows: int, size: tuple[int, i
             inside = 0 <= left < right <= size[1] and 0 <= top < bottom <= size[0]
             if not inside or not 0 < seen["pixels"] <= (right - left) * (bottom - top):
                 yield f"{where}: row {k}: found a box {seen['box']} of {seen['pixels']} pixels, needed one in the image"
+            if not 0.0 < seen["visible"] <= 1.0:
+                yield f"{where}: row {k}: found {seen['name']} visible by {seen['visible']}, needed a share above 0"
             if min(seen["size"]) < 0 or not np.isfinite(seen["position_camera"]).all():
                 yield f"{where}: row {k}: found {seen['name']} without size or place, needed numbers"
 

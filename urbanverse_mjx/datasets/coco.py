@@ -62,6 +62,7 @@ class CocoWriter(FrameFolder):
                     "iscrowd": 0,
                     "segmentation": {"size": [self.rig.height, self.rig.width], "counts": runs},
                     "name": item.name,
+                    "visible": round(item.visible, 4),
                 }
                 self._instances.append(json.dumps(body, ensure_ascii=False))
 

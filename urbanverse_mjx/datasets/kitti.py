@@ -24,8 +24,8 @@ _CLASSES = {
     "Truck": {"truck", "lorry"},
     "Tram": {"tram"},
 }
-#: "occluded" unknown: how much of an object is hidden is not measured.
-_UNKNOWN = 3
+#: "occluded": least visible share of each level, of which KITTI has none in numbers.
+_FULLY, _PARTLY = 0.9, 0.5
 
 
 class KittiWriter(FrameFolder):
@@ -95,7 +95,8 @@ def label_line(item: SeenObject, camera: np.ndarray, level: np.ndarray, rig: Rig
     box = [left, top, right - 1, bottom - 1]
     numbers = [*box, height, width, length, middle[0], middle[1] + 0.5 * height, middle[2], rotation]
     cut = truncation(item, rig)
-    columns = [kitti_class(item.category), f"{cut:.2f}", str(_UNKNOWN), f"{alpha:.4f}", *(f"{x:.4f}" for x in numbers)]
+    hidden = 0 if item.visible >= _FULLY else 1 if item.visible >= _PARTLY else 2
+    columns = [kitti_class(item.category), f"{cut:.2f}", str(hidden), f"{alpha:.4f}", *(f"{x:.4f}" for x in numbers)]
     return " ".join(columns)
 
 

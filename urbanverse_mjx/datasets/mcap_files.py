@@ -183,6 +183,7 @@ def _scene(objects: tuple[SeenObject, ...], time: int) -> Any:
         entity = scene.entities.add(frame_id=WORLD, id=item.name)
         _stamp(entity, time)
         entity.metadata.add(key="category", value=item.category)
+        entity.metadata.add(key="visible", value=f"{item.visible:.4f}")
         cube = entity.cubes.add()
         _place(cube.pose.position, cube.pose.orientation, item.position_world, item.quaternion_world)
         cube.size.x, cube.size.y, cube.size.z = item.size

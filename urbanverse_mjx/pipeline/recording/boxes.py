@@ -42,8 +42,8 @@ class Boxes:
         self._upper = np.array([c.max(0) for c in corners], np.float64)
         self._categories = bank.meta["categories"]
 
-    def annotate(self, driven: Driven, step: int, labels: np.ndarray) -> Annotation:
-        """The annotation of one step; labels: (H, W) "object" of the renderer."""
+    def annotate(self, driven: Driven, step: int, labels: np.ndarray, coverage: np.ndarray) -> Annotation:
+        """The annotation of one step; labels: (H, W) "object", and coverage: (slots + agents), of the renderer."""
         steps = driven.steps
         at, turn = (
             x[0]
@@ -73,6 +73,7 @@ class Boxes:
                     category=category,
                     box=(columns.start, rows.start, columns.stop, rows.stop),
                     pixels=int(counts[number]),
+                    visible=float(np.float32(counts[number] / max(coverage[self._column(label)], counts[number]))),
                     size=_numbers(size),
                     position_world=_numbers(position),
                     quaternion_world=_numbers(quaternion),
@@ -83,6 +84,10 @@ class Boxes:
             if self._masks:
                 runs.append(runs_of(labels == label))
         return Annotation(self.caption(driven, step, found), tuple(found), tuple(runs))
+
+    def _column(self, label: int) -> int:
+        """Of an object in the renderer's coverage."""
+        return label if label >= 0 else self._bank.slot_mesh.shape[1] + _AGENT - label
 
     def _object(self, driven: Driven, step: int, label: int) -> Any:
         """Name, category, size, centre and axes of an object that is not the ground; None otherwise."""

@@ -67,7 +67,7 @@ class Camera:
       height, width: pixels.
       sensors: of `SENSORS`, besides colour.
       lidar: casts that sensor's scans; None without it.
-      labels: whether "object" is drawn whatever the sensors are.
+      labels: whether "object" and "coverage" are drawn whatever the sensors are.
     """
 
     def __init__(
@@ -87,7 +87,11 @@ class Camera:
             env.robot,
             height,
             width,
-            outputs=("rgb", *(SENSORS[s][1] for s in sensors if s != "lidar"), *(["object"] if labels else [])),
+            outputs=(
+                "rgb",
+                *(SENSORS[s][1] for s in sensors if s != "lidar"),
+                *(["object", "coverage"] if labels else []),
+            ),
             shadows=view.shadows,
             sky=view.sky,
             shading=view.shading,

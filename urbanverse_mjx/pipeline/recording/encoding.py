@@ -62,8 +62,8 @@ class Encoding:
         """Encodes an episode."""
         annotations: list[Annotation] = []
         if self.boxes is not None:
-            labels = itertools.chain.from_iterable(drawn["object"])
-            annotations = [self.boxes.annotate(driven, step, image) for step, image in enumerate(labels)]
+            seen = zip(*(itertools.chain.from_iterable(drawn[name]) for name in ("object", "coverage")), strict=True)
+            annotations = [self.boxes.annotate(driven, step, *images) for step, images in enumerate(seen)]
         rgb = drawn["rgb"]
         if self.colours != "h264":
             files = [image_file(image, self.colours) for part in rgb for image in part]

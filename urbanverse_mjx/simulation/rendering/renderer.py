@@ -21,7 +21,7 @@ from ...precision import full_precision
 from .. import host_memory
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from .model import RenderModel, RobotCamera, build_render_model
-from .settings import AGENT_LABEL, LIGHTS, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Scan, Settings
+from .settings import AGENT_LABEL, COVERAGE, LIGHTS, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Scan, Settings
 from .street_batch import StreetBatch, Streets
 from .threads import run_all
 
@@ -45,12 +45,14 @@ _MOVED_INPUT = {"moved": wp.array2d[wp.int32]}
 _FLOATS, _NUMBERS = wp.array3d[wp.float32], wp.array3d[wp.int32]
 _IMAGE_TYPES = wp.array4d[wp.uint8], _FLOATS, _NUMBERS, _NUMBERS, wp.array3d[wp.vec3]
 _IMAGES: dict[str, Any] = dict(zip(OUTPUTS, _IMAGE_TYPES, strict=True))
+_COVERAGE_OUTPUT = {COVERAGE: wp.array2d[wp.int32]}
 
 
 @functools.cache
-def _call_into_warp(moved: bool) -> Any:
-    """The functions that JAX calls; moved: with moved objects."""
-    return jax_callable("Renderer.draw", Renderer._render, _INPUTS | (_MOVED_INPUT if moved else {}), _IMAGES)
+def _call_into_warp(moved: bool, coverage: bool) -> Any:
+    """The functions that JAX calls; moved: with moved objects; coverage: with that output."""
+    inputs, outputs = _INPUTS | (_MOVED_INPUT if moved else {}), _IMAGES | (_COVERAGE_OUTPUT if coverage else {})
+    return jax_callable("Renderer.draw", Renderer._render, inputs, outputs)
 
 
 class Renderer:
@@ -65,7 +67,9 @@ class Renderer:
       bank: the scenes.
       robot: robot whose visual geoms (MJCF group 2) are rendered and whose camera is used; None for empty streets.
       height, width: pixels.
-      outputs: any of "rgb", "depth", "category", "object", "normal".
+      outputs: any of "rgb", "depth", "category", "object", "normal", and beside "object" "coverage": how many pixels
+        each object would have if nothing else were in the image, (slots + agents) i32; 0 for one that the image does
+        not show, and for ground.
       shadows: whether the sun casts shadows.
       sky: whether the sky is drawn and lights the street by direction; else a flat colour and an even light.
       threads: on the CPU worlds are split over this many threads; default: `settings.num_threads()`.
@@ -84,8 +88,8 @@ class Renderer:
         instead.
 
     Raises:
-      ValidationError: an unknown output or camera, a size below one, an appearance outside [0, 1), or colours or
-        normals of a scan.
+      ValidationError: an unknown output or camera, a size below one, an appearance outside [0, 1), colours, normals or
+        coverage of a scan, or coverage without "object".
     """
 
     def __init__(
@@ -109,8 +113,11 @@ class Renderer:
     ) -> None:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
-            if name not in OUTPUTS:
-                raise ValidationError(f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; fix its spelling")
+            if name not in (*OUTPUTS, COVERAGE):
+                known = ", ".join((*OUTPUTS, COVERAGE))
+                raise ValidationError(f"outputs: found {name!r}; needed some of {known}; fix its spelling")
+        if COVERAGE in wanted and "object" not in wanted:
+            raise ValidationError(f"outputs: found {COVERAGE!r} without 'object'; needed both; add it")
         if shading not in SHADINGS:
             raise ValidationError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; fix its spelling")
         if light not in LIGHTS:
@@ -122,7 +129,7 @@ class Renderer:
             )
         if not 0.0 <= appearance < 1.0:
             raise ValidationError(f"appearance: found {appearance}; needed 0 to below 1; fix the number")
-        if scan is not None and ({"rgb", "normal"} & set(wanted) or samples > 1):
+        if scan is not None and ({"rgb", "normal", COVERAGE} & set(wanted) or samples > 1):
             raise ValidationError(
                 f"scan: found outputs {wanted}, {samples} samples; needed depth and labels, one sample"
             )
@@ -139,7 +146,8 @@ class Renderer:
         self._devices: DeviceStore[Streets, StreetBatch] = DeviceStore()
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
         self._number = register(self)
-        self._view = batched_call(_batch_function(self._number, self.settings))
+        columns = bank.slot_mesh.shape[1] + len(agents)
+        self._view = batched_call(_batch_function(self._number, self.settings, columns))
 
     @full_precision
     def __call__(
@@ -250,13 +258,13 @@ class Renderer:
           inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
             quaternions (n,) vec4, vertical fields of view (n,) float and seeds of appearances (n,) int; slots of moved
             objects (n, bodies) int, -1 = none, if `bodies` is above 0.
-          outputs: of `OUTPUTS`, with a leading axis of n; without pixels where not requested.
+          outputs: of `OUTPUTS`, with a leading axis of n, without pixels where not requested; then any coverage.
         """
         scene = inputs[0]
         if scene.shape[0] == 0:
             return
         with device_lock(scene.device):
-            self._draw_all(scene.device, inputs, dict(zip(OUTPUTS, outputs, strict=True)))
+            self._draw_all(scene.device, inputs, dict(zip((*OUTPUTS, COVERAGE), outputs, strict=False)))
 
     def _draw_all(self, device: Any, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
         assets, batch = self._batch(device, inputs[0].shape[0])
@@ -292,16 +300,22 @@ def _find_camera(model: RenderModel, name: str) -> RobotCamera:
     return model.cameras[name]
 
 
-def _batch_function(number: int, settings: Settings) -> Any:
-    """(scene (n,), xpos (n, nbody, 3), ...) -> outputs with a leading axis n. Holds the renderer by its number."""
+def _batch_function(number: int, settings: Settings, columns: int) -> Any:
+    """(scene (n,), xpos (n, nbody, 3), ...) -> outputs with a leading axis n. Holds the renderer by its number.
+
+    columns: of the coverage.
+    """
     height, width = settings.height, settings.width
-    function = _call_into_warp(settings.bodies > 0)
+    names = (*OUTPUTS, COVERAGE) if COVERAGE in settings.outputs else OUTPUTS
+    function = _call_into_warp(settings.bodies > 0, COVERAGE in settings.outputs)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> dict[str, jax.Array]:
         n = scene.shape[0]
         shapes = {"rgb": (n, height, width, 3)} | dict.fromkeys(OUTPUTS[1:], (n, height, width))
         shapes = {k: s if k in settings.outputs else (n, *[0] * (len(s) - 1)) for k, s in shapes.items()}
+        if COVERAGE in names:
+            shapes[COVERAGE] = n, columns
         out = function(number, scene, *arrays, output_dims=shapes)
-        return {name: x for name, x in zip(OUTPUTS, out, strict=True) if name in settings.outputs}
+        return {name: x for name, x in zip(names, out, strict=True) if name in settings.outputs}
 
     return batch

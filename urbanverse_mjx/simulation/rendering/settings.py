@@ -13,6 +13,8 @@ SHADINGS = ("pbr", "matte")
 #: hides, computed once for each scene, and what moves nearby.
 LIGHTS = ("direct", "baked")
 OUTPUTS = ("rgb", "depth", "category", "object", "normal")
+#: What else can be asked for: no image, but numbers of pixels.
+COVERAGE = "coverage"
 #: Display colour of the sky where none is drawn (sky=False).
 PLAIN_SKY = (0.62, 0.74, 0.88, 1.0)
 #: The tone mapper subtracts the light that gloss adds to every surface, which darkens shade; this factor compensates.
@@ -36,7 +38,7 @@ class Scan:
 class Settings:
     """Options of rendering.
 
-    outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
+    outputs: of `OUTPUTS`, and `COVERAGE`; samples: rays per pixel along each side; appearance: share by
     which appearances vary; bodies: objects of a scene that may have moved; scan: None for a camera; light: of
     `LIGHTS`; see `Renderer`.
     """

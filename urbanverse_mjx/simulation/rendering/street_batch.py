@@ -11,13 +11,13 @@ import warp as wp
 from ... import settings as process
 from ...datatypes import SceneBank
 from ...geometry import rotations
-from . import street_draw
+from . import street_coverage, street_draw
 from .light_bake import Baker, light_tables
 from .meshes import RenderMeshes
 from .model import FAR_PLANE, RenderModel, images
 from .pbr_private import build_dfg_lut, effective_geom_rgba, resolve_geom_materials
 from .scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
-from .settings import NOWHERE, Settings
+from .settings import COVERAGE, NOWHERE, Settings
 from .street_kernels import Street, Views, place
 from .street_light import SHADE, place_shades
 from .street_shade import Skies
@@ -128,6 +128,13 @@ class Streets:
         if settings.light == "baked" and "rgb" in settings.outputs:
             self._add_baked_light(bank, model)
         self.draw = street_draw.build_draw_kernel(settings, FAR_PLANE, bank.sky_radiance.shape[2])
+        if COVERAGE in settings.outputs:
+            ground = self._is_ground[: self.street.num_objects]
+            self.columns, self._lists = street_coverage.make_columns(
+                self.object_of_slot, ground, model.labels, self.num_parts
+            )
+            self.num_columns = self.object_of_slot.shape[1] + model.num_agents
+            self.count = street_coverage.build_count_kernel(settings, FAR_PLANE)
         self.ready = False
 
     def _keep(self, rows: np.ndarray) -> int:
@@ -318,6 +325,8 @@ class StreetBatch:
         self._shades = wp.zeros(max(num_worlds * SHADE * shades, 1), dtype=wp.vec4)
         self._shaded = wp.zeros(num_worlds * (shades + 1), dtype=int)
         self.views.shades, self.views.shaded = self._shades.ptr or 0, self._shaded.ptr or 0
+        if COVERAGE in streets.settings.outputs:
+            self._shown = wp.zeros((num_worlds, streets.num_columns), dtype=int)
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
         """Launches that draw the pieces of the batch; see `Renderer._render` for the arrays."""
@@ -334,10 +343,28 @@ class StreetBatch:
             wp.launch(place_shades, dim=self.num_worlds, inputs=inputs)
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, appearance_seeds]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
-        return [functools.partial(self._draw, *piece, [*kept, *out]) for piece in self.pieces]
+        counted = None
+        if COVERAGE in settings.outputs:
+            counted = scene, outputs["object"], outputs[COVERAGE]
+        return [functools.partial(self._draw, *piece, [*kept, *out], counted) for piece in self.pieces]
 
-    def _draw(self, first: int, last: int, arguments: list[object]) -> None:
+    def _draw(
+        self, first: int, last: int, arguments: list[object], counted: tuple[wp.array, wp.array, wp.array] | None
+    ) -> None:
+        """Draws some worlds; counted: scenes, labels and coverage, where that is wanted."""
         settings = self.streets.settings
         dim = (last - first, settings.height * settings.width)
         wp.launch(self.streets.draw, dim=dim, inputs=[first, *arguments], block_dim=street_draw.BLOCK[0])
+        if counted is not None:
+            self._count(first, last, *counted)
         self.streets.ready = True
+
+    def _count(self, first: int, last: int, scene: wp.array, labels: wp.array, coverage: wp.array) -> None:
+        s, settings, number = self.streets, self.streets.settings, last - first
+        counts = number, s.num_columns
+        wp.launch(street_coverage.clear, dim=counts, inputs=[first, self._shown, coverage])
+        pixels = number, settings.height, settings.width
+        inputs = [first, s.object_of_slot.shape[1], labels, self._shown]
+        wp.launch(street_coverage.find_shown, dim=pixels, inputs=inputs)
+        inputs = [first, s.street, self.views, s.columns, scene, self._shown, coverage]
+        wp.launch(s.count, dim=(*counts, settings.height), inputs=inputs)
