@@ -334,7 +334,7 @@ def rate(ends: str) -> float:
 def minutes(arm: Mapping[str, Any], prepared: Mapping[str, Any]) -> float | None:
     """Wall time from the film to the policy of an arm; None if a part was not measured whole."""
     parts = [arm["seconds_train"], *(prepared["seconds"].get(name, 0.0) for name in FROM_FILM)]
-    return None if None in parts else sum(parts) / 60.0
+    return None if None in parts else round(sum(parts) / 60.0, 1)
 
 
 # Rows and page.

@@ -193,7 +193,9 @@ def test_a_training_that_was_stopped_goes_on_and_is_scored_on_the_street(
     _, film, own = result["arms"]
     # A time that was measured in parts says nothing.
     assert street_tuning.minutes(film, result["prepared"]) is None
-    assert street_tuning.minutes(own, result["prepared"]) == pytest.approx((60.0 + own["seconds_train"]) / 60.0)
+    assert street_tuning.minutes(own, result["prepared"]) == pytest.approx(
+        (60.0 + own["seconds_train"]) / 60.0, abs=0.051
+    )
     with pytest.raises(street_tuning.ValidationError, match="other options"):
         street_tuning.train(STREET, "film", 5, env, args_of(prepared, *words, "--set", "finetune.noise=0.5"))
 

@@ -19,6 +19,7 @@ from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.pipeline import banks
 from urbanverse_mjx.training import run as training_run
+from urbanverse_mjx.training import tuning
 from urbanverse_mjx.training.config import default_ppo_config
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
 from urbanverse_mjx.training.record import RunRecord
@@ -251,3 +252,29 @@ def test_a_run_that_fails_before_it_begins_leaves_no_folder(session: Session) ->
     with pytest.raises(ValidationError, match="no such file"):
         session.train("--preset", "cpu", "--bank", str(session.folder / "nowhere.npz"))
     assert list(session.folder.iterdir()) == []
+
+
+def test_tune_goes_on_from_a_policy_on_all_scenes_of_the_bank(
+    session: Session, monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+) -> None:
+    with pytest.raises(ValidationError, match="preset 'tune': found no --start-from, needed the policy that goes on"):
+        session.train("--preset", "tune")
+    assert list(session.folder.iterdir()) == []
+    calls: list[tuple[Any, ...]] = []
+
+    def tune(*given: Any) -> training_run.TrainingResult:
+        calls.append(given)
+        return training_run.TrainingResult(None, 9, 1.0, 2.0)
+
+    monkeypatch.setattr(tuning, "tune", tune)
+    session.train("--preset", "tune", "--start-from", "policy", "--num-envs", "64", "--seed", "7")
+    ((name, env, config, folder, start, resume, quiet, validator),) = calls
+    assert (name, start, resume, quiet) == ("CocoNav", pathlib.Path("policy"), False, True)
+    assert len(env.scenes) == session.bank.num_scenes
+    assert (config.num_envs, config.seed, config.finetune.imitation) == (64, 7, 0.0)
+    assert folder.parent == session.folder
+    assert validator is None, "the bank has no split 'validation'"
+    with pytest.raises(ValidationError, match="'tune', which imitates nothing"):
+        session.train("--preset", "tune", "--demonstrations", str(tmp_path))
+    with pytest.raises(ValidationError, match="preset 'quick': found --start-from"):
+        session.train("--preset", "quick", "--start-from", "policy")
