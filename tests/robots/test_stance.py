@@ -189,3 +189,16 @@ def test_the_command_says_that_it_falls_over(tmp_path: pathlib.Path, capsys: pyt
     out = capsys.readouterr().out
     assert "only its feet touch the ground, it drives at 1.00 m/s" in out
     assert json.loads(out.splitlines()[-1])["start_touches"] is None
+
+
+def test_the_command_says_that_its_speed_is_not_the_described_one(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A servo whose gain is twice the damping of its joint turns its wheel twice as fast as it is commanded."""
+    folder = rover(tmp_path, 0.5)
+    for damping, ending in ((0.5, r"\d m/s$"), (0.25, r"2\.\d\d m/s and not at its max_speed, 1\.20 m/s; compare .*")):
+        file = folder / "r.xml"
+        file.write_text(file.read_text().replace('damping="0.5"', f'damping="{damping:g}"'))
+        assert main(["robot", str(folder)]) == 0
+        (line,) = (line for line in capsys.readouterr().out.splitlines() if "only its feet" in line)
+        assert re.search(ending, line)

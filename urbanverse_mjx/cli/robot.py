@@ -50,7 +50,7 @@ def main(argv: Sequence[str]) -> int:
     weaker = weaker_motors(robot) if starts is not None and starts.touches and starts.after else None
     if starts is not None:
         sys.stdout.write(
-            f"full speed from rest on level ground, then a stop: {_outcome(starts, weaker, stands.margin)}\n"
+            f"full speed from rest on level ground, then a stop: {_outcome(starts, weaker, stands.margin, robot)}\n"
         )
     if args.picture is not None:
         _draw(args.picture, robot, fits)
@@ -75,11 +75,17 @@ def _remedy(fit: Any) -> str:
     return f'{found}; to come closer, write "fit": {{"spheres": {MOST_SPHERES}}} or make it of several smaller shapes'
 
 
-def _outcome(starts: Any, weaker: Any, margin: float) -> str:
-    from ..robots.start import DRIVING_TIME
+def _outcome(starts: Any, weaker: Any, margin: float, robot: Any) -> str:
+    from ..robots.start import DRIVING_TIME, MIN_SPEED_SHARE
 
     if starts.touches is None:
-        return f"only its feet touch the ground, it drives at {starts.speed:.2f} m/s"
+        speed = f"only its feet touch the ground, it drives at {starts.speed:.2f} m/s"
+        if MIN_SPEED_SHARE * robot.max_speed <= starts.speed <= robot.max_speed / MIN_SPEED_SHARE:
+            return speed
+        return (
+            f"{speed} and not at its max_speed, {robot.max_speed:.2f} m/s; compare each motor's gain (gainprm) with "
+            "the damping of its joint, which should be equal, and wheel_radius with the wheel's"
+        )
     if not starts.after and margin < 0:
         return f"{starts.touches} touches the ground at rest: move the centre of mass inside the feet"
     if not starts.after:

@@ -17,8 +17,8 @@ _FRICTION = 1.0
 _STANDING_TIME, DRIVING_TIME, _STOPPING_TIME = 0.5, 2.0, 1.0
 #: Shares of the motors' gain that are tried where a robot falls over.
 _GAIN_SHARES = (1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32)
-#: Share of `RobotSpec.max_speed` that weaker motors must reach.
-_MIN_SPEED_SHARE = 0.8
+#: Share of `RobotSpec.max_speed` that motors must reach.
+MIN_SPEED_SHARE = 0.8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,7 +97,7 @@ def weaker_motors(robot: RobotSpec) -> WeakerMotors | None:
     reaches its speed; None where there are none."""
     for share in _GAIN_SHARES:
         found = start(robot, share)
-        if found is not None and found.touches is None and found.speed > _MIN_SPEED_SHARE * robot.max_speed:
+        if found is not None and found.touches is None and found.speed > MIN_SPEED_SHARE * robot.max_speed:
             model, wheel = mujoco.MjModel.from_xml_string(robot.mjcf), robot.command.left[0]
             damping = _weaken(model, wheel, share)
             return WeakerMotors(share, float(model.actuator_gainprm[wheel, 0]), damping, found)
