@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import shapely
 
+from urbanverse_mjx import settings
 from urbanverse_mjx.assets import AssetIndex, load_index
 from urbanverse_mjx.citygen.section import StreetSection, ground_regions
-from urbanverse_mjx.datatypes import PlacedGround, PlacedObject, SceneLayout
+from urbanverse_mjx.datatypes import PlacedGround, PlacedObject, SceneGraph, SceneLayout
 from urbanverse_mjx.scene.compiler import scene_geometry
 from urbanverse_mjx.scene.ground import plane_height
 from urbanverse_mjx.scene.mjcf import scene_spec
@@ -52,7 +53,7 @@ def test_the_middle_of_a_bend_follows_the_circle() -> None:
     bend = shapely.Polygon(np.concatenate([circle * (radius - 4), circle[::-1] * (radius + 4)]))
     (axis,) = axes(bend)
     assert axis.length > 60.0
-    assert np.abs(np.linalg.norm(axis.middle, axis=1) - radius).max() < 0.1
+    assert np.abs(np.linalg.norm(axis.middle, axis=1) - radius).max() < 0.2
     strip = axis.strip(10.0, 40.0, 0.9, 1.1)  # the left is inside
     assert np.abs(np.linalg.norm(shapely.get_coordinates(strip), axis=1) - (radius - 1)).max() < 0.2
 
@@ -168,6 +169,28 @@ def test_a_layout_without_a_place_has_the_json_and_the_image_of_before() -> None
     assert SceneLayout.from_json(there.to_json()) == there
     assert there.content_hash() != made.content_hash()
     assert not any(name.startswith("drawn/") for name in scene_geometry(made, index).region_ids)
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        "Africa_SouthAfrica_CapeTown_walk_01",
+        "Asia_Kazakhstan_Almaty_walk_01",
+        "MiddleEast_UnitedArabEmirates_Dubai_drive_01",
+        "Europe_France_Paris_walk_01",
+    ],
+)
+def test_distilled_streets_have_one_road_from_end_to_end(layout: str) -> None:
+    """Distilled ground has side streets, junctions at its ends and borders that are not quite straight."""
+    graph = SceneGraph.load(settings.scene_root() / "urbanverse160" / layout / "graph.json.gz")
+    regions = [PlacedGround(r.id, r.kind, r.polygon, r.plane, "asphalt_old") for r in graph.ground]
+    (axis,) = find_roads(regions).axes
+    assert axis.length > 190.0
+    along = np.diff(axis.middle, axis=0)
+    heading = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+    assert np.abs(heading[8:] - heading[:-8]).max() < 0.35, "no turn into the road at an end"
+    drawn = draw_roads(regions, (), rules_of(graph.source.city, graph.source.country), graph.id)
+    assert sum(len(d.mesh.faces) for d in drawn) < 2_500
 
 
 def test_a_street_without_a_road_has_nothing_to_draw() -> None:

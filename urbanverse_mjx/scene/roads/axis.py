@@ -68,15 +68,20 @@ class Axis:
         toward = self.points(s, 1.0) - self.points(s, 0.0)
         return np.stack([s, (away * toward).sum(-1)], -1)
 
-    def strip(self, s0: float, s1: float, d0: float, d1: float) -> shapely.Polygon:
+    def strip(self, s0: float, s1: float, d0: float, d1: float) -> BaseGeometry:
         """The part from s0 to s1 along and d0 to d1 across."""
         s = np.unique(np.concatenate([[s0], np.arange(np.ceil(s0 / STEP), np.floor(s1 / STEP) + 1) * STEP, [s1]]))
         s = s[(s >= s0) & (s <= s1)]
-        return shapely.Polygon(np.concatenate([self.points(s, d0), self.points(s[::-1], d1)]))
+        return _valid(shapely.Polygon(np.concatenate([self.points(s, d0), self.points(s[::-1], d1)])))
 
-    def shape(self, corners: np.ndarray) -> shapely.Polygon:
+    def shape(self, corners: np.ndarray) -> BaseGeometry:
         """The polygon of corners (n, 2) given as s and d."""
-        return shapely.Polygon(self.points(corners[:, 0], corners[:, 1]))
+        return _valid(shapely.Polygon(self.points(corners[:, 0], corners[:, 1])))
+
+
+def _valid(shape: shapely.Polygon) -> BaseGeometry:
+    """The shape without loops, which a strip has inside a sharp bend."""
+    return shape if shape.is_valid else shape.buffer(0.0)
 
 
 def axes(carriageway: BaseGeometry) -> list[Axis]:
@@ -107,7 +112,9 @@ def _axis(part: shapely.Polygon) -> Axis | None:
             middle = _straight_ends(part, middle, float(np.median(width[inner])))
         if len(middle) * STEP < _LEAST_LENGTH:
             return None
-    middle = _evenly(middle[1:-1])  # a border across the end may lie beside the last station
+    # A border across the end may lie beside the last station.
+    middle = _evenly(uniform_filter1d(middle[1:-1], 3, axis=0, mode="nearest"))
+    middle = _straight_ends(part, middle, float(np.median(width)))
     left, right = _reach(part, middle)
     width = left + right
     half = median_filter(width, min(_WIDTH_WINDOW, len(width)), mode="nearest") / 2
