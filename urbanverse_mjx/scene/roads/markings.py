@@ -349,7 +349,7 @@ def _approaches(axis: Axis, lanes: Lanes, rules: RoadRules, crossing: Crossing) 
 
 
 def _diamond(axis: Axis, s: float, d: float) -> BaseGeometry:
-    def ring(grow: float) -> shapely.Polygon:
+    def ring(grow: float) -> BaseGeometry:
         long, wide = 2.5 - 2.2 * grow, 0.75 - grow
         return axis.shape(np.array([(s - long, d), (s, d - wide), (s + long, d), (s, d + wide)]))
 
