@@ -70,14 +70,19 @@ LETTERS = {
 
 
 class Clock:
-    """Seconds of the stages of a street, kept in its folder; a stage that a killed run had begun is measured anew."""
+    """Seconds of the stages of a street, kept in its folder; those of `gen` are what it says of its own stages."""
 
     def __init__(self, file: pathlib.Path) -> None:
         self.file = file
         self.seconds: dict[str, float] = v.read_json(file, "seconds") if file.is_file() else {}
 
     def __call__(self, stage: str, begin: float) -> None:
-        self.seconds[stage] = round(time.monotonic() - begin, 1)
+        """Keeps the time since `begin`."""
+        self.keep(stage, time.monotonic() - begin)
+
+    def keep(self, stage: str, seconds: float) -> None:
+        """Keeps a time in place of one that the stage had."""
+        self.seconds[stage] = round(seconds, 1)
         v.write_json(self.file, self.seconds)
 
 
@@ -159,10 +164,8 @@ def prepare(street: str, args: argparse.Namespace) -> dict[str, Any]:
     graph = work / "graph.json"
     if not graph.is_file():
         known_streets()[street]().graph().save(graph)
-    begin = time.monotonic()
     own = generate(graph, work / "own", args.cousins, args.workers, False)
-    if "own" not in clock.seconds:
-        clock("own", begin)
+    clock.keep("own", sum(own["seconds"].values()))
     say(f"compiled, {own['nodes']} objects")
     if not (work / "film" / "recording.json").is_file():
         begin = time.monotonic()
@@ -175,10 +178,8 @@ def prepare(street: str, args: argparse.Namespace) -> dict[str, Any]:
         seen(work / "film", kind, args.film, int(street.strip("t")[:2]))
         # A camera's errors cost nothing; the network that finds objects for a recording does.
         clock("perception" if args.film == "sensor" else "spoiling", begin)
-    begin = time.monotonic()
     made = generate(kind, work / f"gen-{args.film}", args.cousins, args.workers, True)
-    if "gen" not in clock.seconds:
-        clock("gen", begin)
+    clock.keep("gen", sum(made["seconds"].values()))
     posed = with_pose(work / f"gen-{args.film}")
     say(f"{made['nodes']} objects found, {made['placed']} placed" + (f"; {posed} frames with a pose" if posed else ""))
     folder = done.parent

@@ -101,7 +101,7 @@ class Stages:
             (out / "recording").mkdir(exist_ok=True)
             record = {"registered": 43, "frames": {"kept": 141}}
             (out / "recording" / "perception.json").write_text(json.dumps(record))
-        return {"nodes": 9, "placed": [8] * cousins}
+        return {"nodes": 9, "placed": [8] * cousins, "seconds": {"graph": 2.0, "scenes": len(self.ran)}}
 
 
 def test_a_preparation_continues_where_it_was_stopped(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,6 +124,7 @@ def test_a_preparation_continues_where_it_was_stopped(tmp_path: pathlib.Path, mo
     assert again.ran == ["gen graph.json", "gen seen-video"]
     assert body["with_pose"] == "43 of 141"
     assert set(body["seconds"]) == {"own", "film", "spoiling", "gen"}
+    assert (body["seconds"]["own"], body["seconds"]["gen"]) == (3.0, 4.0)
     assert (folder / "own" / "bank.npz").read_text() == "graph.json"
     assert (folder / "film" / "bank.npz").read_text() == "seen-video"
     assert street_tuning.prepare(STREET, args) == body

@@ -27,6 +27,13 @@ def warp_env(bank: SceneBank) -> Any:
     return registry.load("CocoNav", config_overrides=overrides, bank=bank)
 
 
+def towards_goal(params: None, state: Any, key: jax.Array) -> jax.Array:
+    """A teacher."""
+    del params, key
+    goal = state.obs["goal"]
+    return goal / jnp.maximum(jnp.linalg.norm(goal, axis=-1, keepdims=True), 1e-6)
+
+
 def learner(env: Any, stage: str, devices: Devices, **options: Any) -> StudentLearner:
     """A student that drives towards the goal, from random weights."""
     imitation = dagger.default_dagger_config()
@@ -34,17 +41,12 @@ def learner(env: Any, stage: str, devices: Devices, **options: Any) -> StudentLe
     imitation.update({**SAME, "warm_up": 64, "teacher_share": 0.5, **options})
     wrapped = wrap_for_training(env, env.config.episode_length)
 
-    def teach(params: None, state: Any, key: jax.Array) -> jax.Array:
-        del params, key
-        goal = state.obs["goal"]
-        return goal / jnp.maximum(jnp.linalg.norm(goal, axis=-1, keepdims=True), 1e-6)
-
     if stage == "imitation":
-        return dagger.Dagger(wrapped, teach, imitation, devices=devices)
+        return dagger.Dagger(wrapped, towards_goal, imitation, devices=devices)
     config = finetune.default_finetune_config()
     config.update({**SAME, "critic_only": 0, "map_layers": (), "critic_hidden": (8, 8), "reward_scaling": 1.0})
     config.update({"learning_rate": 1e-3, **options})
-    return finetune.Finetune(wrapped, teach, imitation, config, devices=devices)
+    return finetune.Finetune(wrapped, towards_goal, imitation, config, devices=devices)
 
 
 def trained(made: StudentLearner, iterations: int, start: Any = None) -> tuple[Any, dict[str, float]]:

@@ -3,11 +3,13 @@
 import json
 import os
 import pathlib
+import socket
 import subprocess
 import sys
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 import pytest
 
 from tests.training.test_student import seeing_env
@@ -15,6 +17,8 @@ from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import wrap_for_training
 from urbanverse_mjx.training import dagger
 from urbanverse_mjx.training.devices import Devices
+from urbanverse_mjx.training.policy import load_student
+from urbanverse_mjx.training.record import RunRecord
 
 ROOT = pathlib.Path(__file__).parents[2]
 
@@ -50,6 +54,45 @@ def test_two_devices_train_what_one_trains(
     assert found["copies_apart"] == 0.0
 
 
+@pytest.mark.slow
+def test_two_processes_train_and_resume_what_one_does(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    small_bank.save(tmp_path / "bank.npz")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        coordinator = f"127.0.0.1:{free.getsockname()[1]}"
+    command = [sys.executable, "-m", "tests.support.train_student_together", str(tmp_path / "bank.npz")]
+    env = {**os.environ, "JAX_PLATFORMS": "cpu", "PYTHONPATH": str(ROOT), "XLA_FLAGS": ""}
+
+    def start(folder: str, *together: str) -> subprocess.Popen[str]:
+        words = [*command, str(tmp_path / folder), *together]
+        return subprocess.Popen(words, cwd=ROOT, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    both = [start("both", coordinator, "2", str(k)) for k in range(2)]
+    found = []
+    for process in (*both, start("alone")):
+        out, error = process.communicate(timeout=900)
+        assert process.returncode == 0, error[-3000:]
+        found.append(json.loads(out.splitlines()[-1]))
+    names = [f"{steps:012d}" for steps in (64, 128)]
+    assert found[0] == {"process": 0, "devices": 2, "policies": names}
+    # One folder, which the first process writes.
+    assert found[1] == {"process": 1, "devices": 2, "policies": [None, None]}
+    assert found[2] == {"process": 0, "devices": 1, "policies": names}
+    assert [s["from_steps"] for s in RunRecord.load(tmp_path / "both").segments] == [0, 64]
+    leaves = {
+        (run, name): np.concatenate(
+            [np.asarray(x).ravel() for x in jax.tree.leaves(load_student(tmp_path / run / "checkpoints" / name))]
+        )
+        for run in ("both", "alone")
+        for name in names
+    }
+    moved = np.abs(leaves["alone", names[1]] - leaves["alone", names[0]]).max()
+    assert moved > 1e-3
+    for name in names:
+        # Policies are stored in half precision.
+        np.testing.assert_allclose(leaves["both", name], leaves["alone", name], atol=0.05 * moved, rtol=1e-3)
+
+
 def test_shares_that_are_not_equal_are_refused(small_bank: SceneBank) -> None:
     three = Devices(tuple(jax.devices()[:1]) * 3)
     env = seeing_env(small_bank)
@@ -63,5 +106,5 @@ def test_shares_that_are_not_equal_are_refused(small_bank: SceneBank) -> None:
 def test_one_device_adds_nothing() -> None:
     alone = Devices(tuple(jax.devices()[:1]))
     values, key = jnp.arange(6.0), jax.random.key(3)
-    assert alone.rows(values) is alone.mean(values) is alone.sum(values) is alone.place(values, None) is values
+    assert alone.rows(values) is alone.mean(values) is alone.sum(values) is alone.given(values) is values
     assert alone.own_key(key) is key

@@ -131,10 +131,9 @@ def _train(
             f"preset {config.preset!r}: found --start-from, needed none: it imitates from random weights; take another "
             "preset."
         )
-    if imitates and options.coordinator is not None:
-        raise ValidationError(
-            f"preset {config.preset!r}: found --coordinator, needed none: it trains in one process; take another."
-        )
+    if (in_stages or source is not None) and options.coordinator is not None:
+        what = "--demonstrations" if source is not None else f"preset {config.preset!r}"
+        raise ValidationError(f"{what}: found --coordinator, needed none: it trains in one process.")
     if options.start_from is not None and options.resume is not None:
         raise ValidationError("--start-from: found it together with --resume, needed one of them.")
     tables_as_arguments()

@@ -29,7 +29,7 @@ class Devices:
     The methods named in the second group are called in a function that `run` runs.
 
     Attributes:
-      devices: local devices of this process.
+      devices: of this process, or of all processes that train together.
     """
 
     devices: tuple[Any, ...]
@@ -75,17 +75,13 @@ class Devices:
             alone, donate_argnums=donate, in_shardings=self._shardings(given), out_shardings=self._shardings(made)
         )
 
-    def place(self, tree: Any, placement: Any) -> Any:
-        """The arrays of a pytree on the devices, so that the first call of a compiled function is like later ones."""
-        if self.count == 1:
-            return tree
-        whole = jax.tree.map(
-            lambda spec, part: jax.tree.map(lambda _: NamedSharding(self._mesh, spec), part),
-            placement,
-            tree,
-            is_leaf=lambda x: isinstance(x, PartitionSpec),
-        )
-        return jax.device_put(tree, whole)
+    def made(self, make: Callable[[], Any], placement: Any) -> Any:
+        """What a function of nothing returns, on the devices; all processes call this with functions that are equal."""
+        return make() if self.count == 1 else jax.jit(make, out_shardings=self._shardings(placement))()
+
+    def given(self, tree: Any) -> Any:
+        """Arrays that are equal in all processes as arguments of a compiled function."""
+        return tree if self.count == 1 else jax.tree.map(np.asarray, tree)
 
     def own(self, tree: Any) -> Any:
         """The copy of the first device of arrays that are equal on all."""

@@ -4,6 +4,7 @@ import pathlib
 from collections.abc import Callable
 from typing import Any
 
+import jax
 from ml_collections import ConfigDict
 
 from ..datatypes import ValidationError
@@ -90,12 +91,15 @@ def fit(
             check_scenes(PolicySpec.load(latest_policy(folder / "checkpoints")), env)
     else:
         check_new(folder)
-        folder.mkdir(parents=True, exist_ok=True)
+        if jax.process_index() == 0:
+            folder.mkdir(parents=True, exist_ok=True)
     state = run.first_state(resume)
     done = int(state.steps)
     if resume:
         run.replace_missing_policy(state)
     if done >= iterations:
         raise ValidationError(f"num_timesteps: found {total}, but {done * each} are done already; ask for more.")
-    begin_segment(folder, environment, env.config, config, done * each, start_from).save(folder)
+    record = begin_segment(folder, environment, env.config, config, done * each, start_from)
+    if jax.process_index() == 0:
+        record.save(folder)
     return run.run(state)

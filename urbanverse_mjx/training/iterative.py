@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+from jax.experimental import multihost_utils
 
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
@@ -63,12 +64,17 @@ class Iterations:
         Raises:
           ValidationError: there is nothing to resume, or the state belongs to another training.
         """
-        return _newest_state(self.folder, jax.eval_shape(self.begin)) if resume else self.begin()
+        if not resume:
+            return self.begin()
+        state = _newest_state(self.folder, jax.eval_shape(self.begin))
+        return self.learner.placed(state) if hasattr(self.learner, "placed") else state
 
     def replace_missing_policy(self, state: Any) -> None:
         """Writes the policy of a state from which a run continues if the policy is missing."""
         done = int(state.steps)
         if self.validate is not None and self._best()[1] != done:
+            return
+        if jax.process_index() > 0:
             return
         steps = done * self.learner.steps_per_iteration
         folder = policy_path(self.folder / "checkpoints", self.steps_before + steps)
@@ -80,39 +86,47 @@ class Iterations:
 
     def run(self, state: Any) -> TrainingResult:
         """Iterates from `state` to the end; returns the newest policy, or None if no checkpoint is as good as the
-        initial parameters."""
+        initial parameters, and in all but the first of several processes."""
         each, done = self.learner.steps_per_iteration, int(state.steps)
         before = self.steps_before
-        log = TrainingLog(self.folder, before + self.iterations * each, before + done * each, self.quiet)
+        writes = jax.process_index() == 0
+        total, start = before + self.iterations * each, before + done * each
+        log = TrainingLog(self.folder, total, start, self.quiet) if writes else None
         begin = time.monotonic()
         last: list[pathlib.Path] = []
         every = max(self.iterations // max(self.num_checkpoints, 1), 1)
-        if self.validate is not None and done == 0:
+        if writes and self.validate is not None and done == 0:
             self._judge(0, state)
 
         def on_iteration(number: int, state: Any, reported: dict[str, float]) -> None:
             at_checkpoint = number % every == 0 or number == self.iterations
             good = True
-            if at_checkpoint and self.validate is not None:
+            if writes and at_checkpoint and self.validate is not None:
                 good, rates = self._judge(number, state)
                 reported = {**reported, **{f"validation/{name}": x for name, x in rates.items()}}
-            log((number - done) * each, _named(reported))
+            if log is not None:
+                log((number - done) * each, _named(reported))
             if at_checkpoint:
-                if (self.folder / STATE).is_file():
+                if writes and (self.folder / STATE).is_file():
                     (self.folder / STATE).replace(self.folder / STATE_BEFORE)
                 snapshot.save_state(self.folder / STATE, state)
-                if good:
+                if writes and good:
                     last.append(self.save(self.actor_of(state), number * each))
 
         try:
             sequences.run(self.learner, self.iterations, float("inf"), on_iteration, state)
         finally:
-            log.close()
-        if not last:
+            if log is not None:
+                log.close()
+        if writes and not last:
             with contextlib.suppress(ValidationError):
                 last.append(latest_policy(self.folder / "checkpoints"))
+        if jax.process_count() > 1:
+            # What the first process writes is there when any of them goes on.
+            multihost_utils.sync_global_devices("end of the iterations")
         steps = before + self.iterations * each
-        return TrainingResult(last[-1] if last else None, steps, time.monotonic() - begin, log.steps_per_second)
+        rate = log.steps_per_second if log is not None else 0.0
+        return TrainingResult(last[-1] if last else None, steps, time.monotonic() - begin, rate)
 
     def _best(self) -> tuple[float, int]:
         """Success rate and iteration of the best checkpoint so far."""

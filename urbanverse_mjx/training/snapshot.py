@@ -9,6 +9,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from jax.experimental import multihost_utils
 
 from ..datatypes import ValidationError, array_file
 from ..datatypes import validation as v
@@ -18,9 +19,21 @@ def _is_key(leaf: Any) -> bool:
     return jax.numpy.issubdtype(leaf.dtype, jax.dtypes.prng_key)
 
 
+def _whole(leaf: jax.Array) -> np.ndarray:
+    """A leaf of all processes that train together."""
+    alone = not isinstance(leaf, jax.Array) or leaf.is_fully_addressable
+    read = jax.random.key_data if alone else jax.jit(jax.random.key_data)
+    data = read(leaf) if _is_key(leaf) else leaf
+    if alone or data.is_fully_replicated:
+        return np.asarray(data)
+    return np.asarray(multihost_utils.process_allgather(data, tiled=True))
+
+
 def save_state(path: pathlib.Path, state: Any) -> pathlib.Path:
-    """Writes all arrays of a pytree atomically."""
-    leaves = [np.asarray(jax.random.key_data(x) if _is_key(x) else x) for x in jax.tree.leaves(state)]
+    """Writes all arrays of a pytree atomically; of several processes, all of which call this, the first writes."""
+    leaves = [_whole(x) for x in jax.tree.leaves(state)]
+    if jax.process_index() > 0:
+        return path
 
     def write(temporary: pathlib.Path) -> None:
         with temporary.open("wb") as file:

@@ -111,10 +111,17 @@ class StudentLearner(abc.ABC):
         Args:
           progress: () in [0, 1], progress of the whole training, which determines the learning rate.
         """
-        return self._compiled(state, self.teacher_params, progress)
+        return self._compiled(state, *self.devices.given((self.teacher_params, progress)))
 
     def begin(self, student: Any = None) -> LearnerState:
         """The state before the first iteration; student: parameters of the initial student, by default random ones."""
+        return self.devices.made(lambda: self._first_state(student), _PLACEMENT)
+
+    def placed(self, state: LearnerState) -> LearnerState:
+        """A state of a file, on the devices."""
+        return self.devices.made(lambda: state, _PLACEMENT)
+
+    def _first_state(self, student: Any) -> LearnerState:
         n = int(self.config.num_envs)
         key, key_env, key_net = jax.random.split(jax.random.key(int(self.config.seed)), 3)
         env = self._reset(jax.random.split(key_env, n))
@@ -128,8 +135,7 @@ class StudentLearner(abc.ABC):
         params = self._parameters(student, env.obs, key_net)
         mirrored = (jnp.arange(n) % 2 == 1) & bool(self.config.mirror)
         optimizer = self._optimizer.init(params)
-        state = LearnerState(params, optimizer, env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32))
-        return self.devices.place(state, _PLACEMENT)
+        return LearnerState(params, optimizer, env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32))
 
     def actor(self, state: LearnerState) -> Any:
         """The parameters of the student in a state, on one device."""

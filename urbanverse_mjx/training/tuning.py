@@ -85,6 +85,8 @@ def tune(
         validate=None if validator is None else validator(learner.student),
         start_from=start_from,
     )
+    if jax.process_index() > 0:
+        return result
     return dataclasses.replace(result, policy=result.policy or latest_policy(start_from))
 
 
