@@ -14,7 +14,7 @@ from tests.pipeline.test_recording import OPTIONS, drawn_env, table_of, use
 from tests.support import render_reference
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.datasets import own_checks
-from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.pipeline.recording.driving import Steps
@@ -30,9 +30,16 @@ def env(small_bank: SceneBank) -> NavEnv:
     return drawn_env(small_bank, {"episode_length": 6})
 
 
-def test_ranges_are_those_of_mujocos_rays(env: NavEnv) -> None:
+@pytest.mark.parametrize(
+    "options",
+    [
+        LidarOptions(rings=8, azimuths=48, upper=20.0, lower=-40.0, range=12.0),
+        LidarOptions(azimuths=64, elevations=(21.0, 3.0, 2.0, -7.0, -8.5, -40.0), range=12.0),
+    ],
+    ids=["even", "uneven"],
+)
+def test_ranges_are_those_of_mujocos_rays(env: NavEnv, options: LidarOptions) -> None:
     """Two robots in different streets, turned and tilted, in one batch; -1 and its own body are no range."""
-    options = LidarOptions(rings=8, azimuths=48, upper=20.0, lower=-40.0, range=12.0)
     lidar, robot = Lidar(env, options), env.robot
     scenes, xpos, xquat, wanted = [0, 1], [], [], []
     for scene, tilt in zip(scenes, (0.3, -0.2), strict=True):
@@ -63,7 +70,7 @@ def _cast(street: render_reference.Street, robot: RobotSpec, lidar: Lidar) -> np
     mujoco.mj_multiRay(model, data, at, rays.ravel(), seen, 1, -1, geom, distance, None, len(rays), lidar.options.range)
     own = np.where(geom >= 0, street.slot[np.maximum(geom, 0)], -1) == -2
     return np.where((distance < 0) | own | (distance > lidar.options.range), 0.0, distance).reshape(
-        lidar.options.rings, lidar.options.azimuths
+        len(lidar.options.angles), lidar.options.azimuths
     )
 
 
@@ -73,6 +80,15 @@ def test_the_first_column_looks_back_and_the_middle_one_ahead() -> None:
     np.testing.assert_allclose(np.sign(rays[1, :, :2]), [[-1, 1], [1, 1], [1, -1], [-1, -1]])
     np.testing.assert_allclose(rays[:, 0, 2], np.sin(np.radians([10.0, 0.0, -10.0])), atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(rays, axis=-1), 1.0)
+    pattern = LidarOptions(azimuths=4, elevations=(5.0, 4.0, -30.0))
+    np.testing.assert_allclose(pattern.directions()[:, 0, 2], np.sin(np.radians([5.0, 4.0, -30.0])), atol=1e-12)
+    assert pattern.feature.shape == (3, 4, 1)
+
+
+@pytest.mark.parametrize("elevations", [(1.0, 2.0), (95.0, 0.0), (0.0,) * 300])
+def test_a_wrong_pattern_is_one_sentence(elevations: tuple[float, ...]) -> None:
+    with pytest.raises(ValidationError, match=r"--lidar.elevations: found"):
+        LidarOptions(elevations=elevations).check()
 
 
 def simulated(robot: RobotSpec, control: Any, seconds: float) -> tuple[mujoco.MjModel, Steps, np.ndarray]:

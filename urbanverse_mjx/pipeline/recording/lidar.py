@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from ...envs import NavEnv
 
 LIDAR = "observation.images.lidar"
+#: Of a pattern that is not even: they stand in the renderer's program.
+_MOST_ELEVATIONS = 256
 #: T_lidar_camera for a camera of MuJoCo (-z ahead, y up) that looks along the LiDAR's x.
 _TURN = np.array([0.5, 0.5, -0.5, -0.5])
 
@@ -32,6 +34,9 @@ class LidarOptions:
     """Elevation of the highest ring, degrees."""
     lower: float = -15.0
     """Elevation of the lowest ring, degrees."""
+    elevations: tuple[float, ...] = ()
+    """Elevation of each ring from the highest down, degrees, for a pattern that is not even; it replaces rings, upper
+    and lower."""
     range: float = 50.0
     """Longest distance that is measured, m."""
     height: float | None = None
@@ -45,6 +50,12 @@ class LidarOptions:
         """
         v.integer(self.rings, "--lidar.rings", 1, 1024)
         v.integer(self.azimuths, "--lidar.azimuths", 1, 4096)
+        if len(self.elevations) > _MOST_ELEVATIONS:
+            raise v.fail("--lidar.elevations", f"{len(self.elevations)} rings", f"at most {_MOST_ELEVATIONS}")
+        above = 90.0
+        for elevation in self.elevations:
+            v.number(elevation, "--lidar.elevations", minimum=-90.0, maximum=above)
+            above = elevation
         v.number(self.upper, "--lidar.upper", minimum=-90.0, maximum=90.0)
         v.number(self.lower, "--lidar.lower", minimum=-90.0, maximum=self.upper)
         v.number(self.range, "--lidar.range", above=0.0, maximum=65.0)
@@ -52,18 +63,24 @@ class LidarOptions:
             v.number(self.height, "--lidar.height")
 
     @property
+    def angles(self) -> np.ndarray:
+        """(rings,) elevations from the upper ring down, rad."""
+        even = np.linspace(self.upper, self.lower, self.rings)
+        return np.radians(self.elevations if self.elevations else even)
+
+    @property
     def feature(self) -> Feature:
         """Distances as an image in mm: rows are rings from the upper one down, columns go once around."""
         info = {"is_depth_map": True, "depth_unit": "mm"}
-        return Feature("image", (self.rings, self.azimuths, 1), IMAGE_AXES, info)
+        return Feature("image", (len(self.angles), self.azimuths, 1), IMAGE_AXES, info)
 
     def directions(self) -> np.ndarray:
         """(rings, azimuths, 3) unit vectors in the sensor's frame: x ahead, y to the left, z up; columns go from behind
         over the left side, the front and the right side."""
         azimuth = np.pi - 2 * np.pi * (np.arange(self.azimuths) + 0.5) / self.azimuths
-        elevation = np.radians(np.linspace(self.upper, self.lower, self.rings))[:, None]
+        elevation = self.angles[:, None]
         level = np.cos(elevation)
-        up = np.broadcast_to(np.sin(elevation), (self.rings, self.azimuths))
+        up = np.broadcast_to(np.sin(elevation), (len(elevation), self.azimuths))
         return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), up], -1)
 
 
@@ -81,11 +98,12 @@ class Lidar:
         self.options = options
         self.position = np.array([0.0, 0.0, lidar_height(env, options)])
         self._root = int(env.mj_model.body(env.robot.root_body).id)
-        scan = Scan(float(np.radians(options.upper)), float(np.radians(options.lower)), options.range)
+        angles = options.angles.tolist()
+        scan = Scan(angles[0], angles[-1], options.range, tuple(angles) if options.elevations else ())
         self._renderer = Renderer(
             env.bank,
             env.robot,
-            options.rings,
+            len(angles),
             options.azimuths,
             outputs=("depth", "object"),
             agents=env.agent_appearances,

@@ -27,11 +27,13 @@ NOWHERE = -1.0e4
 @dataclasses.dataclass(frozen=True)
 class Scan:
     """Rays of a LiDAR in place of a camera's: image rows are rings from `upper` down to `lower` (rad above the level of
-    the sensor), columns are azimuths from the back over the left side, the front and the right side; range: m."""
+    the sensor), columns are azimuths from the back over the left side, the front and the right side; range: m;
+    elevations: of every ring (rad), where they are not evenly spaced."""
 
     upper: float
     lower: float
     range: float
+    elevations: tuple[float, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)

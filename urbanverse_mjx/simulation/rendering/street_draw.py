@@ -38,6 +38,8 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
     scan = settings.scan or Scan(0.0, 0.0, far)
     far = scan.range
     ring = (scan.upper - scan.lower) / max(height - 1, 1)
+    uneven, angles = len(scan.elevations) > 0, scan.elevations or (0.0,)
+    elevations = wp.types.vector(length=len(angles), dtype=wp.float32)(*angles)
     baked = settings.light == "baked"
     nearest_hit, is_hidden = k.make_rays(moved)
     surface = make_surface(want_rgb, settings.shading == "pbr", moved)
@@ -92,6 +94,8 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
             if wp.static(scans):
                 azimuth = wp.static(math.pi) - (float(px) + 0.5) * wp.static(2.0 * math.pi / width)
                 elevation = wp.static(scan.upper) - float(py) * wp.static(ring)
+                if wp.static(uneven):
+                    elevation = wp.static(elevations)[py]
                 level = wp.cos(elevation)
                 ahead = up * wp.sin(elevation) - back * (level * wp.cos(azimuth)) - right * (level * wp.sin(azimuth))
             # The image's plane stands at distance 1.
