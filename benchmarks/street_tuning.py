@@ -7,11 +7,12 @@
 
 No real street is involved, and no street that anything was trained on. Those by default are the three of CraftBench in
 which coco_best arrives least often (benchmarks/scores/by_scene.csv); places of `lib.transfer_places` can be named too.
-For each of them `prepare` compiles the street, films it by `urbanverse capture`, spoils the images (`BLUR`, `EXPOSURE`,
-`NOISE`), and gives the images alone to `urbanverse gen`: camera poses, depth and objects are its own estimates.
-OUT/prepared/STREET then holds the bank of its five cousins, and one of five cousins of the street's own graph, of which
-the first is the street that was filmed. With `--film sensor`, poses and depth come from the capture, with the errors of
-`lib.injection`, as from a phone that measures depth.
+For each of them `prepare` compiles the street, films it by `urbanverse capture`, and gives the film with errors to
+`urbanverse gen`: as from a phone that measures depth, with blurred images, drifting poses and wrong depth, in which the
+shipped network finds the objects (as `benchmarks.transfer_recordings` does). OUT/prepared/STREET then holds the bank of
+its five cousins, and one of five cousins of the street's own graph, of which the first is the street that was filmed.
+With `--film video`, `gen` gets spoilt images alone (`BLUR`, `EXPOSURE`, `NOISE`) and estimates poses and depth too;
+prepared.json says how many frames got a pose.
 
 `tune` drives the street by the policy as it is (`before`), after PPO on the cousins of the film (`film`) and on those
 of the street's own graph (`own`: an upper bound, which has seen the street and its routes), with the preset `tune` in
@@ -52,10 +53,10 @@ ARMS = {"before": "before", "film": "cousins of the film", "own": "cousins of it
 #: Frames per second of the film, and its size in pixels: steps of 0.7 m, as in a video of which `gen` takes two frames
 #: a second.
 RATE, SIZE = 2.0, (270, 480)
-#: px: longest smear by motion, and largest sigma of the defocus; powers of two by which the
+#: Of `--film video`, px: longest smear by motion, and largest sigma of the defocus; powers of two by which the
 #: exposure of a frame differs at most; noise of a pixel (of 1).
 BLUR, EXPOSURE, NOISE = (4.0, 0.8), 0.3, 0.02
-FILMS = ("video", "sensor")
+FILMS = ("sensor", "video")
 #: Stages of `prepare` whose time counts from the film to the tuned policy.
 FROM_FILM = ("perception", "gen")
 MARKS = "<!-- street tuning: python -m benchmarks.street_tuning --page -->", "<!-- end of street tuning -->"
@@ -432,7 +433,7 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--out", type=pathlib.Path)
     cli.add_argument("--streets", nargs="+", metavar="STREET", help=f"default: {', '.join(STREETS)}")
     cli.add_argument("--policy", type=pathlib.Path, default=POLICY, help="a student's folder; default: coco_best")
-    cli.add_argument("--film", choices=FILMS, default="video", help="what gen gets")
+    cli.add_argument("--film", choices=FILMS, default=FILMS[0], help="what gen gets")
     cli.add_argument("--frames", type=int, help="of the film; default: once along both sides of the street")
     cli.add_argument("--cousins", type=int, default=COUSINS)
     cli.add_argument("--seeds", nargs="+", type=int, default=list(SEEDS), help="of the trainings")

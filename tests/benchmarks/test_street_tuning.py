@@ -111,7 +111,7 @@ def test_a_preparation_continues_where_it_was_stopped(tmp_path: pathlib.Path, mo
             monkeypatch.setattr(street_tuning, name, getattr(made, name))
         return made
 
-    args, number = args_of(tmp_path, "prepare"), int(STREET[:2])
+    args, number = args_of(tmp_path, "prepare", "--film", "video"), int(STREET[:2])
     stopped = stages("gen seen-video")
     with pytest.raises(KeyboardInterrupt):
         street_tuning.prepare(STREET, args)
@@ -130,7 +130,7 @@ def test_a_preparation_continues_where_it_was_stopped(tmp_path: pathlib.Path, mo
     assert street_tuning.prepare(STREET, args) == body
     assert len(again.ran) == 2
     with pytest.raises(street_tuning.ValidationError, match="take another folder"):
-        street_tuning.prepare(STREET, args_of(tmp_path, "prepare", "--film", "sensor"))
+        street_tuning.prepare(STREET, args_of(tmp_path, "prepare"))
 
 
 def test_a_street_that_is_not_prepared_is_named(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
