@@ -1,7 +1,7 @@
 """Visual meshes of what lies on the ground of a scene: see `draw_roads`."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -15,6 +15,10 @@ from . import images
 from .markings import GUTTER, Mark, Parked, Roads, find_roads, marks
 from .rules import RoadRules
 
+#: m, side of the squares in which meshes are cut: a ray enters the trees of all meshes whose boxes it meets, so meshes
+#: along the whole street would cost a third of a frame.
+CELL = 12.0
+Cell = tuple[int, int]
 #: m above the ground: what was laid earlier lies lower.
 LIFTS = {
     "track": 0.001, "seam": 0.0015, "patch": 0.002, "pale patch": 0.002, "gutter": 0.0025, "kerb": 0.003,
@@ -106,28 +110,41 @@ def draw_roads(regions: Sequence[PlacedGround], parked: Sequence[Parked], rules:
 
 
 def _painted(carriers: Sequence[tuple[PlacedGround, str]], found: Sequence[Mark], rules: RoadRules) -> list[Drawn]:
-    groups: dict[tuple[str, str, str], list[np.ndarray]] = {}
+    groups: dict[tuple[str, str, str, Cell], list[np.ndarray]] = {}
     shapes = np.array([m.shape.simplify(0.004) for m in found], dtype=object)
     for region, material in carriers:
         if any(word in material for word in _HIDDEN):
             continue
-        piece = shapely.Polygon(region.polygon)
-        cut = shapely.intersection(shapes, piece)
-        for mark, shape in zip(found, cut, strict=True):
-            if shape.is_empty or not _carries(mark, material):
-                continue
-            corners = _triangles(shape)
-            if len(corners):
-                z = plane_height(region.plane, corners) + LIFTS.get(mark.paint, PAINT_LIFT)
-                groups.setdefault((mark.paint, mark.kind, material), []).append(np.dstack([corners, z]))
+        for cell, piece in _cells(shapely.Polygon(region.polygon)):
+            for mark, shape in zip(found, shapely.intersection(shapes, piece), strict=True):
+                if shape.is_empty or not _carries(mark, material):
+                    continue
+                corners = _triangles(shape)
+                if len(corners):
+                    z = plane_height(region.plane, corners) + LIFTS.get(mark.paint, PAINT_LIFT)
+                    groups.setdefault((mark.paint, mark.kind, material, cell), []).append(np.dstack([corners, z]))
     drawn = []
-    for (paint, kind, material), parts in sorted(groups.items(), key=lambda item: item[0]):
+    for (paint, kind, material, cell), parts in sorted(groups.items(), key=lambda item: item[0]):
         ground = build_material(material)
         corners = np.concatenate(parts).reshape(-1, 3)
         texture, roughness = _coat(ground, paint, rules.wear)
-        name = f"drawn/{paint}/{kind}/{material}".replace(" ", "_")
+        name = _name(paint, kind, material, cell)
         drawn.append(_mesh(name, kind, corners, corners[:, :2] / ground.tile_size_m, texture, roughness))
     return drawn
+
+
+def _cells(piece: BaseGeometry) -> Iterator[tuple[Cell, BaseGeometry]]:
+    """The parts of a polygon in the squares of `CELL` m, with the numbers of each square."""
+    x0, y0, x1, y1 = np.floor(np.array(piece.bounds) / CELL).astype(int)
+    for i in range(x0, x1 + 1):
+        for j in range(y0, y1 + 1):
+            part = piece.intersection(shapely.box(i * CELL, j * CELL, (i + 1) * CELL, (j + 1) * CELL))
+            if part.area > 1e-4:
+                yield (i, j), part
+
+
+def _name(*parts: object) -> str:
+    return "/".join(["drawn", *(str(part).replace(" ", "") for part in parts)])
 
 
 def _carries(mark: Mark, material: str) -> bool:
@@ -169,9 +186,10 @@ def _coat(ground: GroundMaterial, paint: str, wear: float) -> tuple[np.ndarray, 
 def _mesh(name: str, kind: str, corners: np.ndarray, uv: np.ndarray, texture: np.ndarray, roughness: float) -> Drawn:
     """A mesh of triangles (3n, 3) without shared corners; its frame lies on the ground's raster."""
     position = np.round(np.append((corners.min(0) + corners.max(0))[:2] / 2, corners[:, 2].min()) * 64) / 64
+    repeat = -(-4 // (len(corners) // 3))  # a mesh has at least four faces
+    if repeat > 1:
+        corners, uv = np.tile(corners, (repeat, 1)), np.tile(uv, (repeat, 1))
     faces = np.arange(len(corners)).reshape(-1, 3)
-    if len(faces) < 4:  # a mesh has at least four faces; what lies on the ground is never seen from below
-        faces = np.concatenate([faces, *([faces[:, ::-1]] * 3)])
     uv = uv - np.floor(uv.min(0))
     mesh = AssetMesh(corners - position, faces, uv, texture, roughness=roughness, metallic=0.0)
     return Drawn(name, kind, position, mesh)
@@ -184,18 +202,19 @@ class _Pads:
     """Quads with images of their own, collected by image."""
 
     def __init__(self) -> None:
-        self._parts: dict[tuple[str, str], list[np.ndarray]] = {}
+        self._parts: dict[tuple[str, str, Cell], list[np.ndarray]] = {}
 
     def add(self, image: str, kind: str, corners: np.ndarray, uv: np.ndarray) -> None:
         """Adds a quad: corners (4, 3) counter-clockwise seen from outside, uv (4, 2)."""
         order = [0, 1, 2, 0, 2, 3]
-        self._parts.setdefault((image, kind), []).append(np.concatenate([corners, uv], 1)[order])
+        i, j = np.floor(corners[:, :2].mean(0) / CELL).astype(int).tolist()
+        self._parts.setdefault((image, kind, (i, j)), []).append(np.concatenate([corners, uv], 1)[order])
 
     def drawn(self) -> list[Drawn]:
         found = []
-        for (image, kind), parts in sorted(self._parts.items(), key=lambda item: item[0]):
+        for (image, kind, cell), parts in sorted(self._parts.items(), key=lambda item: item[0]):
             rows = np.concatenate(parts)
-            name = f"drawn/{image}/{kind}".replace(" ", "_")
+            name = _name(image, kind, cell)
             texture, roughness = images.paint_image(image)
             found.append(_mesh(name, kind, rows[:, :3], rows[:, 3:], texture, roughness))
         return found
@@ -216,7 +235,7 @@ def _borders(
         shared = ring.exterior.intersection(near)
         if shared.length < 0.3:
             continue
-        for line in _lines_of(shared):
+        for line in _lines_of(shapely.segmentize(shared, CELL / 2)):
             along = np.cumsum(np.concatenate([[0.0], np.linalg.norm(np.diff(line, axis=0), axis=1)]))
             next_gully = along[0] + rng.uniform(2.0, _GULLIES)
             for a, b, s0, s1 in zip(line[:-1], line[1:], along[:-1], along[1:], strict=True):
