@@ -1,12 +1,13 @@
 """Trains for hours in one process and checks that its memory, open files and compiled programs stay as they are.
 
-    python -m benchmarks.soak --minutes 120
-    python -m benchmarks.soak --minutes 9 --options "--preset fast"
+    python -m benchmarks.soak                   # two hours on the CPU
+    python -m benchmarks.soak --gpu             # nine minutes on a GPU, preset `fast`
+    python -m benchmarks.soak --seconds 1800
 
 The training is `urbanverse train` in a process of its own, which is asked to end (as by Ctrl-C) when the time is over.
 The first quarter, and all before the second checkpoint, does not count: programs compile, allocators fill. After it
 resident memory (on a GPU also that of the device) must stay within 1 %, no program may be compiled, and no more files
-may be open. Prints a log line per tenth on stderr and a JSON line; exits with 1 if a check fails.
+may be open. Prints a log line per tenth and the verdict on stderr, and a JSON line; exits with 1 if a check fails.
 """
 
 import argparse
@@ -19,7 +20,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,8 +29,13 @@ from benchmarks.lib.memory import device_mib
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.work_folder import work_folder
 
-#: More steps than any run makes, and checkpoints so often (steps).
-STEPS, CHECKPOINT_EVERY = 1_000_000_000, 8_192
+#: More steps than any run makes.
+STEPS = 1_000_000_000
+#: Seconds by default, steps between two checkpoints, and options of `urbanverse train`.
+CPU: tuple[float, int, tuple[str, ...]] = (7200.0, 8_192, ())
+GPU: tuple[float, int, tuple[str, ...]] = (540.0, 131_072, ("--preset", "fast"))
+#: On a GPU JAX takes memory as it needs it: by default it takes most of it at once, and no growth shows.
+_ON_GPU = {"JAX_PLATFORMS": "cuda", "XLA_PYTHON_CLIENT_PREALLOCATE": "false"}
 #: Share of the time that does not count, and by how much memory may change (share).
 WARM_UP, TOLERANCE = 0.25, 0.01
 #: What JAX writes to stderr for each program that it compiles or reads from its cache.
@@ -42,38 +48,57 @@ Sample = tuple[float, float, int, int, float, int]
 def main(argv: Sequence[str] | None = None) -> int:
     cli = argparse.ArgumentParser(prog="python -m benchmarks.soak", description=__doc__)
     cli.formatter_class = argparse.RawDescriptionHelpFormatter
-    cli.add_argument("--minutes", type=float, default=120.0)
+    cli.add_argument("--seconds", type=float, help="default: 7200, with --gpu 540")
+    cli.add_argument("--gpu", action="store_true", help="train on the first GPU")
     cli.add_argument("--options", type=shlex.split, default=[], help="further ones of `urbanverse train`")
     args = cli.parse_args(argv)
     try:
-        result = soak(60.0 * args.minutes, args.options)
+        result = soak(args.seconds, args.options, gpu=args.gpu)
     except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    print(verdict(result), file=sys.stderr)
     print(json.dumps(result))
     return 0 if result["ok"] else 1
 
 
-def soak(seconds: float, options: Sequence[str] = (), every: float = 2.0) -> dict[str, Any]:
+def verdict(result: Mapping[str, Any]) -> str:
+    """A sentence of what `judged` found."""
+    device = f", of the device {result['device_growth_percent']:+g} %" if result["device_mib"] else ""
+    return (
+        f"{'ok' if result['ok'] else 'FAILED'}: in {result['minutes']:g} min memory changed by "
+        f"{result['memory_growth_percent']:+g} %{device} (at most {100.0 * TOLERANCE:g} % more is allowed), "
+        f"{result['compiled_after']} programs were compiled and {max(result['more_files'], 0)} more files were open "
+        "(0 allowed)"
+    )
+
+
+def soak(
+    seconds: float | None = None, options: Sequence[str] = (), every: float = 2.0, gpu: bool = False
+) -> dict[str, Any]:
     """Trains for a time (s); see `judged` for the result.
 
     Args:
+      seconds: None for that of `CPU` or `GPU`.
       options: further ones of `urbanverse train`.
       every: s between two samples.
 
     Raises:
-      ValidationError: the training ends by itself.
+      ValidationError: there is no GPU, or the training ends by itself.
     """
+    default, checkpoint_every, preset = GPU if gpu else CPU
+    if gpu and device_mib() is None:
+        raise ValidationError("soak: found no GPU (nvidia-smi), needed one for --gpu; leave it out to use the CPU.")
     with work_folder("urbanverse-soak-") as folder:
         log = folder / "stderr.txt"
         command = [sys.executable, "-m", "urbanverse_mjx.cli.main", "train", "--logdir", str(folder), "--quiet"]
-        command += ["--num-timesteps", str(STEPS), "--num-episodes", "0", "--no-video"]
-        command += ["--ppo-overrides", json.dumps({"num_checkpoints": STEPS // CHECKPOINT_EVERY}), *options]
+        command += ["--num-timesteps", str(STEPS), "--num-episodes", "0", "--no-video", *preset]
+        command += ["--ppo-overrides", json.dumps({"num_checkpoints": STEPS // checkpoint_every}), *options]
         with log.open("wb") as file:
-            environment = {**os.environ, "JAX_LOG_COMPILES": "1"}
+            environment = {**os.environ, "JAX_LOG_COMPILES": "1", **(_ON_GPU if gpu else {})}
             process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file, env=environment)
         try:
-            samples = _samples(process, log, seconds, every)
+            samples = _samples(process, log, default if seconds is None else seconds, every)
         finally:
             process.send_signal(signal.SIGINT)
             try:
@@ -138,6 +163,7 @@ def judged(samples: Sequence[Sample]) -> dict[str, Any]:
         "memory_mib": round(float(first[1]), 1),
         "memory_growth_percent": round(100.0 * float(growth), 2),
         "slope_mib_per_hour": round(float(slope), 1),
+        "device_mib": round(float(first[4]), 1),
         "device_growth_percent": round(100.0 * float(on_device), 2),
         "files": int(found[0, 2]),
         "more_files": files,

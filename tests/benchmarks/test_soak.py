@@ -26,6 +26,8 @@ def test_what_settles_is_flat_and_growth_is_measured() -> None:
     assert abs(flat["memory_growth_percent"]) < 0.1
     growing = soak.judged(samples(memory=0.2))
     assert not growing["ok"]
+    assert soak.verdict(flat).startswith("ok: in 59.8 min memory changed by ")
+    assert soak.verdict(growing).startswith("FAILED: in 59.8 min memory changed by +2.1")
     assert growing["memory_growth_percent"] == pytest.approx(100 * 0.2 * 131 / 1200, abs=0.2)
     assert growing["slope_mib_per_hour"] == pytest.approx(0.2 * 240, rel=0.25)
 
@@ -43,6 +45,21 @@ def test_too_few_checkpoints_are_said() -> None:
 def test_a_training_that_ends_by_itself_is_said() -> None:
     with pytest.raises(ValidationError, match="ended with status 2"):
         soak.soak(300.0, ["--preset", "none"], every=0.2)
+
+
+def test_a_machine_without_a_gpu_is_told_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(soak, "device_mib", lambda: None)
+    assert soak.main(["--gpu", "--seconds", "60"]) == 2
+    assert capsys.readouterr().err.startswith("error: soak: found no GPU (nvidia-smi), needed one for --gpu")
+
+
+@pytest.mark.gpu
+def test_a_training_on_a_gpu_keeps_memory_files_and_programs() -> None:
+    found = soak.soak(gpu=True)
+    assert found["ok"], found
+    assert found["device_mib"] > 0.0
 
 
 @pytest.mark.slow
