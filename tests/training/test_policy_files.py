@@ -14,6 +14,8 @@ from urbanverse_mjx.training import run
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_params, save_policy
 from urbanverse_mjx.training.record import RunRecord
 
+SHIPPED = pathlib.Path(__file__).parents[2] / "benchmarks" / "policies" / "go2_best"
+
 
 def spec(steps: int) -> PolicySpec:
     return PolicySpec(
@@ -126,6 +128,18 @@ def test_policies_from_before_checksums_load_and_damage_is_one_sentence(folder: 
     with pytest.raises(ValidationError, match="parameters that cannot be read") as caught:
         load_params(latest_policy(newest))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("damage", [cut, flip])
+def test_policies_with_longer_checksums_are_compared_too(tmp_path: pathlib.Path, damage) -> None:
+    """A shipped policy has the SHA-256 of each file, as policies were sealed before."""
+    policy = shutil.copytree(SHIPPED, tmp_path / "policy")
+    files = json.loads((policy / "policy.json").read_text())["files"]
+    assert {len(digest) for digest in files.values()} == {64}
+    assert latest_policy(policy) == policy
+    damage(policy / max(files, key=lambda name: (policy / name).stat().st_size))
+    with pytest.raises(ValidationError, match="does not match its checksum"):
+        latest_policy(policy)
 
 
 @pytest.mark.parametrize(
