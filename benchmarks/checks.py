@@ -10,6 +10,7 @@ process loads once: that of the checks. Prints a JSON line each; exits with 1 wh
 import argparse
 import contextlib
 import functools
+import itertools
 import json
 import pathlib
 import shutil
@@ -38,8 +39,9 @@ def measured(
     whole, rest = list[float](), list[float]()
     for _ in range(repeats):
         both = [0.0, 0.0]
-        for load in loads:
-            for without in (0, 1, 1, 0):  # whichever is first reads the file into the processor's caches
+        # Whichever is first reads a file into the processor's caches: each as often as the other.
+        for order, load in itertools.product(((0, 1), (1, 0)), loads):
+            for without in order:
                 with contextlib.ExitStack() as stack:
                     for owner, function, answer in checks if without else ():
                         stack.enter_context(mock.patch.object(owner, function, lambda *_, answer=answer: answer))
