@@ -133,9 +133,9 @@ def parts(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]
             return list(pool.map(lambda pair: encode(*pair), own))
 
     def written(own: list[Filmed]) -> list[Filmed]:
-        with open_writer(
-            disk / "dataset", options, features, env, record._origin(options, env, scenes, sensors)
-        ) as out:
+        origin = record._origin(options, env, scenes, sensors)
+        folder, form = disk / "dataset", options.format
+        with open_writer(folder, form, options.size, options.lidar, features, env, origin, resume=False) as out:
             for filmed in own:
                 columns, metadata = record._columns(env, readings, filmed.driven)
                 if isinstance(out, DatasetWriter):
