@@ -22,8 +22,8 @@ import pytest
 from PIL import Image
 
 from urbanverse_mjx.datasets import check_dataset
+from urbanverse_mjx.datasets.claims import require_new
 from urbanverse_mjx.datasets.features import UNFINISHED
-from urbanverse_mjx.datasets.writer import require_new
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.settings import cache_dir
 

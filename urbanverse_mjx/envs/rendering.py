@@ -1,7 +1,7 @@
 """Renders an environment's states for display: street, robot, moving agents and objects."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
@@ -14,6 +14,7 @@ from .types import State
 _MAX_STEP = 2.0
 
 
+@runtime_checkable
 class RenderableEnv(Protocol):
     """The part of an environment that rendering of its states needs, see `StagedBase`."""
 
