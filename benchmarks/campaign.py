@@ -463,7 +463,7 @@ def add_rows(args: argparse.Namespace) -> int:
             elif row.study == SEVERAL_GPUS:
                 several_gpus.add(job.gives)
             elif row.study == STREET_TUNING:
-                street_tuning.add(args.out / STREET_TUNING)
+                street_tuning.add(job.gives)
             elif row.study:
                 scaling.add(results.SCORES, job.gives, row.study, row.size, row.seed)
             elif row.comparison:

@@ -83,6 +83,8 @@ def mesh_row(repeats: int) -> dict[str, Any]:
             AssetMesh(**found)
 
         loads = [functools.partial(load, path) for path in sorted(folder.glob("*.npz"))]
+        if not loads:
+            raise SystemExit("error: checks: found no mesh in the cache, needed some; `make streets` makes them.")
         checks = (array_file, "_is_sealed", True), (AssetMesh, "__post_init__", None)
         return measured(f"{len(loads)} meshes", loads, *checks, repeats=repeats)
 

@@ -130,17 +130,14 @@ class StudentTraining:
         best: list[Any] = [-1.0, None]
         judged: set[int] = set()
 
-        def actor_of(state: Any) -> Any:
-            return learner.actor(state)
-
         def validate(number: int, state: Any) -> None:
             if number in judged:
                 return
             judged.add(number)
-            rates = self.rates(actor_of(state))
+            rates = self.rates(learner.actor(state))
             mean = sum(rates.values()) / len(rates)
             if mean > best[0]:
-                best[:] = mean, jax.device_get(actor_of(state))
+                best[:] = mean, jax.device_get(learner.actor(state))
                 self.save(SAVED_AS[name], best[1], self.steps + number * learner.steps_per_iteration)
             self.log(stage=name, iteration=number, **_rounded(rates), best=round(best[0], 4))
 
@@ -170,13 +167,13 @@ class StudentTraining:
         """Returns the parameters of `--start`, or None."""
         from flax import serialization
 
-        from urbanverse_mjx.training.policy import latest_policy, load_params
+        from urbanverse_mjx.training.policy import latest_policy, load_student
 
         path = self.args.start
         if path is None:
             return None
         if path.is_dir():
-            return jax.tree.map(lambda x: jax.numpy.asarray(x, jax.numpy.float32), load_params(latest_policy(path))[1])
+            return load_student(latest_policy(path))
         return serialization.msgpack_restore(path.read_bytes())
 
     def wait_for_teacher(self) -> None:

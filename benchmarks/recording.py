@@ -66,6 +66,9 @@ def cases(args: argparse.Namespace) -> Iterator[tuple[int, pipeline.RecordOption
     for case, form in itertools.product(args.cases.split(","), args.formats.split(",")):
         size, _, envs = case.partition("@")
         height, width = (int(word) for word in size.split("x"))
+        if few < int(envs):
+            # Fewer envs drive then, and the larger number compiles a program of its own.
+            raise SystemExit(f"--num-episodes: found {few}, needed at least the {envs} envs of {case}.")
         yield (
             many,
             pipeline.RecordOptions(

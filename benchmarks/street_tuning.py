@@ -60,7 +60,7 @@ FILMS = ("sensor", "video")
 #: Stages of `prepare` whose time counts from the film to the tuned policy.
 FROM_FILM = ("perception", "gen")
 MARKS = "<!-- street tuning: python -m benchmarks.street_tuning --page -->", "<!-- end of street tuning -->"
-RESULT, PREPARED, BANK = "result.json", "prepared.json", "bank.npz"
+RESULT, PREPARED, ASKED, BANK = "result.json", "prepared.json", "options.json", "bank.npz"
 #: Result of an episode -> its letter in the rows.
 LETTERS = {
     "goal": "g", "hit": "h", "off_traversable": "o", "timeout": "t", "fall": "f", "non_finite": "n", "hit_agent": "a"
@@ -266,9 +266,10 @@ def train(
         folder.mkdir(parents=True, exist_ok=True)
         with at_work(folder):
             done = 0 if not begun else _steps_of(folder)
-            if done < int(config.num_timesteps) // _each(config) * _each(config):
+            if done < max(int(config.num_timesteps) // _each(config), 1) * _each(config):
                 tune("CocoNav", env, config, folder, args.policy, begun, quiet=not sys.stderr.isatty())
         seconds = None if begun else round(time.monotonic() - begin, 1)
+        latest_policy(folder / "checkpoints")  # a training without a policy is not done
         v.write_json(file, {"seconds": seconds})
     policy = latest_policy(folder / "checkpoints")
     return policy, PolicySpec.load(policy).steps, v.read_json(file, "seconds")["seconds"]
@@ -300,8 +301,19 @@ def tune_street(street: str, args: argparse.Namespace) -> dict[str, Any]:
         )
     prepared = v.read_json(folder / PREPARED, "prepared street")
     out = args.out / "tuned" / street
+    names = ("episodes", "env", "set", "steps", "num_envs")
+    asked = {"policy": str(args.policy), **{name: getattr(args, name) for name in names}}
+    # Scores of other options are not compared with these.
+    if (out / ASKED).is_file():
+        given = v.read_json(out / ASKED, "options")
+        if given != asked:
+            raise ValidationError(f"{out / ASKED}: found {given}, needed {asked}; take another folder for --out.")
+    out.mkdir(parents=True, exist_ok=True)
+    v.write_json(out / ASKED, asked)
     if (out / RESULT).is_file():
-        return v.read_json(out / RESULT, "result")
+        result = v.read_json(out / RESULT, "result")
+        if {arm["seed"] for arm in result["arms"]} == {None, *args.seeds}:
+            return result
     banks = {name: SceneBank.load(folder / name / BANK) for name in ("own", "film")}
     rows = scored(banks["own"], args.episodes)
     scenes = np.zeros(len(rows), np.int32)
@@ -344,17 +356,14 @@ def minutes(arm: Mapping[str, Any], prepared: Mapping[str, Any]) -> float | None
 COLUMNS = ("street", "arm", "seed", "env_steps", "seconds_train", "ends")
 
 
-def add(out: pathlib.Path, folder: pathlib.Path = results.SCORES) -> int:
-    """Writes the arms of all streets that are done into street_tuning.csv; returns their number."""
-    count = 0
-    for file in sorted(out.glob(f"tuned/*/{RESULT}")):
-        body = v.read_json(file, "result")
-        prepared, about = body["prepared"], {"street": body["street"]}
-        made = {"film": prepared["film"], "seconds_prepare": sum(prepared["seconds"].get(k, 0.0) for k in FROM_FILM)}
-        rows = [{**about, **made, **{k: _cell(arm[k]) for k in COLUMNS[1:]}} for arm in body["arms"]]
-        results.replace_rows(folder / "street_tuning.csv", about, rows)
-        count += len(rows)
-    return count
+def add(result: pathlib.Path, folder: pathlib.Path = results.SCORES) -> int:
+    """Writes the arms of a result.json into street_tuning.csv, replacing those of its street; returns their number."""
+    body = v.read_json(result, "result")
+    prepared, about = body["prepared"], {"street": body["street"]}
+    made = {"film": prepared["film"], "seconds_prepare": sum(prepared["seconds"].get(k, 0.0) for k in FROM_FILM)}
+    rows = [{**about, **made, **{k: _cell(arm[k]) for k in COLUMNS[1:]}} for arm in body["arms"]]
+    results.replace_rows(folder / "street_tuning.csv", about, rows)
+    return len(rows)
 
 
 def _cell(value: Any) -> Any:
@@ -460,7 +469,8 @@ def _main(args: argparse.Namespace) -> int:
         return 0
     args.out, args.policy = args.out.absolute(), args.policy.absolute()
     if args.add:
-        print(json.dumps({"rows": add(args.out)}))
+        found = sorted(args.out.glob(f"tuned/*/{RESULT}"))
+        print(json.dumps({"rows": sum(add(result) for result in found)}))
         return 0
     for street in args.streets or ():
         v.choice(street, "--streets", sorted(known_streets()))

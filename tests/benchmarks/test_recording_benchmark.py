@@ -54,3 +54,5 @@ def test_a_case_that_fails_is_a_row_with_its_error(
     assert json.loads(capsys.readouterr().out)["error"] == "KeyError: 'no such part'"
     with pytest.raises(SystemExit, match="needed two numbers"):
         recording.main(["--num-episodes", "3,3"])
+    with pytest.raises(SystemExit, match="at least the 32 envs"):
+        recording.main(["--cases", "24x32@32", "--num-episodes", "31,64"])

@@ -152,6 +152,17 @@ def prepared(small_bank: SceneBank, tmp_path: pathlib.Path) -> pathlib.Path:
     return tmp_path / "out"
 
 
+def test_scores_of_other_options_are_not_taken(prepared: pathlib.Path) -> None:
+    out, words = prepared / "tuned" / STREET, ("tune", "--seeds", "5", "--episodes", "3")
+    arms = [{"arm": "before", "seed": None}, {"arm": "film", "seed": 5}, {"arm": "own", "seed": 5}]
+    out.mkdir(parents=True)
+    (out / "result.json").write_text(json.dumps({"street": STREET, "arms": arms}))
+    assert street_tuning.tune_street(STREET, args_of(prepared, *words))["arms"] == arms
+    for other in (("--policy", "another"), ("--episodes", "4"), ("--steps", "32")):
+        with pytest.raises(street_tuning.ValidationError, match="take another folder"):
+            street_tuning.tune_street(STREET, args_of(prepared, *words, *other))
+
+
 @pytest.mark.slow
 def test_a_training_that_was_stopped_goes_on_and_is_scored_on_the_street(
     small_bank: SceneBank, prepared: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
@@ -217,8 +228,8 @@ def test_rows_become_the_table(tmp_path: pathlib.Path) -> None:
         folder = tmp_path / "tuned" / street
         folder.mkdir(parents=True)
         (folder / "result.json").write_text(json.dumps({"street": street, "prepared": prepared, "arms": arms}))
-    for _ in range(2):  # replaces its own rows
-        assert street_tuning.add(tmp_path, tmp_path) == 10
+    for result in 2 * sorted(tmp_path.glob("tuned/*/result.json")):  # replaces its own rows
+        assert street_tuning.add(result, tmp_path) == 5
     rows = street_tuning.read(tmp_path)
     assert {street: len(found) for street, found in rows.items()} == {STREET: 5, "t99": 5}
     text = street_tuning.page_text(tmp_path)
