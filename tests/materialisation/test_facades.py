@@ -18,13 +18,15 @@ from urbanverse_mjx.datatypes import (
     Source,
     ValidationError,
 )
-from urbanverse_mjx.materialisation import Cousin, check_city, facades, localise, paints
+from urbanverse_mjx.materialisation import Cousin, check_city, facades, localise, overlap, paints
 from urbanverse_mjx.materialisation import regional as looks
 from urbanverse_mjx.materialisation.facades import Block, block_of, dress
 from urbanverse_mjx.pipeline.library import building
 from urbanverse_mjx.scene import library
 
 INDEX = load_index()
+#: Variants of the recipe of trees.
+LIME, POPLAR, PALM = 0, 2, 7
 
 
 def graph(city: str, country: str) -> SceneGraph:
@@ -208,18 +210,88 @@ def test_trees_are_of_the_climate_and_the_season() -> None:
         assert seasons == [season]
     tree = dataclasses.replace(placed("tree", "tree", (3.0, -2.0, 0.1), 0.0), asset_uid=palm.uid, scale=(1.1, 1.1, 1.1))
     allowed = paints.species(stockholm, "summer_noon")
-    new, record = paints.replanted(tree, palm, allowed, lambda: INDEX.by_leaf("tree"), 0)
+    found = list(paints.replanted(tree, palm, allowed, lambda: INDEX.by_leaf("tree"), 0))
+    assert {r.params["variant"] for _, r in found} <= allowed
+    new, record = found[0]
     assert record.params["variant"] in allowed
     assert record.uid == new.asset_uid
     assert (new.position, new.yaw, new.category) == (tree.position, tree.yaw, tree.category)
     assert record.height * new.scale[2] == pytest.approx(palm.height * 1.1, rel=0.25)
-    assert paints.replanted(tree, lime, allowed, tuple, 0) == (tree, lime)
+    assert not list(paints.replanted(tree, lime, allowed, tuple, 0))
 
 
+def test_a_kind_of_paint_that_the_code_does_not_know_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(paints, "_KIND_OF", {"sedan": "boats"})
+    with pytest.raises(ValidationError, match=r"leaf 'sedan': found 'boats', needed cars, vans"):
+        paints.paint_of(placed("car", "sedan", (0.0, 0.0, 0.0), 0.0), "sedan", ("Paris", "France"))
+
+
+def tree(name: str, variant: int, at: tuple[float, float, float]) -> PlacedObject:
+    record = next(r for r in INDEX.by_leaf("tree") if r.params["variant"] == variant)
+    return dataclasses.replace(placed(name, "tree", at, 0.3), asset_uid=record.uid)
+
+
+def together(*more: PlacedObject) -> Cousin:
+    objects = tuple(sorted((*OBJECTS, *more), key=lambda p: p.id))
+    return dataclasses.replace(cousin(objects=objects), chosen=dict.fromkeys([p.id for p in objects]))
+
+
+@pytest.fixture
+def few_trees(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(looks, "trees_of", lambda: INDEX.by_leaf("tree"))
+
+
+@pytest.mark.usefixtures("few_trees")
 def test_the_look_of_a_city_changes_no_place_and_only_trees_and_houses() -> None:
-    made = localise(cousin(), graph("Tokyo", "Japan"), INDEX)
-    before = by_id(dressed("Tokyo", "Japan"))
-    for placed_there in made.layout.objects:
-        assert dataclasses.replace(placed_there, paint=()) == before[placed_there.id]
+    plain = together(
+        tree("palm_0", PALM, (20.0, -14.0, 0.1)),
+        tree("lime_0", LIME, (40.0, -14.0, 0.1)),
+        placed("car_0", "sedan", (30.0, -4.0, 0.1), 0.0),
+        placed("person_0", "pedestrian adult", (33.0, 2.0, 0.1), 0.0),
+    )
+    made = localise(plain, graph("Stockholm", "Sweden"), INDEX)
+    before, after = by_id(dress(plain, graph("Stockholm", "Sweden"), INDEX)), by_id(made)
+    assert after.keys() == before.keys()
+    for name, there in after.items():
+        if name != "palm_0":
+            assert dataclasses.replace(there, paint=()) == before[name]
+    old, new = before["palm_0"], after["palm_0"]
+    assert INDEX.get(new.asset_uid).params["variant"] in paints.species(("Stockholm", "Sweden"), "clear")
+    assert (new.position, new.yaw, new.label, new.category) == (old.position, old.yaw, old.label, old.category)
+    assert made.chosen.keys() == plain.chosen.keys() - {"bakery_0", "block_0", "house_0", "palm_0"}
+    shades = paints.colours()
+    known = {shade for name in shades for shade in shades[name]}
+    for name, number in (("car_0", 1), ("person_0", 2)):
+        assert len(after[name].paint) == number
+        assert known.issuperset(after[name].paint)
+    assert after["lime_0"].paint == after["bakery_0"].paint == ()
     assert SceneLayout.from_json(made.layout.to_json()) == made.layout
     assert localise(cousin(), graph("Testville", "nowhere"), INDEX).layout == cousin().layout
+
+
+@pytest.mark.usefixtures("few_trees")
+@pytest.mark.parametrize(("gap", "variant"), [(4.0, LIME), (1.1, POPLAR), (0.8, PALM), (0.1, PALM)])
+def test_a_new_tree_enters_nothing_that_the_one_before_did_not(gap: float, variant: int) -> None:
+    """Nearest in height is the lime, with a crown of 3 m from 2 m up; the poplar's is half as wide, the palm's higher
+    than the bus."""
+    bus, palm = placed("bus_0", "bus", (20.0, 0.0, 0.1), 0.0), tree("palm_0", PALM, (20.0, -14.0, 0.1))
+    aside = INDEX.get(bus.asset_uid).extent_xyz[1] / 2 + gap
+    bus = dataclasses.replace(bus, position=(20.0, -14.0 - aside, 0.1))
+    pair = ("bus_0", "palm_0")
+    plain = dataclasses.replace(together(bus, palm), unresolved=(pair,))
+    made = localise(plain, graph("Stockholm", "Sweden"), INDEX)
+    new = by_id(made)["palm_0"]
+    assert INDEX.get(new.asset_uid).params["variant"] == variant
+    before, after, by_lime = (
+        overlap.penetration(body(bus), body(p)) for p in (palm, new, tree("lime", LIME, palm.position))
+    )
+    assert after <= before
+    assert (by_lime > 0.0) == (variant != LIME), "otherwise nothing is in its way"
+    assert (before > 0.0) == (gap < 0.15)
+    assert (pair in made.unresolved) == (variant == PALM), "the pair of a tree that is gone is not kept"
+    assert ("palm_0" in made.chosen) == (variant == PALM)
+
+
+def body(p: PlacedObject) -> overlap.Body:
+    record = INDEX.get(p.asset_uid)
+    return overlap.Body(p, record, overlap.prisms_of(p, load_hulls(record)))

@@ -4,18 +4,21 @@ import bisect
 import dataclasses
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..assets.meshes.repaint import OWN
 from ..assets.meshes.tints import is_free
 from ..datatypes import AssetRecord, PlacedObject
+from ..datatypes import validation as v
 from ..datatypes.toml_table import table
 from . import choice
 
 _TABLE: dict[str, Any] = table(__file__)
 _KIND_OF: Mapping[str, str] = {leaf: kind for kind, leaves in _TABLE["leaves"].items() for leaf in leaves}
 _TREE = "vegetation.tree"
+#: Kinds of [leaves].
+KINDS = ("cars", "vans", "two_wheels", "taxis", "buses", "rickshaws", "people")
 #: Limits of the scale that gives another tree the height of the one before.
 _STRETCH = (0.8, 1.3)
 
@@ -51,17 +54,23 @@ def paint_of(placed: PlacedObject, leaf: str, place: tuple[str, str], *key: obje
       leaf: of its record.
       place: (city, country).
       key: what distinguishes this choice from others.
+
+    Raises:
+      ValidationError: `paints.toml` names an unknown kind.
     """
-    kind = _KIND_OF.get(leaf)
-    if kind == "cars":
-        return (_drawn(_TABLE["cars"][_listed("continents", place)], *key, placed.id),)
-    if kind in ("vans", "two_wheels"):
-        return (_drawn(_TABLE[kind], *key, placed.id),)
-    if kind in ("taxis", "buses", "rickshaws"):
-        return tuple(_of_place(kind, place))
-    if kind == "people":
-        return tuple(_drawn(_TABLE[part], *key, placed.id, part) for part in ("upper", "lower"))
-    return (OWN,) if is_free(leaf) else ()
+    match _KIND_OF.get(leaf):
+        case None:
+            return (OWN,) if is_free(leaf) else ()
+        case "cars":
+            return (_drawn(_TABLE["cars"][_listed("continents", place)], *key, placed.id),)
+        case ("vans" | "two_wheels") as kind:
+            return (_drawn(_TABLE[kind], *key, placed.id),)
+        case ("taxis" | "buses" | "rickshaws") as kind:
+            return tuple(_of_place(kind, place))
+        case "people":
+            return tuple(_drawn(_TABLE[part], *key, placed.id, part) for part in ("upper", "lower"))
+        case kind:
+            raise v.fail(f"kind of the leaf {leaf!r}", v.show(kind), ", ".join(KINDS), "correct paints.toml")
 
 
 def painted(placed: PlacedObject, record: AssetRecord, place: tuple[str, str], *key: object) -> PlacedObject:
@@ -83,28 +92,28 @@ def replanted(
     allowed: frozenset[int],
     trees: Callable[[], Sequence[AssetRecord]],
     *key: object,
-) -> tuple[PlacedObject, AssetRecord]:
-    """A tree of an allowed species as high as the one before, in its place; the same if its species is allowed.
+) -> Iterator[tuple[PlacedObject, AssetRecord]]:
+    """Trees of allowed species in the place of one of another, most like it in height first; none for what may stay.
 
     Args:
       trees: function that returns the records of trees.
     """
     if record.recipe != _TREE or record.params["variant"] in allowed:
-        return placed, record
+        return
     height = record.height * placed.scale[2]
     fits = [r for r in trees() if r.recipe == _TREE and r.params["variant"] in allowed]
     fits.sort(
         key=lambda r: (round(abs(math.log(height / r.height)), 1), choice.pick(10**6, "tree", *key, placed.id, r.uid))
     )
     low, high = _STRETCH
-    new = fits[0]
-    scale = round(min(max(height / new.height, low), high), 4)
-    changed = dataclasses.replace(
-        placed,
-        asset_uid=new.uid,
-        scale=(scale, scale, scale),
-        mass=round(new.mass * scale**3, 3),
-        friction=new.friction_coefficient,
-        movable=False,
-    )
-    return changed, new
+    for new in fits:
+        scale = round(min(max(height / new.height, low), high), 4)
+        changed = dataclasses.replace(
+            placed,
+            asset_uid=new.uid,
+            scale=(scale, scale, scale),
+            mass=round(new.mass * scale**3, 3),
+            friction=new.friction_coefficient,
+            movable=False,
+        )
+        yield changed, new

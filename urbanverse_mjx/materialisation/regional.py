@@ -5,16 +5,22 @@ The step comes after materialisation; positions, headings, labels and categories
 """
 
 import dataclasses
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
 
 from ..assets import load_hulls
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
-from ..datatypes import AssetRecord, HullSet, SceneGraph
+from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
 from ..datatypes import validation as v
-from . import paints
+from . import overlap, paints
 from .cousins import Cousin, index_of, trees_of
 from .facades import dress
+
+#: Trees tried in the place of one before it is kept.
+TRIED = 12
 
 
 def check_city(graph: SceneGraph) -> None:
@@ -53,14 +59,40 @@ def localise(
     layout, place = dressed.layout, (graph.source.city, graph.source.country)
     key = (layout.graph_id, layout.seed, layout.cousin)
     allowed = paints.species(place, layout.sky)
-    objects, changed = [], set[str]()
-    for placed in layout.objects:
-        if regional.MARK in placed.asset_uid:
-            objects.append(placed)
+    bodies = [_body(p, _record_of(p, index), hulls_of) for p in layout.objects]
+    changed, unresolved = set[str](), list(dressed.unresolved)
+    for k, old in enumerate(bodies):
+        found = paints.replanted(old.placed, old.record, allowed, trees_of, *key)
+        new = _fitting(old, (_body(*one, hulls_of) for one in found), [*bodies[:k], *bodies[k + 1 :]])
+        if new is None:
             continue
-        planted, record = paints.replanted(placed, index.get(placed.asset_uid), allowed, trees_of, *key)
-        changed |= {placed.id} if planted is not placed else set()
-        objects.append(paints.painted(planted, record, place, *key))
+        bodies[k], name = new, new.placed.id
+        changed.add(name)
+        # It touches only what the tree before touched, and nothing movable touched that.
+        unresolved = [pair for pair in unresolved if name not in pair]
+        unresolved += [(name, b.placed.id) for b in bodies if b is not new and overlap.penetration(new, b) > 0.0]
+    objects = [
+        b.placed if regional.MARK in b.record.uid else paints.painted(b.placed, b.record, place, *key) for b in bodies
+    ]
     layout = dataclasses.replace(layout, objects=tuple(objects), place=place)
     chosen = {name: c for name, c in dressed.chosen.items() if name not in changed}
-    return dataclasses.replace(dressed, layout=layout, chosen=chosen)
+    return dataclasses.replace(dressed, layout=layout, chosen=chosen, unresolved=tuple(unresolved))
+
+
+def _record_of(placed: PlacedObject, index: AssetIndex) -> AssetRecord:
+    return (regional.load_regional() if regional.MARK in placed.asset_uid else index).get(placed.asset_uid)
+
+
+def _body(placed: PlacedObject, record: AssetRecord, hulls_of: Callable[[AssetRecord], HullSet]) -> overlap.Body:
+    return overlap.Body(placed, record, overlap.prisms_of(placed, hulls_of(record)))
+
+
+def _fitting(old: overlap.Body, found: Iterable[overlap.Body], others: Sequence[overlap.Body]) -> overlap.Body | None:
+    """The first of `TRIED` trees that enters no other object deeper than the tree before does; None without one."""
+    boxes = np.array([b.box for b in others]).reshape(-1, 6)
+    for new in itertools.islice(found, TRIED):
+        meets = (boxes[:, :3] < new.box[3:]).all(1) & (new.box[:3] < boxes[:, 3:]).all(1)
+        near = [others[i] for i in np.flatnonzero(meets).tolist()]
+        if all(overlap.penetration(new, b) <= overlap.penetration(old, b) for b in near):
+            return new
+    return None
