@@ -3,7 +3,7 @@
 import dataclasses
 import os
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -164,6 +164,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     library = _Assets(index, source or AssetSource(), layout.place is not None)
     kinds = [library.add(o) for o in objects]
     prisms = ground.ground_prisms(regions)
+    crossings = {} if layout.place is None else roads.crosswalk_materials(regions)
     position = np.array([o.position for o in objects], np.float64).reshape(-1, 3)
     quaternion = rotations.from_yaw(np.array([o.yaw for o in objects], np.float64))
     counts = [len(library.hull_rows[k]) for k in kinds]
@@ -195,7 +196,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
         prism_friction=np.full(len(prisms), GROUND_FRICTION),
         prism_region=np.array([p.region for p in prisms], np.int32),
         prism_material_friction=np.array([ground_friction(regions[p.region].material) for p in prisms]),
-        **_region_fields(regions, library.meshes, _drawn_roads(layout, regions, index)),
+        **_region_fields(regions, crossings, library.meshes, _drawn_roads(layout, regions, crossings, index)),
         sky=layout.sky,
         sky_yaw=layout.sky_yaw,
         map=scene_map,
@@ -215,7 +216,9 @@ def _with_unstable_frozen(geometry: SceneGeometry, layout: SceneLayout) -> tuple
     return geometry, layout
 
 
-def _drawn_roads(layout: SceneLayout, regions: Sequence[PlacedGround], index: AssetIndex) -> list[roads.Drawn] | None:
+def _drawn_roads(
+    layout: SceneLayout, regions: Sequence[PlacedGround], crossings: Mapping[str, str], index: AssetIndex
+) -> list[roads.Drawn] | None:
     """What lies on the roads of the layout's place; None without a place."""
     if layout.place is None:
         return None
@@ -224,15 +227,17 @@ def _drawn_roads(layout: SceneLayout, regions: Sequence[PlacedGround], index: As
         record = index.get(placed.asset_uid)
         if record.category[0] == "vehicle":
             parked.append(roads.Parked(placed.position[:2], placed.yaw, record.extent_xyz[0] * placed.scale[0]))
-    return roads.draw_roads(regions, parked, roads.rules_of(*layout.place), layout.id)
+    return roads.draw_roads(regions, crossings, parked, roads.rules_of(*layout.place), layout.id)
 
 
 def _region_fields(
-    regions: Sequence[PlacedGround], meshes: list[AssetMesh], drawn: list[roads.Drawn] | None
+    regions: Sequence[PlacedGround],
+    crossings: Mapping[str, str],
+    meshes: list[AssetMesh],
+    drawn: list[roads.Drawn] | None,
 ) -> dict[str, Any]:
     """The fields of the ground regions, followed by what is drawn on them, which has no prism."""
     visuals = []
-    crossings = {} if drawn is None else roads.crosswalk_materials(regions)
     for region in regions:
         # Bars of a crosswalk are drawn on the road; the region's own material has them painted into its texture.
         plain = crossings.get(region.id)

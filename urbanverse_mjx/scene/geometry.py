@@ -113,7 +113,7 @@ class SceneGeometry:
       prism_friction: (P,).
       prism_region: (P,) i32, the ground region a prism belongs to.
       prism_material_friction: (P,) of its region's material; not in `geometry.npz`, see `CompiledScene.load`.
-      region_ids: one per ground region.
+      region_ids: ids of the ground regions, then of what is drawn on them (`roads.draw_roads`), which has no prism.
       region_kind: (R,) i32.
       region_mesh: (R,) index into `meshes`.
       region_position: (R, 3) m.

@@ -33,6 +33,7 @@ def scene_metadata(
 ) -> dict[str, Any]:
     """Inputs and counts of the scene; `size`: size of the robot of its episodes."""
     table, m = geometry.episodes, geometry.map
+    drawn = len(geometry.region_ids) - len(layout.ground)
     used = sorted({o.asset_uid for o in layout.objects})
     return {
         "schema": SCHEMA,
@@ -45,7 +46,8 @@ def scene_metadata(
             "objects": len(geometry.object_ids),
             "hulls": len(geometry.inst_hull),
             "prisms": len(geometry.prism_hull),
-            "regions": len(geometry.region_ids),
+            "regions": len(layout.ground),
+            **({"drawn": drawn} if drawn else {}),
             "episodes": len(table),
             "goals": len(np.unique(table.goal, axis=0)),
         },

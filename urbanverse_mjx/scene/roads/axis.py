@@ -48,7 +48,15 @@ class Axis:
 
     def half_at(self, s: float) -> float:
         """Half the width (m) at s m along the road."""
-        return float(np.interp(s / STEP, np.arange(len(self.half)), self.half))
+        return float(self._halves(np.asarray(s)))
+
+    def _halves(self, s: np.ndarray) -> np.ndarray:
+        return np.interp(s / STEP, np.arange(len(self.half)), self.half)
+
+    def _stations(self, s0: float, s1: float) -> np.ndarray:
+        """s0, the stations between, and s1."""
+        s = np.unique(np.concatenate([[s0], np.arange(np.ceil(s0 / STEP), np.floor(s1 / STEP) + 1) * STEP, [s1]]))
+        return s[(s >= s0) & (s <= s1)]
 
     def points(self, s: np.ndarray | float, d: np.ndarray | float) -> np.ndarray:
         """(..., 2) places s m along and d m to the left of the middle."""
@@ -70,9 +78,15 @@ class Axis:
 
     def strip(self, s0: float, s1: float, d0: float, d1: float) -> BaseGeometry:
         """The part from s0 to s1 along and d0 to d1 across."""
-        s = np.unique(np.concatenate([[s0], np.arange(np.ceil(s0 / STEP), np.floor(s1 / STEP) + 1) * STEP, [s1]]))
-        s = s[(s >= s0) & (s <= s1)]
+        s = self._stations(s0, s1)
         return _valid(shapely.Polygon(np.concatenate([self.points(s, d0), self.points(s[::-1], d1)])))
+
+    def kerb_strip(self, side: int, s0: float, s1: float, near: float, far: float) -> BaseGeometry:
+        """The part from s0 to s1 along and near to far m off the kerb to the left (side 1) or right (-1)."""
+        s = self._stations(s0, s1)
+        kerb = self._halves(s)
+        ring = [self.points(s, side * (kerb - near)), self.points(s, side * (kerb - far))[::-1]]
+        return _valid(shapely.Polygon(np.concatenate(ring)))
 
     def shape(self, corners: np.ndarray) -> BaseGeometry:
         """The polygon of corners (n, 2) given as s and d."""

@@ -1,22 +1,23 @@
 """Visual meshes of what lies on the ground of a scene: see `draw_roads`."""
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+import functools
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ...assets.appearances import noise
-from ...assets.appearances.ground_materials import GroundMaterial, build_material
+from ...assets.appearances.ground_materials import build_material
 from ...datatypes import AssetMesh, PlacedGround
 from ..ground import plane_height
 from . import images
 from .markings import GUTTER, Mark, Parked, Roads, find_roads, marks
 from .rules import RoadRules
 
-#: m, side of the squares in which meshes are cut: a ray enters the trees of all meshes whose boxes it meets, so meshes
-#: along the whole street would cost a third of a frame.
+#: m, side of the squares in which meshes are cut: a ray enters the trees of all meshes whose boxes it meets, and would
+#: meet those of nearly all meshes if they lay along the whole street.
 CELL = 12.0
 Cell = tuple[int, int]
 #: m above the ground: what was laid earlier lies lower.
@@ -82,23 +83,30 @@ def crosswalk_materials(regions: Sequence[PlacedGround]) -> dict[str, str]:
     return found
 
 
-def draw_roads(regions: Sequence[PlacedGround], parked: Sequence[Parked], rules: RoadRules, seed: str) -> list[Drawn]:
+def draw_roads(
+    regions: Sequence[PlacedGround],
+    crossings: Mapping[str, str],
+    parked: Sequence[Parked],
+    rules: RoadRules,
+    seed: str,
+) -> list[Drawn]:
     """Draws markings, kerb stones, gutters, covers, patches and rails.
 
     Args:
       regions: the ground of a scene.
+      crossings: material of the road by the id of a crosswalk, see `crosswalk_materials`.
       parked: its vehicles.
       rules: of its country.
       seed: decides where covers and patches are.
 
     Returns:
-      few meshes, each with one texture, that lie millimetres above the ground.
+      meshes millimetres above the ground, and kerb faces between road and pavement. In each square of `CELL` m there is
+      one per kind of ground, and paint and material or image, with one texture.
     """
     roads, rng = find_roads(regions), noise.generator(f"roads/{seed}")
     if roads.carriageway.is_empty:
         return []
-    crossing_of = crosswalk_materials(regions)
-    carriers = [(r, crossing_of.get(r.id, r.material)) for r in regions if r.kind in ("road", "crosswalk")]
+    carriers = [(r, crossings.get(r.id, r.material)) for r in regions if r.kind in ("road", "crosswalk")]
     drawn = _painted(carriers, marks(roads, rules, parked, rng), rules)
     pads = _Pads()
     _borders(pads, regions, roads, rules, rng)
@@ -127,7 +135,7 @@ def _painted(carriers: Sequence[tuple[PlacedGround, str]], found: Sequence[Mark]
     for (paint, kind, material, cell), parts in sorted(groups.items(), key=lambda item: item[0]):
         ground = build_material(material)
         corners = np.concatenate(parts).reshape(-1, 3)
-        texture, roughness = _coat(ground, paint, rules.wear)
+        texture, roughness = _coat(material, paint, rules.wear)
         name = _name(paint, kind, material, cell)
         drawn.append(_mesh(name, kind, corners, corners[:, :2] / ground.tile_size_m, texture, roughness))
     return drawn
@@ -166,8 +174,10 @@ def _triangles(shape: BaseGeometry) -> np.ndarray:
     return corners
 
 
-def _coat(ground: GroundMaterial, paint: str, wear: float) -> tuple[np.ndarray, float]:
+@functools.lru_cache(maxsize=8)
+def _coat(material: str, paint: str, wear: float) -> tuple[np.ndarray, float]:
     """Texture and roughness of a paint on a material; the material shows where paint is worn off."""
+    ground = build_material(material)
     colour, cover = PAINTS[paint]
     base = ground.texture.astype(np.float64) / 255.0
     light = base.mean(-1)
@@ -302,14 +312,7 @@ def _kerb(
         return
     corners = np.array([[*a, low[0]], [*b, low[1]], [*b, top[1]], [*a, top[0]]])
     u = np.array([spans[0], spans[1], spans[1], spans[0]]) / images.LENGTHS[image]
-    pads.add(
-        image, region.kind, corners[::-1] if _faces_in(corners, inward) else corners, np.stack([u, [0, 0, 1, 1]], -1)
-    )
-
-
-def _faces_in(corners: np.ndarray, inward: np.ndarray) -> bool:
-    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-    return bool(normal[:2] @ inward > 0)
+    pads.add(image, region.kind, corners, np.stack([u, [0, 0, 1, 1]], -1))
 
 
 def _gully(pads: _Pads, road: PlacedGround, at: np.ndarray, step: np.ndarray, inward: np.ndarray) -> None:

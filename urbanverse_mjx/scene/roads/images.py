@@ -11,7 +11,7 @@ _SIZE = 64
 #: m along the border of one repetition of an image; across it, its width in m where that is not the strip's.
 LENGTHS: dict[str, float] = {}
 WIDTHS: dict[str, float] = {"concrete gutter": 0.3, "setts gutter": 0.3}
-_IMAGES: dict[str, tuple[float, Callable[[np.random.Generator], np.ndarray]]] = {}
+_IMAGES: dict[str, Callable[[np.random.Generator], np.ndarray]] = {}
 
 Colour = tuple[float, float, float]
 
@@ -100,7 +100,7 @@ def _gully(rng: np.random.Generator) -> np.ndarray:
 
 def _register(name: str, length: float, paint: Callable[[np.random.Generator], np.ndarray]) -> None:
     LENGTHS[name] = length
-    _IMAGES[name] = (length, paint)
+    _IMAGES[name] = paint
 
 
 _GREY, _GRANITE, _BASALT = (0.60, 0.595, 0.575), (0.63, 0.62, 0.61), (0.33, 0.33, 0.335)
@@ -126,6 +126,6 @@ WIDTHS |= {name: 0.3 for name in LENGTHS if name.endswith("tactile")}
 @functools.cache
 def paint_image(name: str) -> tuple[np.ndarray, float]:
     """Image (H, W, 3) u8, its first row at the greatest v, and its roughness."""
-    image = _IMAGES[name][1](noise.generator(f"roads/{name}"))
+    image = _IMAGES[name](noise.generator(f"roads/{name}"))
     rough = 0.6 if name in ("cover", "gully") else 0.85
     return np.round(np.clip(image, 0.0, 1.0) * 255).astype(np.uint8), rough

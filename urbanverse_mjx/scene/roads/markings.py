@@ -8,7 +8,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ..ground import Region, traffic_turn
-from .axis import Axis, axes
+from .axis import STEP, Axis, axes
 from .rules import RoadRules
 
 #: m, widths of lines: centre and lanes, edges, bays, and of the lines of a crosswalk's ladder.
@@ -127,17 +127,18 @@ def marks(roads: Roads, rules: RoadRules, parked: Sequence[Parked], rng: np.rand
     Args:
       rng: decides where repaired places are.
     """
-    found = [m for axis in roads.axes for m in _surface(axis, roads, rules, parked, rng)]
+    streets = [lanes_of(axis, parked, rules) for axis in roads.axes]
+    found = [m for lanes in streets for m in _surface(lanes, roads, rules, rng)]
     zone = shapely.union_all([c.shape for c in roads.crossings]).buffer(0.6) if roads.crossings else shapely.Point()
-    for axis in roads.axes:
-        lines = _lines(axis, roads, rules, parked)
+    for lanes in streets:
+        lines = _lines(lanes, roads, rules)
         found += [dataclasses.replace(m, shape=m.shape.difference(zone)) for m in lines]
     for crossing in roads.crossings:
         found += _zebra(crossing, rules)
-        found += _stop_lines(crossing, roads, rules, parked)
-    found += [m for axis in roads.axes for m in _junctions(axis, roads, rules, parked)]
+        found += _stop_lines(crossing, streets, roads, rules)
+    found += [m for lanes in streets for m in _junctions(lanes, roads, rules)]
     if rules.tram:
-        found += [m for axis in roads.axes for m in _rails(axis, rules, parked)]
+        found += [m for lanes in streets for m in _rails(lanes, rules)]
     return [m for m in found if not m.shape.is_empty]
 
 
@@ -146,9 +147,16 @@ def marks(roads: Roads, rules: RoadRules, parked: Sequence[Parked], rng: np.rand
 
 @dataclasses.dataclass(frozen=True)
 class Lanes:
-    """Cross-section of a road: (left, right) whether vehicles park along the kerb, and of the rest the middle and the
-    width as functions of half the road's width."""
+    """The lanes of a road: of what parking leaves free, the middle and the width as functions of half the road's width.
 
+    Attributes:
+      axis: middle of the road.
+      vehicles: (s, side, length) of the vehicles parked along the kerbs, by s; side 1 is the left, -1 the right.
+      parking: (left, right), whether there is a parking lane.
+    """
+
+    axis: Axis
+    vehicles: tuple[tuple[float, int, float], ...]
     parking: tuple[bool, bool]
 
     def left(self, half: float) -> float:
@@ -165,7 +173,7 @@ class Lanes:
 
 
 def _parked_at(axis: Axis, parked: Sequence[Parked]) -> list[tuple[float, int, float]]:
-    """(s, side, length) of the vehicles that are parked along the kerbs, by s."""
+    """See `Lanes.vehicles`."""
     if not parked:
         return []
     place = axis.project(np.array([p.place for p in parked]))
@@ -183,15 +191,16 @@ def _parked_at(axis: Axis, parked: Sequence[Parked]) -> list[tuple[float, int, f
 def lanes_of(axis: Axis, parked: Sequence[Parked], rules: RoadRules) -> Lanes:
     """The lanes of a road; two or more parked vehicles make a parking lane, where the country marks bays."""
     if rules.bay == "none":
-        return Lanes((False, False))
-    sides = [side for _, side, _ in _parked_at(axis, parked)]
-    return Lanes((sides.count(1) >= 2, sides.count(-1) >= 2))
+        return Lanes(axis, (), (False, False))
+    vehicles = tuple(_parked_at(axis, parked))
+    sides = [side for _, side, _ in vehicles]
+    return Lanes(axis, vehicles, (sides.count(1) >= 2, sides.count(-1) >= 2))
 
 
 def _intervals(flags: np.ndarray) -> list[tuple[float, float]]:
-    """First and last number of each run of true values."""
+    """First and last place (m along the axis) of each run of stations that are true."""
     edge = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
-    return [(float(a), float(b - 1)) for a, b in edge.reshape(-1, 2)]
+    return [(float(a) * STEP, float(b - 1) * STEP) for a, b in edge.reshape(-1, 2)]
 
 
 def _spans(axis: Axis, roads: Roads, away: float) -> list[tuple[float, float]]:
@@ -214,29 +223,30 @@ def _is_over(axis: Axis, crossing: Crossing) -> bool:
     return 0.5 < s < axis.length - 0.5 and abs(d) < 0.5 * axis.half_at(s)
 
 
-def _lines(axis: Axis, roads: Roads, rules: RoadRules, parked: Sequence[Parked]) -> Iterator[Mark]:
-    lanes = lanes_of(axis, parked, rules)
+def _lines(lanes: Lanes, roads: Roads, rules: RoadRules) -> Iterator[Mark]:
+    axis = lanes.axis
     usual = float(np.median(axis.half))
     width = lanes.width(usual)
     for s0, s1 in _spans(axis, roads, 0.8):
         if width >= _BOTH_LANES and not (rules.tram and width < _TWO_TRACKS):
-            yield from _centre(axis, lanes, rules, s0, s1, width >= _FOUR_LANES)
+            yield from _centre(lanes, rules, s0, s1, width >= _FOUR_LANES)
         if width >= _FOUR_LANES:
             for share in (-0.25, 0.25):
                 for a, b in _dashes(s0, s1, rules):
                     d = lanes.middle(usual) + share * width
                     yield _line("white", axis, a, b, d, LINE)
-    yield from _edges(axis, roads, rules, lanes)
+    yield from _edges(lanes, roads, rules)
     if rules.bay != "none":
-        yield from _bays(axis, roads, rules, parked)
+        yield from _bays(lanes, roads, rules)
     if rules.approach in ("diamond", "zigzag"):
         for crossing in roads.crossings:
             if _is_over(axis, crossing):
-                yield from _approaches(axis, lanes, rules, crossing)
+                yield from _approaches(lanes, rules, crossing)
 
 
-def _edges(axis: Axis, roads: Roads, rules: RoadRules, lanes: Lanes) -> Iterator[Mark]:
+def _edges(lanes: Lanes, roads: Roads, rules: RoadRules) -> Iterator[Mark]:
     """Lines along the kerbs where nobody parks."""
+    axis = lanes.axis
     for side, is_parking in ((1, lanes.parking[0]), (-1, lanes.parking[1])):
         shut = ~(axis.open_left if side > 0 else axis.open_right)
         for a, b in _intervals(shut):
@@ -251,7 +261,7 @@ def _line(paint: str, axis: Axis, s0: float, s1: float, d: float, width: float, 
 
 
 def _dashes(s0: float, s1: float, rules: RoadRules) -> list[tuple[float, float]]:
-    """Dashes of a broken line; those before an end touch and make it solid there."""
+    """Pieces of a broken line: `_SOLID` m at each end without a gap, dashes between; one piece if there is no room."""
     inner0, inner1 = s0 + _SOLID, s1 - _SOLID
     if inner1 - inner0 < rules.dash:
         return [(s0, s1)]
@@ -262,7 +272,8 @@ def _dashes(s0: float, s1: float, rules: RoadRules) -> list[tuple[float, float]]
     return [(s0, inner0), *dashes, (inner1, s1)]
 
 
-def _centre(axis: Axis, lanes: Lanes, rules: RoadRules, s0: float, s1: float, wide: bool) -> Iterator[Mark]:
+def _centre(lanes: Lanes, rules: RoadRules, s0: float, s1: float, wide: bool) -> Iterator[Mark]:
+    axis = lanes.axis
     d = lanes.middle(float(np.median(axis.half)))
     if rules.centre_style == "double" or wide:
         for side in (-1, 1):
@@ -277,17 +288,19 @@ def _centre(axis: Axis, lanes: Lanes, rules: RoadRules, s0: float, s1: float, wi
 def _edge(axis: Axis, side: int, rules: RoadRules, s0: float, s1: float) -> Iterator[Mark]:
     paint = "yellow" if "yellow" in rules.edge else "white"
     away = {"none": (), "double yellow": (0.1, 0.3)}.get(rules.edge, (0.2,))
-    half = float(np.interp((s0 + s1) / 2, np.arange(len(axis.half)), axis.half))
+    width = EDGE if len(away) == 1 else 0.08
     for inner in away:
-        yield _line(paint, axis, s0, s1, side * (half - GUTTER - inner), EDGE if len(away) == 1 else 0.08)
+        off = GUTTER + inner
+        yield Mark(paint, "road_marking", axis.kerb_strip(side, s0, s1, off - width / 2, off + width / 2))
 
 
-def _bays(axis: Axis, roads: Roads, rules: RoadRules, parked: Sequence[Parked]) -> Iterator[Mark]:
+def _bays(lanes: Lanes, roads: Roads, rules: RoadRules) -> Iterator[Mark]:
     """Bays around the parked vehicles, and empty ones between them where one fits."""
+    axis = lanes.axis
     spans = _spans(axis, roads, _BAY_AWAY)
     for side in (1, -1):
         shut = ~(axis.open_left if side > 0 else axis.open_right)
-        vehicles = [(s, max(length + _BAY_ROOM, _BAY)) for s, of, length in _parked_at(axis, parked) if of == side]
+        vehicles = [(s, max(length + _BAY_ROOM, _BAY)) for s, of, length in lanes.vehicles if of == side]
         if len(vehicles) < 2:
             continue
         for bays in _rows(vehicles, spans, [(a + 3.0, b - 3.0) for a, b in _intervals(shut)]):
@@ -328,8 +341,9 @@ def _rows(
             yield [bay for bay in bays if bay[1] - bay[0] > 2.0]
 
 
-def _approaches(axis: Axis, lanes: Lanes, rules: RoadRules, crossing: Crossing) -> Iterator[Mark]:
+def _approaches(lanes: Lanes, rules: RoadRules, crossing: Crossing) -> Iterator[Mark]:
     """Diamonds 30 and 50 m before a crosswalk, as far as the road is long, or zigzag lines along the lane."""
+    axis = lanes.axis
     s = axis.project(shapely.get_coordinates(crossing.shape))[:, 0]
     half = float(np.median(axis.half))
     width, middle = lanes.width(half), lanes.middle(half)
@@ -386,17 +400,17 @@ def _zebra(crossing: Crossing, rules: RoadRules) -> Iterator[Mark]:
             yield Mark(rules.between, "crosswalk", shape)
 
 
-def _stop_lines(crossing: Crossing, roads: Roads, rules: RoadRules, parked: Sequence[Parked]) -> Iterator[Mark]:
+def _stop_lines(crossing: Crossing, streets: Sequence[Lanes], roads: Roads, rules: RoadRules) -> Iterator[Mark]:
     """A stop line, or teeth, for the lane that comes to a crosswalk."""
-    over = [axis for axis in roads.axes if _is_over(axis, crossing)]
+    over = [lanes for lanes in streets if _is_over(lanes.axis, crossing)]
     (u0, v0), (u1, v1) = crossing.low, crossing.high
     v0, v1 = v0 + GUTTER, v1 - GUTTER
     both_lanes = v1 - v0 >= _BOTH_LANES - GUTTER
     forward = 1
-    for axis in over:
-        ahead = axis.project(np.stack([crossing.origin, crossing.origin + crossing.along]))[:, 0]
+    for lanes in over:
+        ahead = lanes.axis.project(np.stack([crossing.origin, crossing.origin + crossing.along]))[:, 0]
         forward = 1 if ahead[1] > ahead[0] else -1
-        lanes, half = lanes_of(axis, parked, rules), axis.half_at(float(ahead[0]))
+        half = lanes.axis.half_at(float(ahead[0]))
         both_lanes = lanes.width(half) >= _BOTH_LANES
         # Left and right of the axis, which may run against the crossing's direction.
         sides = (lanes.right(half), lanes.left(half)) if forward > 0 else (-lanes.left(half), -lanes.right(half))
@@ -429,9 +443,9 @@ def _comes_from(axis: Axis, place: np.ndarray, crossing: Crossing) -> bool:
     return 0.0 < here[0] < axis.length and abs(there[1]) < abs(here[1])
 
 
-def _junctions(axis: Axis, roads: Roads, rules: RoadRules, parked: Sequence[Parked]) -> Iterator[Mark]:
+def _junctions(lanes: Lanes, roads: Roads, rules: RoadRules) -> Iterator[Mark]:
     """Stop lines and arrows where a road meets another at its end."""
-    lanes, half = lanes_of(axis, parked, rules), float(np.median(axis.half))
+    axis, half = lanes.axis, float(np.median(lanes.axis.half))
     width, middle = lanes.width(half), lanes.middle(half)
     for end, sense in ((0.0, -1), (axis.length, 1)):
         beyond = axis.points(end, 0.0) + 3.0 * (axis.points(end, 0.0) - axis.points(end - sense, 0.0))
@@ -458,11 +472,9 @@ def _arrow(axis: Axis, s: float, d: float, sense: int) -> BaseGeometry:
 # Below the paint ------------------------------------------------------------------------------------------------------
 
 
-def _surface(
-    axis: Axis, roads: Roads, rules: RoadRules, parked: Sequence[Parked], rng: np.random.Generator
-) -> Iterator[Mark]:
+def _surface(lanes: Lanes, roads: Roads, rules: RoadRules, rng: np.random.Generator) -> Iterator[Mark]:
     """Wheel tracks, trenches and patches."""
-    half, lanes = float(np.median(axis.half)), lanes_of(axis, parked, rules)
+    axis, half = lanes.axis, float(np.median(lanes.axis.half))
     middle, width = lanes.middle(half), lanes.width(half)
     for lane in (middle - width / 4, middle + width / 4) if width >= _BOTH_LANES else (middle,):
         for d in (lane - 0.75, lane + 0.75):
@@ -481,10 +493,9 @@ def _surface(
         yield Mark(paint, "road", shape)
 
 
-def _rails(axis: Axis, rules: RoadRules, parked: Sequence[Parked]) -> Iterator[Mark]:
+def _rails(lanes: Lanes, rules: RoadRules) -> Iterator[Mark]:
     """Two tracks, one per direction, if the road is wide enough; otherwise one."""
-    lanes = lanes_of(axis, parked, rules)
-    half = float(np.median(axis.half))
+    axis, half = lanes.axis, float(np.median(lanes.axis.half))
     width, middle = lanes.width(half), lanes.middle(half)
     tracks = (middle - width / 4, middle + width / 4) if width >= _TWO_TRACKS else (middle,)
     for track in tracks:
