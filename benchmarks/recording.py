@@ -136,7 +136,7 @@ def parts(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]
             return list(pool.map(lambda pair: encode(*pair), own))
 
     def written(own: list[Filmed]) -> list[Filmed]:
-        origin = record._origin(options, env, scenes, sensors)
+        origin = record._origin(options, machine, scenes, sensors)
         folder, form = disk / "dataset", options.format
         with open_writer(folder, form, options.size, options.lidar, features, env, origin, resume=False) as out:
             for filmed in own:

@@ -19,6 +19,32 @@ _RANDOM = 8
 _OLD = "old"
 
 
+def lock_file(path: pathlib.Path) -> int:
+    """Locks a file, which is made with its folders where it is missing.
+
+    Returns:
+      its descriptor; the lock ends when that is closed, or with the process. Its owner may remove the file
+        before closing it.
+
+    Raises:
+      BlockingIOError: another owner has the lock.
+      OSError: the file cannot be made, or its file system has no locks.
+    """
+    while True:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if os.path.samestat(os.fstat(lock), path.stat()):
+                    return lock
+            except BaseException:
+                os.close(lock)
+                raise
+            os.close(lock)
+        # Its last owner removed the file before this one had the lock; there is none, or one that is new.
+
+
 @contextlib.contextmanager
 def work_folder(prefix: str, parent: pathlib.Path | None = None) -> Iterator[pathlib.Path]:
     """Creates a folder that is removed when the block ends, or by the next call with the same prefix if the process was

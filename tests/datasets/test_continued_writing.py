@@ -1,11 +1,16 @@
 """Recordings that are continued after an interruption: the files are those of one that was not interrupted."""
 
+import errno
+import fcntl
 import functools
 import json
+import os
 import pathlib
 from collections.abc import Callable
 from typing import Any
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from tests.datasets.test_frame_files import RIG, WRITERS
@@ -13,9 +18,10 @@ from tests.datasets.test_frame_files import episode as frame_episode
 from tests.support import recorded
 from tests.support.recorded import FEATURES, RATE
 from urbanverse_mjx.datasets import DatasetWriter, Feature, check_dataset, writer
-from urbanverse_mjx.datasets.annotations import Annotation, SeenObject
+from urbanverse_mjx.datasets.annotations import WITHOUT_VISIBLE, Annotation, SeenObject
 from urbanverse_mjx.datasets.features import UNFINISHED, Episode
 from urbanverse_mjx.datatypes import ValidationError, validation
+from urbanverse_mjx.work_folder import lock_file
 
 COUNT = 5
 STILL = (1.0, 0.0, 0.0, 0.0)
@@ -163,6 +169,56 @@ def test_another_recording_is_refused_and_left_alone(
     assert bytes_of(folder) == had
 
 
+def of_policy(place: str, name: str, sha256: str) -> dict[str, Any]:
+    return {"policy": place, "policy_content": {"name": name, "sha256": sha256}}
+
+
+def test_a_policy_is_compared_by_its_content(write: Callable[..., None], tmp_path: pathlib.Path) -> None:
+    """The newest policy of a run folder may be another one when the recording is continued."""
+    folder = tmp_path / "new"
+    write(folder, range(2), resume=False, origin=of_policy("runs/a", "000000000100", "a" * 64))
+    had = bytes_of(folder)
+    message = (
+        r"--resume: found --policy 'runs/a' with the content of '000000000200' \(SHA-256 bbbbbbbbbbbb...\), needed "
+        r"that of '000000000100' \(SHA-256 aaaaaaaaaaaa...\) as in .*urbanverse.json; pass --policy the checkpoint"
+    )
+    with pytest.raises(ValidationError, match=message):
+        write(folder, [2], origin=of_policy("runs/a", "000000000200", "b" * 64))
+    with pytest.raises(ValidationError, match=r"--resume: found policy 'planner' .*, needed 'runs/a' as in"):
+        write(folder, [2], origin={"policy": "planner"})
+    assert bytes_of(folder) == had
+    # The same one, at another place.
+    write(folder, [2], origin=of_policy("copies/b", "b", "a" * 64))
+    write(tmp_path / "whole", range(3), resume=False, origin=of_policy("runs/a", "000000000100", "a" * 64))
+    assert bytes_of(folder) == bytes_of(tmp_path / "whole")
+
+
+def without_visible(folder: pathlib.Path) -> None:
+    """Makes the annotations those of an earlier version."""
+    for path in (folder / "annotations").rglob("*.parquet"):
+        stored = pq.ParquetFile(path)
+        groups = [stored.read_row_group(k).to_pylist() for k in range(stored.num_row_groups)]
+        for row in (row for rows in groups for row in rows):
+            row["objects"] = [{key: x for key, x in seen.items() if key != "visible"} for seen in row["objects"]]
+        with pq.ParquetWriter(path, WITHOUT_VISIBLE) as out:
+            for rows in groups:
+                out.write_table(pa.Table.from_pylist(rows, WITHOUT_VISIBLE))
+
+
+def test_objects_without_a_visible_share_are_sound_but_not_continued(tmp_path: pathlib.Path) -> None:
+    """One file that is begun, or one that is full."""
+    for count in (2, 3):
+        folder = tmp_path / str(count)
+        lerobot(folder, range(count), resume=False)
+        without_visible(folder)
+        had, found = bytes_of(folder), check_dataset(folder)
+        assert found.problems == ()
+        assert [note.partition(": ")[2][:25] for note in found.notes] == ["objects without `visible`"]
+        with pytest.raises(ValidationError, match=r"found objects without `visible`, .* record into another folder"):
+            lerobot(folder, [count])
+        assert bytes_of(folder) == had
+
+
 def test_other_versions_are_noted(write: Callable[..., None], tmp_path: pathlib.Path) -> None:
     folder = tmp_path / "new"
     write(folder, range(2), resume=False, origin={"policy": "none", "versions": {"jax": "1"}})
@@ -194,6 +250,41 @@ def test_one_process_at_a_time(write: Callable[..., None], tmp_path: pathlib.Pat
     write(folder, while_it_is_open)
     assert set(had) <= set(bytes_of(folder))
     assert not (folder / UNFINISHED).exists()
+
+
+def test_a_file_system_without_locks_is_no_other_process(
+    write: Callable[..., None], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: Any) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", refused)
+    with pytest.raises(OSError, match="No locks available"):
+        write(tmp_path / "new", [0])
+
+
+def test_a_lock_on_a_file_that_was_replaced_is_none(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The owner before removes the file, and another one locks a new file, before this one has its lock."""
+    path, flock = tmp_path / "a" / "lock", fcntl.flock
+    other: list[int] = []
+
+    def overtaken(lock: int, kind: int) -> None:
+        if not other:
+            path.unlink()
+            other.append(os.open(path, os.O_RDWR | os.O_CREAT))
+            flock(other[0], kind)
+        flock(lock, kind)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(fcntl, "flock", overtaken)
+        with pytest.raises(BlockingIOError):
+            lock_file(path)
+    os.close(other[0])
+    own = lock_file(path)
+    with pytest.raises(BlockingIOError):
+        lock_file(path)
+    path.unlink()
+    os.close(own)
 
 
 def test_a_damaged_recording_is_one_sentence(tmp_path: pathlib.Path) -> None:

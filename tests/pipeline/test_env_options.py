@@ -1,6 +1,7 @@
 """`--bank` and `--playground-config-overrides` mean the same to every command that drives."""
 
 import dataclasses
+import hashlib
 import pathlib
 import re
 import time
@@ -56,9 +57,13 @@ def test_a_page_and_a_dataset_drive_by_a_changed_config(
     monkeypatch.setattr("urbanverse_mjx.training.policy.load_policy", lambda _: (None, spec))
     file = types.SimpleNamespace(record=spec)
     monkeypatch.setattr("urbanverse_mjx.evaluation.onnx_policy.load_onnx", lambda _: file)
-    if policy == "folder":
-        policy = str(tmp_path)
-    load_machine(policy, small_bank, overrides=OVERRIDES)
+    contents = {"folder": tmp_path / "policy.json", "file.onnx": tmp_path / "file.onnx"}
+    sha256 = None
+    if policy in contents:
+        contents[policy].write_bytes(b"{}")
+        sha256 = hashlib.sha256(b"{}").hexdigest()
+        policy = str(tmp_path if policy == "folder" else contents[policy])
+    assert load_machine(policy, small_bank, overrides=OVERRIDES).policy.sha256 == sha256
     load_machine(policy, small_bank)
     (changed, _), (plain, _) = loads
     assert (changed.robot, changed.sim_dt) == ("/robots/tug", 0.005)

@@ -91,6 +91,19 @@ def test_a_wrong_pattern_is_one_sentence(elevations: tuple[float, ...]) -> None:
         LidarOptions(elevations=elevations).check()
 
 
+@pytest.mark.parametrize("other", [{"rings": 8}, {"upper": 20.0}, {"lower": -40.0}])
+def test_elevations_beside_an_even_pattern_are_refused(other: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError, match=f"--lidar.{next(iter(other))}: found .* beside --lidar.elevations"):
+        LidarOptions(elevations=(5.0, 4.0, -30.0), **other).check()
+
+
+def test_the_record_of_a_dataset_has_the_pattern_that_is_cast() -> None:
+    even = {"rings": 4, "azimuths": 360, "upper": 15.0, "lower": -15.0, "range": 50.0, "height": None}
+    assert LidarOptions(rings=4).described() == even
+    pattern = {"rings": 3, "azimuths": 360, "elevations": (5.0, 4.0, -30.0), "range": 50.0, "height": None}
+    assert LidarOptions(elevations=(5.0, 4.0, -30.0)).described() == pattern
+
+
 def simulated(robot: RobotSpec, control: Any, seconds: float) -> tuple[mujoco.MjModel, Steps, np.ndarray]:
     """The robot on a plane in C MuJoCo: steps, and the means of gyro and accelerometer between them."""
     spec = mujoco.MjSpec.from_string(robot.mjcf)

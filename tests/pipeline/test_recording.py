@@ -228,6 +228,27 @@ def test_a_continued_recording_is_that_of_one_command(
     assert [n for n in names if (recorded[0] / n).read_bytes() != (folder / n).read_bytes()] == []
 
 
+def test_another_policy_under_the_same_path_does_not_continue_it(
+    env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor the same one outside JAX in batches of another size."""
+    use(env, monkeypatch)
+    options = dataclasses.replace(OPTIONS, policy="p.onnx", num_episodes=2, num_envs=2, sensors=(), resume=True)
+
+    def record(sha256: str, **changes: Any) -> dict[str, Any]:
+        policy = NamedPolicy("p.onnx", Straight(), outside=True, loaded="p.onnx", sha256=sha256)
+        monkeypatch.setattr(machines, "load_machine", lambda *_: Machine(env, policy))
+        return pipeline.record(tmp_path / "new", dataclasses.replace(options, **changes))
+
+    record("a" * 64)
+    with pytest.raises(ValidationError, match=r"--resume: found --policy 'p.onnx' with the content of 'p.onnx' \(SHA"):
+        record("b" * 64)
+    for num_envs, num_episodes, found in ((1, 2, 1), (3, 3, 3)):
+        with pytest.raises(ValidationError, match=f"--resume: found num_envs {found}, needed 2 as in"):
+            record("a" * 64, num_envs=num_envs, num_episodes=num_episodes)
+    assert record("a" * 64)["resumed"] == 2
+
+
 def test_only_successes_leaves_the_others_out(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,6 +12,7 @@ from ml_collections import ConfigDict
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.training import run
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_params, save_policy
+from urbanverse_mjx.training.policy_files import SEAL, content_sha256
 from urbanverse_mjx.training.record import RunRecord
 
 SHIPPED = pathlib.Path(__file__).parents[2] / "benchmarks" / "policies" / "go2_best"
@@ -62,6 +63,28 @@ def test_whole_policies_load_and_the_newest_is_taken(folder: pathlib.Path, capsy
     assert load_params(newest)[1]["params"]["out"]["kernel"][0, 0] == 200.0
     assert PolicySpec.load(newest).steps == 200
     assert not capsys.readouterr().err
+
+
+def test_a_policy_has_one_content_wherever_it_lies(written: pathlib.Path, folder: pathlib.Path) -> None:
+    older, newer = (written / "checkpoints" / f"{steps:012d}" for steps in (100, 200))
+    assert content_sha256(older) != content_sha256(newer)
+    copy = folder / "checkpoints" / newer.name
+    (copy / "notes.txt").write_text("not a part of it")
+    assert content_sha256(copy) == content_sha256(newer)
+
+
+def test_every_file_of_an_older_policy_is_its_content(folder: pathlib.Path) -> None:
+    """Without checksums in its `policy.json`, which is the same after each change."""
+    policy = folder / "checkpoints" / f"{200:012d}"
+    body = json.loads((policy / "policy.json").read_text())
+    (policy / "policy.json").write_text(json.dumps({name: x for name, x in body.items() if name not in SEAL}))
+    found = {content_sha256(policy)}
+    others = [path for path in _files(policy) if path.name != "policy.json" and path.stat().st_size]
+    for path in others:
+        flip(path)
+        found.add(content_sha256(policy))
+    assert len(others) > 1
+    assert len(found) == 1 + len(others)
 
 
 @pytest.mark.parametrize("damage", [cut, flip, pathlib.Path.unlink])

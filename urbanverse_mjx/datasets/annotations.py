@@ -51,12 +51,21 @@ class Annotation:
 
 
 _FLOATS = pa.list_(pa.float32())
-_OBJECT = pa.struct(
+_OBJECT = (
     [("label", pa.int64()), ("name", pa.string()), ("category", pa.string()), ("box", pa.list_(pa.int64()))]
     + [("pixels", pa.int64()), ("visible", pa.float32())]
     + [(f.name, _FLOATS) for f in dataclasses.fields(SeenObject)[6:]]
 )
-SCHEMA = pa.schema([("index", pa.int64()), ("caption", pa.string()), ("objects", pa.list_(_OBJECT))])
+
+
+def _schema(fields: list[tuple[str, pa.DataType]]) -> pa.Schema:
+    objects = pa.list_(pa.struct(fields))
+    return pa.schema([("index", pa.int64()), ("caption", pa.string()), ("objects", objects)])
+
+
+SCHEMA = _schema(_OBJECT)
+#: Of datasets that were recorded before the visible share of objects was measured.
+WITHOUT_VISIBLE = _schema([field for field in _OBJECT if field[0] != "visible"])
 
 
 def annotations_table(annotations: Sequence[Annotation], first: int) -> pa.Table:
@@ -69,12 +78,12 @@ def annotations_table(annotations: Sequence[Annotation], first: int) -> pa.Table
 
 
 def check_annotations(table: pa.Table, first: int, rows: int, size: tuple[int, int], where: str) -> Iterator[str]:
-    """Checks a file of annotations; size: height and width of the image.
+    """Checks a file of annotations, also one of `WITHOUT_VISIBLE`; size: height and width of the image.
 
     Yields:
       a sentence for each problem.
     """
-    if table.schema != SCHEMA:
+    if table.schema not in (SCHEMA, WITHOUT_VISIBLE):
         found = ", ".join(table.column_names)
         yield f"{where}: found columns {found}, needed index, caption and objects as this version writes them"
         return
@@ -91,7 +100,7 @@ def check_annotations(table: pa.Table, first: int, rows: int, size: tuple[int, i
             inside = 0 <= left < right <= size[1] and 0 <= top < bottom <= size[0]
             if not inside or not 0 < seen["pixels"] <= (right - left) * (bottom - top):
                 yield f"{where}: row {k}: found a box {seen['box']} of {seen['pixels']} pixels, needed one in the image"
-            if not 0.0 < seen["visible"] <= 1.0:
+            if not 0.0 < seen.get("visible", 1.0) <= 1.0:
                 yield f"{where}: row {k}: found {seen['name']} visible by {seen['visible']}, needed a share above 0"
             if min(seen["size"]) < 0 or not np.isfinite(seen["position_camera"]).all():
                 yield f"{where}: row {k}: found {seen['name']} without size or place, needed numbers"

@@ -13,7 +13,7 @@ from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from . import features as f
 from . import own_checks, video
-from .annotations import check_annotations
+from .annotations import WITHOUT_VISIBLE, check_annotations
 from .reading import StoredDataset, read_table
 
 #: Tolerances for rounding: s between a row's timestamp and its index, and relative differences of statistics.
@@ -27,7 +27,7 @@ class Findings:
     Attributes:
       episodes, frames: number of complete ones.
       problems: one sentence each; empty for a valid dataset.
-      notes: remains of an interrupted recording, which readers ignore.
+      notes: remains of an interrupted recording, which readers ignore, and what earlier versions did not record.
     """
 
     episodes: int
@@ -46,7 +46,7 @@ def check_dataset(folder: str | pathlib.Path) -> Findings:
     problems, notes = [*_counts(dataset), *_tasks(dataset)], []
     found: dict[str, list[np.ndarray]] = {}
     if not problems:
-        problems += [*_data(dataset, found), *_videos(dataset, notes), *_annotations(dataset)]
+        problems += [*_data(dataset, found), *_videos(dataset, notes), *_annotations(dataset, notes)]
     if not problems and not dataset.unfinished:
         problems += _stats(dataset, found)
     if dataset.unfinished:
@@ -146,8 +146,9 @@ def _data(dataset: StoredDataset, found: dict[str, list[np.ndarray]]) -> Iterato
             found.setdefault(name, []).append(column.reshape(len(column), -1))
 
 
-def _annotations(dataset: StoredDataset) -> Iterator[str]:
-    """Checks the files of annotations, of which there is one for each data file or none."""
+def _annotations(dataset: StoredDataset, notes: list[str]) -> Iterator[str]:
+    """Checks the files of annotations, of which there is one for each data file or none; notes those of earlier
+    versions."""
     front = next((feature for feature in dataset.features.values() if feature.is_image), None)
     if front is None or not (dataset.folder / "annotations").is_dir():
         return
@@ -160,6 +161,8 @@ def _annotations(dataset: StoredDataset) -> Iterator[str]:
             yield str(error)
             continue
         wanted = sum(row["length"] for row in rows)
+        if table.schema == WITHOUT_VISIBLE:
+            notes.append(f"{name}: objects without `visible`, as earlier versions recorded them")
         yield from check_annotations(
             table, rows[0]["dataset_from_index"], wanted, (front.shape[0], front.shape[1]), name
         )

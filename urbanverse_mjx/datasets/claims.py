@@ -1,7 +1,5 @@
 """`Claim`: the folder of a dataset while one process writes it."""
 
-import contextlib
-import fcntl
 import json
 import os
 import pathlib
@@ -10,11 +8,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..datatypes import validation as v
+from ..work_folder import lock_file
 from . import features as f
 
 _LOCK = "lock"
 #: Keys of a recording's origin that may differ when it is continued.
 _MAY_CHANGE = ("versions", "continued")
+#: Keys of what a policy holds, which decides where both origins have it, and of where it lies, which may then change.
+_CONTENT, _PLACES = "policy_content.sha256", ("policy", "policy_content.name")
 
 
 def require_new(folder: pathlib.Path) -> None:
@@ -70,24 +71,10 @@ class Claim:
             require_new(folder)
         self.folder, self.staging = folder, folder / f.UNFINISHED
         self._made = not folder.exists()
-        self._lock = self._locked()
-
-    def _locked(self) -> int:
-        while True:
-            self.staging.mkdir(parents=True, exist_ok=True)
-            with contextlib.suppress(FileNotFoundError):
-                lock = os.open(self.staging / _LOCK, os.O_RDWR | os.O_CREAT, 0o644)
-                try:
-                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except OSError as error:
-                    os.close(lock)
-                    raise v.fail(
-                        str(self.folder), "another process that records into it", "it alone", "wait for its end"
-                    ) from error
-                if (self.staging / _LOCK).exists():
-                    return lock
-                # Its last owner removed it before this process had it.
-                os.close(lock)
+        try:
+            self._lock = lock_file(self.staging / _LOCK)
+        except BlockingIOError as error:
+            raise v.fail(str(folder), "another process that records into it", "it alone", "wait for its end") from error
 
     def release(self) -> None:
         """Removes what is not complete, and a folder that was made for nothing."""
@@ -110,6 +97,15 @@ def continued(path: pathlib.Path, origin: Mapping[str, Any], episodes: int) -> d
     """
     had, asked = v.read_json(path, "origin of a recording"), json.loads(json.dumps(origin))
     ours, theirs = _flat(had), _flat(asked)
+    if _CONTENT in ours and _CONTENT in theirs:
+        if ours[_CONTENT] != theirs[_CONTENT]:
+            raise v.fail(
+                "--resume",
+                f"--policy {v.show(theirs['policy'])} with the content of {_policy(theirs)}",
+                f"that of {_policy(ours)} as in {path}",
+                "pass --policy the checkpoint that began the recording, or record into another folder",
+            )
+        ours, theirs = ({key: x for key, x in own.items() if key not in _PLACES} for own in (ours, theirs))
     differing = [key for key in sorted(ours.keys() | theirs.keys()) if ours.get(key) != theirs.get(key)]
     if differing:
         key = differing[0]
@@ -125,6 +121,10 @@ def continued(path: pathlib.Path, origin: Mapping[str, Any], episodes: int) -> d
         step = {"episodes": episodes, "versions": asked["versions"]}
         return {**had, "continued": [*had.get("continued", []), step]}
     return had
+
+
+def _policy(flat: Mapping[str, Any]) -> str:
+    return f"{v.show(flat.get('policy_content.name'))} (SHA-256 {str(flat[_CONTENT])[:12]}...)"
 
 
 def _flat(origin: Mapping[str, Any]) -> dict[str, Any]:

@@ -27,7 +27,7 @@ class CocoWriter(FrameFolder):
         self._category = {name: k + 1 for k, name in enumerate(rig.categories)}
         super().__init__(folder, rig, origin, resume)
 
-    def restore(self) -> None:
+    def read_lists(self) -> None:
         """Takes over images, instances and captions."""
         instances, captions = self.folder / INSTANCES, self.folder / CAPTIONS
         self._images = [json.dumps(row) for row in read_list(instances, "images")[: self.num_frames]]

@@ -121,7 +121,7 @@ class FrameFolder:
             self._place(ORIGIN, _json(origin))
         self._origin, self.num_frames, self.records = origin, frames, records
         self._listed = len(records)
-        self.restore()
+        self.read_lists()
 
     def __enter__(self) -> "FrameFolder":
         return self
@@ -176,7 +176,7 @@ class FrameFolder:
     def take(self, episode: FrameEpisode) -> None:
         """Notes what the lists say of an episode whose files are all in place."""
 
-    def restore(self) -> None:
+    def read_lists(self) -> None:
         """Takes over what the lists say of the first `num_frames` frames, of a recording that is continued.
 
         Raises:

@@ -22,7 +22,7 @@ from ..datatypes import validation as v
 from . import features as f
 from . import statistics, video
 from .annotations import SCHEMA as ANNOTATIONS
-from .annotations import annotations_table
+from .annotations import WITHOUT_VISIBLE, annotations_table
 from .claims import Claim, continued, has_episodes
 from .reading import StoredDataset, read_table
 
@@ -57,6 +57,9 @@ class _File:
           rows: of these episodes in meta/episodes.
           schema: of the data, as it was written: files name the items of lists otherwise.
           cameras: names of the videos.
+
+        Raises:
+          ValidationError: an earlier version recorded it, with less.
         """
         own = cls(number, rows[0]["dataset_from_index"], rows=rows)
         data = pq.ParquetFile(folder / f.DATA_PATH.format(**own.place))
@@ -64,6 +67,9 @@ class _File:
         seen = folder / f.ANNOTATIONS_PATH.format(**own.place)
         if seen.is_file():
             stored = pq.ParquetFile(seen)
+            if stored.schema_arrow == WITHOUT_VISIBLE:
+                said = "objects without `visible`, as earlier versions recorded them"
+                raise v.fail(f"--resume: {seen}", said, "those of this version", "record into another folder")
             own.annotations = [stored.read_row_group(k).cast(ANNOTATIONS) for k in range(len(rows))]
         frames = sum(row["length"] for row in rows)
         for name in cameras:
@@ -169,15 +175,17 @@ class DatasetWriter:
         else:
             # Rows of an interrupted write are left out.
             self._unwritten = 1
-        self._remove_from(last + 1)
+        self._remove_file(last + 1)
 
-    def _remove_from(self, number: int) -> None:
-        """Removes files from a number on, in which no episode is complete."""
-        names = [f.DATA_PATH, f.ANNOTATIONS_PATH, f.EPISODES_PATH]
-        names += [f.VIDEO_PATH.replace("{video_key}", name) for name in self.features]
+    def _remove_file(self, number: int) -> None:
+        """Removes the file of each kind with this number, which has no complete episode. No later ones exist: a file
+        begins after an episode of the one before it is complete."""
         place = _File(number, 0).place
+        names = [name.format(**place) for name in (f.DATA_PATH, f.ANNOTATIONS_PATH, f.EPISODES_PATH)]
+        cameras = [name for name, feature in self.features.items() if feature.dtype == "video"]
+        names += [f.VIDEO_PATH.format(video_key=name, **place) for name in cameras]
         for name in names:
-            (self.folder / name.format(**place)).unlink(missing_ok=True)
+            (self.folder / name).unlink(missing_ok=True)
 
     def __enter__(self) -> "DatasetWriter":
         return self

@@ -53,12 +53,14 @@ def load_machine(
         known = ", ".join((*BASELINES, "planner"))
         raise ValidationError(f"--policy: found {policy!r}, needed one of {known}, a policy folder or an ONNX file.")
     from ..training.policy import latest_policy, load_policy
+    from ..training.policy_files import content_sha256
 
     folder = latest_policy(path)
     agent, spec = load_policy(folder)
     name, config = _trained_config(spec.environment, spec.env_config, people, env_name)
     config = registry.with_overrides(config, overrides)
-    return Machine(registry.load_nav_env(name, config, bank), NamedPolicy(path.name, agent))
+    named = NamedPolicy(path.name, agent, loaded=folder.name, sha256=content_sha256(folder))
+    return Machine(registry.load_nav_env(name, config, bank), named)
 
 
 def _onnx_machine(
@@ -71,7 +73,7 @@ def _onnx_machine(
     overrides: Mapping[str, Any],
 ) -> "Machine":
     from ..envs import registry
-    from ..evaluation.onnx_policy import load_onnx
+    from ..evaluation.onnx_policy import content_sha256, load_onnx
     from ..policies.onnx_agent import PROPRIO
     from ..viewer.session import Machine, NamedPolicy
 
@@ -83,7 +85,8 @@ def _onnx_machine(
         name, config = env_name or "CocoNav", _fresh_config(env_name, people, preset, size)
         config = registry.with_overrides(config, {"observations.proprio": PROPRIO in policy.observations})
     config = registry.with_overrides(config, overrides)
-    return Machine(registry.load_nav_env(name, config, bank), NamedPolicy(path.name, policy, outside=True))
+    named = NamedPolicy(path.name, policy, outside=True, loaded=path.name, sha256=content_sha256(path))
+    return Machine(registry.load_nav_env(name, config, bank), named)
 
 
 def _fresh_config(env_name: str | None, people: bool, preset: str, size: tuple[int, int] | None) -> Any:

@@ -51,6 +51,21 @@ def check(path: pathlib.Path) -> None:
             raise v.fail(str(file), "content that does not match its checksum", _NEEDED)
 
 
+def content_sha256(folder: pathlib.Path) -> str:
+    """SHA-256 of the content of a policy folder: of its `policy.json`, which has a checksum of every other file, or of
+    all files of an older policy without checksums.
+
+    Args:
+      folder: the policy folder itself.
+    """
+    own = folder / FILE
+    digest, body = hashlib.sha256(own.read_bytes()), v.read_json(own, "policy")
+    if not isinstance(body, dict) or not set(SEAL) & set(body):
+        for path in sorted(path for path in folder.rglob("*") if path.is_file() and path != own):
+            digest.update(f"\0{path.relative_to(folder).as_posix()}\0{_digest(path, sha256=True)}".encode())
+    return digest.hexdigest()
+
+
 def _checksum(body: Mapping[str, Any]) -> str:
     """Checksum over all other fields in JSON, sorted by name."""
     rest = {name: value for name, value in body.items() if name != "checksum"}

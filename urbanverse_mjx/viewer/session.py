@@ -30,11 +30,15 @@ class NamedPolicy:
       name: shown to people.
       agent: called inside jit, see `evaluation.agents`; a `BatchAgent` where `outside`.
       outside: whether it is called outside jit, as an ONNX file is.
+      loaded: name of the policy folder or file that was loaded; None for a scripted policy.
+      sha256: of its content, 64 hexadecimal digits; None for a scripted policy.
     """
 
     name: str
     agent: Agent | Privileged | Recurrent | BatchAgent
     outside: bool = False
+    loaded: str | None = None
+    sha256: str | None = None
 
 
 class Frame(NamedTuple):

@@ -7,7 +7,6 @@ stage whose key and files exist is skipped. Files are written atomically.
 import contextlib
 import dataclasses
 import datetime
-import fcntl
 import hashlib
 import json
 import os
@@ -19,7 +18,7 @@ from typing import Any
 
 from ... import versions
 from ...datatypes import validation as v
-from ...work_folder import replacing_folder, sweep
+from ...work_folder import lock_file, replacing_folder, sweep
 
 SCHEMA = "urbanverse.generation/1"
 FILE, LOCK = "run.json", ".lock"
@@ -65,15 +64,12 @@ class RunFolder:
             raise v.fail(str(path), "a folder with other files", "a new name or an earlier run", "choose another")
         made = not path.exists()
         try:
-            path.mkdir(parents=True, exist_ok=True)
-            lock = (path / LOCK).open("a")
+            lock = lock_file(path / LOCK)
+        except BlockingIOError as error:
+            raise v.fail(str(path), "another run at work in it", "a folder of its own", "wait for it") from error
         except OSError as error:
             raise v.fail(str(path), f"no way to write there ({error.strerror})", "a folder to write into") from error
-        with lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError as error:
-                raise v.fail(str(path), "another run at work in it", "a folder of its own", "wait for it") from error
+        with os.fdopen(lock):
             run = RunFolder(path, _read(path / FILE, source))
             _sweep(path)
             try:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 LIDAR = "observation.images.lidar"
 #: Of a pattern that is not even: they stand in the renderer's program.
 _MOST_ELEVATIONS = 256
+#: Options of an even pattern.
+_EVEN = ("rings", "upper", "lower")
 #: T_lidar_camera for a camera of MuJoCo (-z ahead, y up) that looks along the LiDAR's x.
 _TURN = np.array([0.5, 0.5, -0.5, -0.5])
 
@@ -35,7 +37,7 @@ class LidarOptions:
     lower: float = -15.0
     """Elevation of the lowest ring, degrees."""
     elevations: tuple[float, ...] = ()
-    """Elevation of each ring from the highest down, degrees, for a pattern that is not even; it replaces rings, upper
+    """Elevation of each ring from the highest down, degrees, for a pattern that is not even, in place of rings, upper
     and lower."""
     range: float = 50.0
     """Longest distance that is measured, m."""
@@ -52,6 +54,15 @@ class LidarOptions:
         v.integer(self.azimuths, "--lidar.azimuths", 1, 4096)
         if len(self.elevations) > _MOST_ELEVATIONS:
             raise v.fail("--lidar.elevations", f"{len(self.elevations)} rings", f"at most {_MOST_ELEVATIONS}")
+        if self.elevations:
+            for field in dataclasses.fields(self):
+                if field.name in _EVEN and getattr(self, field.name) != field.default:
+                    raise v.fail(
+                        f"--lidar.{field.name}",
+                        f"{getattr(self, field.name):g} beside --lidar.elevations",
+                        "one of the two",
+                        "the elevations are those of all rings",
+                    )
         above = 90.0
         for elevation in self.elevations:
             v.number(elevation, "--lidar.elevations", minimum=-90.0, maximum=above)
@@ -61,6 +72,13 @@ class LidarOptions:
         v.number(self.range, "--lidar.range", above=0.0, maximum=65.0)
         if self.height is not None:
             v.number(self.height, "--lidar.height")
+
+    def described(self) -> dict[str, Any]:
+        """The options by name, with those of the pattern that is cast: upper and lower of an even one, else the
+        elevations of all rings."""
+        own = {**dataclasses.asdict(self), "rings": len(self.angles)}
+        left_out = ("upper", "lower") if self.elevations else ("elevations",)
+        return {name: value for name, value in own.items() if name not in left_out}
 
     @property
     def angles(self) -> np.ndarray:

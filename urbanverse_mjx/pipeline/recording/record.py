@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ...datasets import Episode, Feature
     from ...envs import NavEnv
     from ...evaluation.rollouts import EpisodeSet
+    from ...viewer.session import Machine
     from .cameras import Camera
     from .driving import Driven
     from .encoding import Encoding, Filmed
@@ -70,7 +71,7 @@ class RecordOptions(PageOptions):
     """Leave episodes that did not reach their goal out of the dataset."""
     resume: bool = False
     """Continue the recording in the folder after its last complete episode, up to --num-episodes; the other options
-    must be those that began it."""
+    must be those that began it, and the policy must have the same content."""
     seed: int = 0
     """Draws the episodes, and what is random in them."""
     quiet: bool = False
@@ -115,7 +116,7 @@ def record(
     env, machine, scenes, features = _prepared(options, sensors)
     episodes = drawn_episodes(env.bank, scenes, options.num_episodes, options.seed)
     results: collections.Counter[str] = collections.Counter()
-    origin = _origin(options, env, scenes, sensors)
+    origin = _origin(options, machine, scenes, sensors)
     with (
         open_writer(
             folder, options.format, options.size, options.lidar, features, env, origin, options.resume
@@ -356,15 +357,19 @@ def _columns(env: "NavEnv", readings: "Readings", driven: "Driven") -> tuple[dic
     return columns, metadata
 
 
-def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: tuple[str, ...]) -> dict[str, Any]:
+def _origin(options: RecordOptions, machine: "Machine", scenes: np.ndarray, sensors: tuple[str, ...]) -> dict[str, Any]:
     """What made the dataset, and what the labels of its images mean."""
     from ...training.policy import package_versions
     from .lidar import lidar_height
     from .readings import intrinsics
 
-    bank = env.bank
+    env, policy, bank = machine.env, machine.policy, machine.env.bank
+    # A policy outside JAX may answer with other bits in a batch of another size.
+    batch = policy.outside and not options.teleop
     body: dict[str, Any] = {
         "policy": options.policy,
+        **({"policy_content": {"name": policy.loaded, "sha256": policy.sha256}} if policy.sha256 else {}),
+        **({"num_envs": min(options.num_envs, options.num_episodes)} if batch else {}),
         "format": options.format,
         "sensors": list(sensors),
         **({"teleop": True} if options.teleop else {}),
@@ -377,7 +382,7 @@ def _origin(options: RecordOptions, env: "NavEnv", scenes: np.ndarray, sensors: 
     }
     body["camera"] = dict(intrinsics(env.mj_model, env.robot.camera, *options.size))
     if "lidar" in sensors:
-        body["lidar"] = {**dataclasses.asdict(options.lidar), "height": lidar_height(env, options.lidar)}
+        body["lidar"] = {**options.lidar.described(), "height": lidar_height(env, options.lidar)}
     if "semantic" in sensors:
         body["semantic"] = ["sky", "robot", *bank.meta["categories"]]
     if "instance" in sensors:
