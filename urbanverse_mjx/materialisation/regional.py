@@ -20,7 +20,7 @@ from .cousins import Cousin, index_of, trees_of
 from .facades import dress
 
 #: Trees tried in the place of one before it is kept.
-TRIED = 12
+TRIED = 150
 
 
 def check_city(graph: SceneGraph) -> None:
