@@ -147,6 +147,14 @@ def finetune_config() -> ConfigDict:
     )
 
 
+def _finetune_without_labels() -> ConfigDict:
+    """`finetune_config` as a part of another config, with no weight of a teacher's labels."""
+    config = finetune_config()
+    config.imitation = config.final_imitation = 0.0
+    del config.num_envs, config.seed
+    return config
+
+
 def _quick() -> ConfigDict:
     """Imitation of a scripted controller on a CPU."""
     config = imitation_config()
@@ -163,7 +171,7 @@ def _quick() -> ConfigDict:
 def _best() -> ConfigDict:
     """A privileged teacher, its imitation by a student with a camera, and PPO fine-tuning, on a GPU; for the fields see
     `training.teacher_student.TeacherStudent`."""
-    config, teacher, finetune = imitation_config(), _fast(), finetune_config()
+    config, teacher = imitation_config(), _fast()
     config.num_timesteps, config.num_checkpoints = 68_000_000, 10
     config.shares = {"teacher": 12.0, "imitation": 26.0, "finetune": 30.0}
     config.validation_episodes = 256
@@ -172,20 +180,16 @@ def _best() -> ConfigDict:
     # Minibatches per rollout; the teacher generalises better without the map (docs/results.md).
     teacher.minibatches = 8
     teacher.network = {"map_layers": (), "hidden": (256, 256, 128)}
-    finetune.imitation = finetune.final_imitation = 0.0
-    del finetune.num_envs, finetune.seed
-    config.teacher, config.finetune = teacher, finetune
+    config.teacher, config.finetune = teacher, _finetune_without_labels()
     return config
 
 
 def _tune() -> ConfigDict:
     """PPO of a trained student on the streets of a bank, on a GPU; for the fields see `training.tuning.tune`."""
-    student, finetune = imitation_config(), finetune_config()
-    finetune.imitation = finetune.final_imitation = 0.0
-    del finetune.num_envs, finetune.seed
+    student = imitation_config()
     kept = {name: student[name] for name in ("algorithm", "num_envs", "seed", "network")}
     own = {"num_timesteps": 20_971_520, "num_checkpoints": 4, "validation_episodes": 256}  # 160 iterations
-    return ConfigDict({**kept, **own, "finetune": finetune})
+    return ConfigDict({**kept, **own, "finetune": _finetune_without_labels()})
 
 
 def ppo_config(preset: str = "paper") -> ConfigDict:
