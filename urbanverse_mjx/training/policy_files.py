@@ -10,10 +10,12 @@ from typing import Any
 from ..datatypes import validation as v
 
 FILE = "policy.json"
-#: Fields of `policy.json` that this module adds: path within the folder -> CRC-32 of that file, 8 hexadecimal digits,
-#: and the SHA-256 of all other fields. Older policies have the SHA-256 of each file, which takes twice as long, or
-#: neither field, and are then loaded without this check.
-SEAL, _DIGITS = ("files", "checksum"), 8
+#: Fields of `policy.json` that this module adds: path within the folder -> CRC-32 of that file, and the SHA-256 of all
+#: other fields. Older policies have the SHA-256 of each file, which takes twice as long, or neither field, and are then
+#: loaded without this check.
+SEAL = ("files", "checksum")
+#: Hexadecimal digits of a CRC-32.
+_DIGITS = 8
 _NEEDED = "the bytes that were written; take another checkpoint, or copy the policy again from where it is whole"
 
 
