@@ -10,6 +10,7 @@ kernels) | `$XDG_CACHE_HOME/urbanverse_mjx` | | `XDG_CACHE_HOME` | folder of all
 `URBANVERSE_VISION_KEY` | its key, if it needs one | none | | `URBANVERSE_VISION_MODEL` | its model | none: needed with
 the address | | `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use | |
 `JAX_COMPILATION_CACHE_DIR` | where commands keep what JAX compiled; "" for nowhere | `jax/` in the cache folder |
+| `JAX_LOCAL_DEVICE_IDS` | numbers of the GPUs of a process of a training over several hosts | all of its host |
 """
 
 import dataclasses
@@ -49,6 +50,16 @@ def use_compilation_cache() -> pathlib.Path:
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache_dir("jax")))
     os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", str(4 * 2**30))
     return pathlib.Path(os.environ["JAX_COMPILATION_CACHE_DIR"])
+
+
+def has_all_gpus() -> bool:
+    """Whether this process of a training over several hosts has all GPUs that it sees: not if
+    `JAX_LOCAL_DEVICE_IDS` selects some, or Slurm or Open MPI started more processes than hosts."""
+    if os.environ.get("JAX_LOCAL_DEVICE_IDS"):
+        return False
+    tasks = int(os.environ.get("SLURM_NTASKS", "1"))
+    hosts = int(os.environ.get("SLURM_STEP_NUM_NODES", tasks))
+    return tasks <= hosts and int(os.environ.get("OMPI_COMM_WORLD_LOCAL_SIZE", "1")) == 1
 
 
 def asset_root() -> pathlib.Path:

@@ -22,6 +22,7 @@ CLUSTER = ROOT / "docs" / "cluster"
 SRUN = """#!/bin/bash
 [ "$1" = --kill-on-bad-exit=1 ] || exit 9
 shift
+export SLURM_STEP_NUM_NODES=2
 for i in 0 1; do SLURM_PROCID=$i SLURM_LOCALID=0 "$@" & jobs+=($!); done
 for job in "${jobs[@]}"; do wait $job || exit 1; done
 """
@@ -34,6 +35,7 @@ if os.environ.get("JOIN"):
     from urbanverse_mjx.training.run import join_processes
     join_processes("auto", None, None)
     found |= {{"index": jax.process_index(), "processes": jax.process_count(), "devices": jax.device_count()}}
+    found |= {{"gpus": jax.config.read("jax_cuda_visible_devices")}}
 sys.stdout.write(json.dumps(found) + "\\n")
 """
 
@@ -80,6 +82,7 @@ def test_slurm_starts_the_command_on_every_host(tmp_path: pathlib.Path) -> None:
 def test_processes_that_slurm_starts_find_each_other(tmp_path: pathlib.Path) -> None:
     said = submitted(tmp_path, JOIN="1")
     assert [(x["process"], x["index"], x["processes"], x["devices"]) for x in said] == [(0, 0, 2, 2), (1, 1, 2, 2)]
+    assert [x["gpus"] for x in said] == ["all", "all"], "by default JAX gives each process one"
 
 
 def test_kubernetes_gives_every_process_its_number_and_the_first_one_s_address() -> None:

@@ -21,6 +21,7 @@ from urbanverse_mjx.pipeline import banks
 from urbanverse_mjx.training import run as training_run
 from urbanverse_mjx.training import tuning
 from urbanverse_mjx.training.config import default_ppo_config
+from urbanverse_mjx.training.devices import Devices
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
 from urbanverse_mjx.training.record import RunRecord
 
@@ -246,6 +247,18 @@ def test_a_bank_without_test_streets_is_refused_before_the_training(session: Ses
     assert list(session.folder.iterdir()) == []
     session.killed()
     assert len(session.trainer.calls) == 1, "without an evaluation it is trained"
+
+
+def test_episodes_drawn_by_success_rates_are_refused_on_several_devices_before_the_training(
+    session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = ("--playground-config-overrides", '{"schedule.learnable": 0.5}')
+    monkeypatch.setattr(Devices, "every", staticmethod(lambda: Devices(tuple(jax.devices()[:1]) * 2)))
+    for asked in (["--preset", "cpu"], ["--preset", "tune", "--start-from", "policy"]):
+        with pytest.raises(ValidationError, match="found it together with 2 devices, needed one device"):
+            session.train(*asked, *drawn)
+    assert session.trainer.calls == []
+    assert list(session.folder.iterdir()) == []
 
 
 def test_a_run_that_fails_before_it_begins_leaves_no_folder(session: Session) -> None:

@@ -72,7 +72,7 @@ def main() -> None:
     # Resumed on both devices from a file.
     halfway, _ = trained(both, 1)
     path = snapshot.save_state(folder / "state.npz", halfway)
-    again = snapshot.load_state(path, jax.eval_shape(both.begin))
+    again = both.placed(snapshot.load_state(path, jax.eval_shape(both.begin)))
     for k in (1, 2):
         again, _ = both.iterate(again, jnp.float32(k / 3))
     shuffled = learner(env, stage, two, minibatches=2, light=0.2, pixel_noise=0.01)

@@ -12,11 +12,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tests.training.test_student import seeing_env
+from tests.support.unicycle import unicycle_env
+from tests.training.test_student import OVERRIDES, seeing_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import wrap_for_training
-from urbanverse_mjx.training import dagger
-from urbanverse_mjx.training.devices import Devices
+from urbanverse_mjx.training import dagger, finetune
+from urbanverse_mjx.training.devices import EQUAL, Devices
 from urbanverse_mjx.training.policy import load_student
 from urbanverse_mjx.training.record import RunRecord
 
@@ -99,12 +100,43 @@ def test_shares_that_are_not_equal_are_refused(small_bank: SceneBank) -> None:
     wrapped = wrap_for_training(env, env.config.episode_length)
     config = dagger.default_dagger_config()
     config.update({"num_envs": 8, "minibatches": 2})
-    with pytest.raises(ValidationError, match="found 8, needed a multiple of 3 devices x 2 minibatches"):
+    needed = "found 8, needed a multiple of 3 devices x 2 minibatches"
+    with pytest.raises(ValidationError, match=rf"{needed} \(ppo\.minibatches\); take --num-envs 6, or fewer GPUs"):
         dagger.Dagger(wrapped, lambda *_: None, config, devices=three)  # type: ignore[arg-type]
+    ppo = finetune.default_finetune_config()
+    ppo.update({"num_envs": 8, "minibatches": 2})
+    with pytest.raises(ValidationError, match=rf"{needed} \(ppo\.finetune\.minibatches\)"):
+        finetune.Finetune(wrapped, lambda *_: None, config, ppo, devices=three)  # type: ignore[arg-type]
+
+
+def test_the_number_of_envs_that_is_proposed_fits_all_stages() -> None:
+    stages = {"ppo.minibatches": 8, "ppo.finetune.minibatches": 12}
+    for count in range(1, 9):
+        devices = Devices((None,) * count)
+        with pytest.raises(ValidationError, match=r"\(ppo\.minibatches, ppo\.finetune\.minibatches\)") as error:
+            devices.check_shares(4097, stages)
+        words = str(error.value).replace(",", " ").replace(".", " ").split()
+        devices.check_shares(int(words[words.index("--num-envs") + 1]), stages)
+        assert ("CUDA_VISIBLE_DEVICES" in words) == (count > 1)
+    with pytest.raises(ValidationError, match=r"ppo\.minibatches"):
+        Devices((None,)).check_shares(8, {"ppo.minibatches": 0})
+
+
+def test_episodes_drawn_by_their_success_rates_need_one_device(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank, {**OVERRIDES, "schedule.learnable": 0.5}, vision=True)
+    wrapped = wrap_for_training(env, env.config.episode_length)
+    config = dagger.default_dagger_config()
+    config.update({"num_envs": 8, "minibatches": 2})
+    two = Devices(tuple(jax.devices()[:1]) * 2)
+    with pytest.raises(ValidationError, match=r"schedule\.learnable: found it together with 2 devices"):
+        dagger.Dagger(wrapped, lambda *_: None, config, devices=two)  # type: ignore[arg-type]
+    alone = Devices(tuple(jax.devices()[:1]))
+    dagger.Dagger(wrapped, lambda *_: None, config, devices=alone)  # type: ignore[arg-type]
 
 
 def test_one_device_adds_nothing() -> None:
     alone = Devices(tuple(jax.devices()[:1]))
     values, key = jnp.arange(6.0), jax.random.key(3)
-    assert alone.rows(values) is alone.mean(values) is alone.sum(values) is alone.given(values) is values
+    assert alone.rows(values) is alone.mean(values) is alone.sum(values) is values
+    assert alone.place(values, EQUAL) is alone.local_copy(values) is values
     assert alone.own_key(key) is key

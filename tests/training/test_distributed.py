@@ -1,17 +1,22 @@
 """Training over several processes, as on several hosts, and over several devices of one."""
 
+import inspect
 import json
 import os
 import pathlib
+import re
 import socket
 import subprocess
 import sys
 
+import jax
 import pytest
 
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.training.config import default_ppo_config
+from urbanverse_mjx.training.devices import Devices
 from urbanverse_mjx.training.policy import load_policy
-from urbanverse_mjx.training.run import join_processes
+from urbanverse_mjx.training.run import check_shares, join_processes
 
 ROOT = pathlib.Path(__file__).parents[2]
 
@@ -55,6 +60,57 @@ def test_two_devices_of_one_process(bank_file: str, tmp_path: pathlib.Path) -> N
     found = answer(start([bank_file, str(tmp_path / "run")], XLA_FLAGS=flags))
     assert found == {"process": 0, "devices": 2, "sum_over_devices": 2.0, "steps": 1024, "wrote_policy": True}
     assert load_policy(tmp_path / "run")[1].steps == 1024
+
+
+@pytest.mark.parametrize(
+    ("variables", "gpus"),
+    [
+        ({}, []),
+        ({"SLURM_NTASKS": "2", "SLURM_STEP_NUM_NODES": "2"}, []),
+        ({"SLURM_NTASKS": "8", "SLURM_STEP_NUM_NODES": "2"}, None),
+        ({"SLURM_NTASKS": "2", "SLURM_STEP_NUM_NODES": "2", "JAX_LOCAL_DEVICE_IDS": "0,1"}, None),
+        ({"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_LOCAL_SIZE": "1"}, []),
+        ({"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_LOCAL_SIZE": "2"}, None),
+    ],
+)
+@pytest.mark.parametrize("arguments", [("auto", None, None), ("127.0.0.1:7777", 2, 0)])
+def test_a_process_that_has_a_host_to_itself_has_all_its_gpus(
+    variables: dict[str, str],
+    gpus: list[int] | None,
+    arguments: tuple[str, int | None, int | None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """JAX restricts a process to its devices in a list that is not empty, and takes one itself for None."""
+    for name in [name for name in os.environ if name.startswith(("SLURM_", "OMPI_", "JAX_LOCAL"))]:
+        monkeypatch.delenv(name)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    # Collectives of CPUs stay as they are for the other tests of this process.
+    monkeypatch.setattr(jax.config, "update", lambda *_: None)
+    asked: list[inspect.BoundArguments] = []
+    signature = inspect.signature(jax.distributed.initialize)
+    monkeypatch.setattr(jax.distributed, "initialize", lambda *a, **k: asked.append(signature.bind(*a, **k)))
+    join_processes(*arguments)
+    assert [call.arguments["local_device_ids"] for call in asked] == [gpus]
+
+
+@pytest.mark.parametrize(
+    ("num_envs", "minibatch", "devices", "remedy"),
+    [(96, 512, 5, "--num-envs 90 .*480"), (96, 512, 3, "--num-envs 90 .*480"), (96, 32, 2, "--num-envs 96 .*64")],
+)
+def test_shares_of_brax_ppo_that_are_not_equal_are_refused(
+    num_envs: int, minibatch: int, devices: int, remedy: str
+) -> None:
+    config = default_ppo_config("paper")
+    config.update({"num_envs": num_envs, "minibatch": minibatch})
+    with pytest.raises(ValidationError, match=f"found {minibatch}, needed a multiple of {devices} devices") as error:
+        check_shares(config, Devices((None,) * devices))
+    found = re.search(r'--num-envs (\d+) --ppo-overrides \'\{"minibatch": (\d+)\}\', or fewer GPUs', str(error.value))
+    assert found is not None
+    assert re.search(remedy, str(error.value))
+    # What the error proposes works.
+    config.update({"num_envs": int(found[1]), "minibatch": int(found[2])})
+    check_shares(config, Devices((None,) * devices))
 
 
 @pytest.mark.parametrize(

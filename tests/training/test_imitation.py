@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import shutil
 from typing import Any
 
 import jax
@@ -45,6 +46,12 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
         distil("CocoNav", env, config, tmp_path / "whole", teach, quiet=True)
     with pytest.raises(ValidationError, match="done already; ask for more"):
         distil("CocoNav", env, config, tmp_path / "whole", teach, resume=True, quiet=True)
+    # As if it had been killed between its last state and the policy of it.
+    assert whole.policy is not None
+    shutil.rmtree(whole.policy)
+    completed = distil("CocoNav", env, config, tmp_path / "whole", teach, resume=True, quiet=True)
+    assert (completed.policy, completed.steps) == (whole.policy, 96)
+    assert PolicySpec.load(latest_policy(tmp_path / "whole")).steps == 96
 
     save, saved = imitation.save_student, []
 

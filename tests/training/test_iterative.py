@@ -25,6 +25,12 @@ class Counter:
 
     steps_per_iteration = 10
 
+    def placed(self, state: Counted) -> Counted:
+        return state
+
+    def actor(self, state: Counted) -> jax.Array:
+        return state.params
+
     def iterate(self, state: Counted, progress: jax.Array) -> tuple[Counted, dict[str, jax.Array]]:
         del progress
         ends = dict.fromkeys(("success", "hit", "off_traversable", "timeout"), jnp.float32(0.25))
@@ -47,7 +53,6 @@ def counting(folder: pathlib.Path, rates: Sequence[float] | None, saved: list[in
     return Iterations(
         learner=Counter(),
         begin=lambda: Counted(jnp.int32(0), jnp.float32(0.0)),
-        actor_of=lambda state: state.params,
         save=save,
         folder=folder,
         iterations=6,
@@ -101,14 +106,14 @@ def test_a_resumed_run_keeps_the_best_of_before_it(tmp_path: pathlib.Path) -> No
     run.run(run.first_state(False))
     assert saved == [20, 40]
     last = counting(tmp_path, rates, saved)
-    last.replace_missing_policy(last.first_state(True))
+    assert not last.replace_missing_policy(last.first_state(True))
     assert saved == [20, 40], "the last state was not the best: it has no policy that could be missing"
     (tmp_path / STATE_BEFORE).replace(tmp_path / STATE)
     again = counting(tmp_path, rates, saved)
     state = again.first_state(True)
     assert (int(state.steps), float(state.params)) == (4, 4.0)
     saved.clear()
-    again.replace_missing_policy(state)
+    assert again.replace_missing_policy(state)
     assert saved == [40]
     again.run(state)
     assert saved == [40], "0.4 is worse than 0.8"

@@ -89,6 +89,17 @@ def test_three_stages_make_one_policy_with_a_camera(small_bank: SceneBank, tmp_p
     assert not (tmp_path / "other" / "teacher").exists()
 
 
+def test_minibatches_of_every_stage_are_checked_before_the_teacher_is_trained(
+    small_bank: SceneBank, tmp_path: pathlib.Path
+) -> None:
+    for section in ("teacher", "finetune"):
+        run = training(small_bank, tmp_path / "run")
+        run.config[section].minibatches = 3
+        with pytest.raises(ValidationError, match="found 4, needed a multiple of 1 device x 6 minibatches"):
+            run.train(False)
+        assert not (tmp_path / "run").exists()
+
+
 def test_each_stage_has_its_share_of_the_steps(tmp_path: pathlib.Path) -> None:
     config = ConfigDict(ppo_config("best").to_dict())
     config.num_timesteps, config.seed = 6_800_000, 7

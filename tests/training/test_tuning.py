@@ -1,6 +1,7 @@
 """The preset `tune`: a trained student goes on by PPO from its own parameters, exactly when cut off."""
 
 import pathlib
+import shutil
 from typing import Any
 
 import jax
@@ -50,12 +51,14 @@ def leaves(policy: pathlib.Path | None) -> np.ndarray:
 
 
 def test_it_begins_at_the_parameters_of_the_policy(
-    small_bank: SceneBank, student: pathlib.Path, tmp_path: pathlib.Path
+    small_bank: SceneBank, student: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # While the critic learns alone, the actor stays what it was.
     kept = tuned(small_bank, tmp_path / "kept", student, critic_only=10_000)
     np.testing.assert_array_equal(leaves(kept.policy), leaves(student))
-    changed = tuned(small_bank, tmp_path / "changed", student)
+    with monkeypatch.context() as elsewhere:
+        elsewhere.chdir(student.parent)
+        changed = tuned(small_bank, tmp_path / "changed", pathlib.Path(student.name))
     assert changed.policy is not None
     assert changed.policy == latest_policy(tmp_path / "changed")
     assert changed.steps == PolicySpec.load(changed.policy).steps == 64
@@ -81,7 +84,8 @@ def test_a_run_that_was_cut_off_ends_at_the_same_policy(
     with pytest.raises(KeyboardInterrupt):
         tuned(small_bank, tmp_path / "cut", student)
     monkeypatch.undo()
-    # The command does not name the policy again.
+    # The command does not name the policy again, and does not need it.
+    shutil.rmtree(student)
     again = tuned(small_bank, tmp_path / "cut", None, resume=True)
     np.testing.assert_array_equal(leaves(again.policy), leaves(whole.policy))
 

@@ -118,8 +118,9 @@ def _train(
     name: str, config: Any, ppo: Any, folder: pathlib.Path, options: TrainOptions, quiet: bool
 ) -> dict[str, Any]:
     from ..datatypes import ValidationError
-    from ..envs import NavEnv, registry
+    from ..envs import NavEnv, registry, wrap_for_training
     from ..training.brax_compat import tables_as_arguments
+    from ..training.devices import Devices
     from .evaluation import evaluate_policy
 
     begin = time.monotonic()
@@ -140,6 +141,8 @@ def _train(
     _say(f"run folder: {folder}", quiet)
     bank = bank_of(name, quiet, config.get("preset"), options.bank)
     env = registry.load(name, config=config, bank=bank)
+    if source is None:
+        Devices.every().check_draws(wrap_for_training(env, config.episode_length).learns_episodes)
     if options.num_episodes and isinstance(env, NavEnv) and "test" not in bank.meta["splits"]:
         known = ", ".join(sorted(set(bank.meta["splits"])))
         raise ValidationError(

@@ -102,6 +102,10 @@ class Cloning:
         """
         return self._compiled(state, self._data, progress)
 
+    def placed(self, state: CloningState) -> CloningState:
+        """A state of a file, on the device."""
+        return state
+
     def actor(self, state: CloningState) -> Any:
         """The parameters of the student in a state."""
         return state.params

@@ -2,12 +2,13 @@
 
 Each device steps its share of the envs and computes the gradients of its share of a minibatch; gradients are averaged
 before the optimizer sees them, so N devices do what one does with the same total number of envs, up to rounding, apart
-from the random numbers of image augmentation and the order of sequences. `jax.shard_map` gives each device a program
-of its own, which the engines' custom calls need.
+from the random numbers of image augmentation and of a teacher that uses its key, and the order of sequences.
+`jax.shard_map` gives each device a program of its own, which the engines' custom calls need.
 """
 
 import dataclasses
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import jax
@@ -16,6 +17,7 @@ import numpy as np
 from jax.sharding import NamedSharding, PartitionSpec
 
 from ..datatypes import ValidationError
+from ..datatypes import validation as v
 
 AXIS = "devices"
 #: Placement of arrays: with a leading axis of envs, and equal on all devices.
@@ -26,7 +28,8 @@ SPREAD, EQUAL = PartitionSpec(AXIS), PartitionSpec()
 class Devices:
     """Devices that train together. With one device, all methods return what they are given.
 
-    The methods named in the second group are called in a function that `run` runs.
+    `mean`, `sum`, `variance`, `std`, `rows` and `own_key` are called within a function that `run` compiles, the others
+    outside of it.
 
     Attributes:
       devices: of this process, or of all processes that train together.
@@ -47,17 +50,45 @@ class Devices:
     def _mesh(self) -> jax.sharding.Mesh:
         return jax.sharding.Mesh(np.array(self.devices), (AXIS,))
 
-    def check(self, num_envs: int, minibatches: int, where: str) -> None:
-        """Checks that every device gets equally many envs and minibatches.
+    def check_shares(self, num_envs: int, minibatches: Mapping[str, int]) -> None:
+        """Checks that every device gets equally many envs of every minibatch.
+
+        Args:
+          minibatches: key in the config -> number of minibatches that all envs are cut into, of each stage.
 
         Raises:
           ValidationError: it does not.
         """
-        if num_envs % (self.count * minibatches):
+        for key, number in minibatches.items():
+            v.integer(number, key, 1)
+        parts = math.lcm(*minibatches.values())
+        each = self.count * parts
+        if num_envs % each:
             raise ValidationError(
-                f"{where}.num_envs: found {num_envs}, needed a multiple of {self.count} devices x {minibatches} "
-                "minibatches."
+                f"ppo.num_envs: found {num_envs}, needed a multiple of {v.counted(self.count, 'devices')} x "
+                f"{v.counted(parts, 'minibatches')} ({', '.join(minibatches)}); take --num-envs "
+                f"{nearest(num_envs, each)}{self.remedy}."
             )
+
+    def check_draws(self, learns_episodes: bool) -> None:
+        """Checks that episodes are not drawn by their success rates on several devices.
+
+        Args:
+          learns_episodes: of the wrapped env.
+
+        Raises:
+          ValidationError: they are.
+        """
+        if self.count > 1 and learns_episodes:
+            raise ValidationError(
+                f"config.schedule.learnable: found it together with {self.count} devices, needed one device, because "
+                "each would count success rates of its own; set it to 0.0, or CUDA_VISIBLE_DEVICES to one GPU."
+            )
+
+    @property
+    def remedy(self) -> str:
+        """The end of an error about a number that does not divide."""
+        return "" if self.count == 1 else ", or fewer GPUs by CUDA_VISIBLE_DEVICES"
 
     def run(self, function: Callable[..., Any], given: Any, made: Any, donate: Any = ()) -> Callable[..., Any]:
         """Compiles a function that runs on each device with its share of the envs.
@@ -75,15 +106,23 @@ class Devices:
             alone, donate_argnums=donate, in_shardings=self._shardings(given), out_shardings=self._shardings(made)
         )
 
-    def made(self, make: Callable[[], Any], placement: Any) -> Any:
+    def create(self, make: Callable[[], Any], placement: Any) -> Any:
         """What a function of nothing returns, on the devices; all processes call this with functions that are equal."""
         return make() if self.count == 1 else jax.jit(make, out_shardings=self._shardings(placement))()
 
-    def given(self, tree: Any) -> Any:
-        """Arrays that are equal in all processes as arguments of a compiled function."""
-        return tree if self.count == 1 else jax.tree.map(np.asarray, tree)
+    def place(self, tree: Any, placement: Any) -> Any:
+        """Arrays that are equal in all processes, on the devices; each device gets its share alone.
 
-    def own(self, tree: Any) -> Any:
+        Args:
+          placement: prefix pytree of `SPREAD` and `EQUAL`.
+        """
+        if self.count == 1:
+            return tree
+        return jax.tree.map(
+            lambda sharding, part: jax.tree.map(lambda x: _placed(x, sharding), part), self._shardings(placement), tree
+        )
+
+    def local_copy(self, tree: Any) -> Any:
         """The copy of the first device of arrays that are equal on all."""
         if self.count == 1:
             return tree
@@ -122,6 +161,18 @@ class Devices:
     def std(self, values: jax.Array) -> jax.Array:
         """Standard deviation of the values of all devices."""
         return values.std() if self.count == 1 else jnp.sqrt(self.variance(values))
+
+
+def nearest(number: int, each: int) -> int:
+    """The multiple of `each`, at least one, that is nearest to a number."""
+    return each * max(round(number / each), 1)
+
+
+def _placed(leaf: Any, sharding: NamedSharding) -> jax.Array:
+    is_key = jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
+    data = np.asarray(jax.random.key_data(leaf) if is_key else leaf)
+    spread = jax.make_array_from_callback(data.shape, sharding, lambda share: data[share])
+    return jax.random.wrap_key_data(spread, impl=jax.random.key_impl(leaf)) if is_key else spread
 
 
 #: One device, whichever computes.

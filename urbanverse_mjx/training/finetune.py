@@ -116,6 +116,8 @@ class Finetune(StudentLearner):
       devices: see `StudentLearner`.
     """
 
+    SECTION = "ppo.finetune"
+
     def __init__(
         self,
         env: Any,
@@ -134,7 +136,7 @@ class Finetune(StudentLearner):
         self._critic = MapCritic(MapTrunk(layers, tuple(int(n) for n in config.critic_hidden)))  # type: ignore[arg-type]
 
     def actor(self, state: LearnerState) -> Any:
-        return self.devices.own(state.params["actor"])
+        return self.devices.local_copy(state.params["actor"])
 
     def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:
         return {"actor": student, "critic": self._critic.init(key, obs[MAP][:1], obs[VECTOR][:1])}

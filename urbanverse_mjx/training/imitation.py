@@ -77,7 +77,6 @@ def fit(
     run = Iterations(
         learner=learner,
         begin=begin or learner.begin,
-        actor_of=learner.actor,
         save=save,
         folder=folder,
         iterations=iterations,
@@ -95,8 +94,8 @@ def fit(
             folder.mkdir(parents=True, exist_ok=True)
     state = run.first_state(resume)
     done = int(state.steps)
-    if resume:
-        run.replace_missing_policy(state)
+    if resume and run.replace_missing_policy(state) and done == iterations:
+        return run.run(state)  # only the last policy was missing
     if done >= iterations:
         raise ValidationError(f"num_timesteps: found {total}, but {done * each} are done already; ask for more.")
     record = begin_segment(folder, environment, env.config, config, done * each, start_from)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+import numpy as np
 from jax.experimental import multihost_utils
 
 from ..datatypes import ValidationError
@@ -34,9 +35,9 @@ class Iterations:
     """The run of a learner in a folder.
 
     Attributes:
-      learner: learner with `iterate` and `steps_per_iteration`.
+      learner: learner with `iterate`, `steps_per_iteration`, `actor` (function from a state to the parameters of the
+        actor) and `placed` (function from a state of a file to one that `iterate` takes).
       begin: function that returns its state before the first iteration.
-      actor_of: function that returns the parameters of the actor in a state.
       save: function (parameters of the actor, env-steps of this learner) that writes a policy folder to checkpoints/
         and returns it.
       folder: log.jsonl, TensorBoard's events, state.npz, state-before.npz and validation.json go there.
@@ -49,7 +50,6 @@ class Iterations:
 
     learner: Any
     begin: Callable[[], Any]
-    actor_of: Callable[[Any], Any]
     save: Callable[[Any, int], pathlib.Path]
     folder: pathlib.Path
     iterations: int
@@ -66,23 +66,28 @@ class Iterations:
         """
         if not resume:
             return self.begin()
-        state = _newest_state(self.folder, jax.eval_shape(self.begin))
-        return self.learner.placed(state) if hasattr(self.learner, "placed") else state
+        return self.learner.placed(_newest_state(self.folder, jax.eval_shape(self.begin)))
 
-    def replace_missing_policy(self, state: Any) -> None:
-        """Writes the policy of a state from which a run continues if the policy is missing."""
+    def replace_missing_policy(self, state: Any) -> bool:
+        """Writes the policy of a state from which a run continues if the policy is missing; returns whether it was, in
+        all of several processes."""
+        missing = jax.process_index() == 0 and self._misses_policy(state)
+        if missing:
+            done = int(state.steps)
+            self.save(self.learner.actor(state), done * self.learner.steps_per_iteration)
+        if jax.process_count() == 1:
+            return missing
+        return bool(multihost_utils.broadcast_one_to_all(np.array(missing)))
+
+    def _misses_policy(self, state: Any) -> bool:
         done = int(state.steps)
-        if self.validate is not None and self._best()[1] != done:
-            return
-        if jax.process_index() > 0:
-            return
-        steps = done * self.learner.steps_per_iteration
-        folder = policy_path(self.folder / "checkpoints", self.steps_before + steps)
+        if done == 0 or (self.validate is not None and self._best()[1] != done):
+            return False
+        steps = self.steps_before + done * self.learner.steps_per_iteration
+        folder = policy_path(self.folder / "checkpoints", steps)
         with contextlib.suppress(ValidationError):
-            if latest_policy(folder) == folder:
-                return
-        if done:
-            self.save(self.actor_of(state), steps)
+            return latest_policy(folder) != folder
+        return True
 
     def run(self, state: Any) -> TrainingResult:
         """Iterates from `state` to the end; returns the newest policy, or None if no checkpoint is as good as the
@@ -111,7 +116,7 @@ class Iterations:
                     (self.folder / STATE).replace(self.folder / STATE_BEFORE)
                 snapshot.save_state(self.folder / STATE, state)
                 if writes and good:
-                    last.append(self.save(self.actor_of(state), number * each))
+                    last.append(self.save(self.learner.actor(state), number * each))
 
         try:
             sequences.run(self.learner, self.iterations, float("inf"), on_iteration, state)
@@ -141,7 +146,7 @@ class Iterations:
         A resumed run may validate the same states again; `>=` accepts the best of them again.
         """
         assert self.validate is not None
-        rates = self.validate(self.actor_of(state))
+        rates = self.validate(self.learner.actor(state))
         mean = sum(rates.values()) / len(rates)
         good = mean >= self._best()[0]
         if good:

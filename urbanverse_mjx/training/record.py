@@ -161,7 +161,7 @@ def begin_segment(
         "begun": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "devices": f"{jax.device_count()} x {jax.devices()[0].device_kind}",
         "versions": package_versions(),
-        **({} if start_from is None else {"start_from": str(start_from)}),
+        **({} if start_from is None else {"start_from": str(start_from.absolute())}),
     }
     return RunRecord(environment, env.to_dict(), ppo.to_dict(), (*earlier, segment))
 

@@ -8,11 +8,13 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
+from .. import settings
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from .brax_compat import load_ppo
-from .config import brax_arguments, steps_trained
+from .config import batch_shape, brax_arguments, steps_trained
+from .devices import Devices, nearest
 from .policy import PolicySpec, latest_policy, load_compatible, load_params, network_factory, save_policy
 from .progress import TrainingLog
 from .record import begin_segment, check_scenes
@@ -51,6 +53,22 @@ def _start_of(folder: pathlib.Path, resume: bool, env: Any) -> tuple[int, Any]:
     spec = PolicySpec.load(path)
     check_scenes(spec, env)
     return spec.steps, params
+
+
+def check_shares(config: ConfigDict, devices: Devices) -> None:
+    """Checks that every device gets equally many envs of every minibatch of Brax PPO.
+
+    Raises:
+      ValidationError: it does not.
+    """
+    sequences, _ = batch_shape(config)
+    if sequences % devices.count:
+        fit = nearest(sequences, devices.count)
+        raise ValidationError(
+            f"ppo.minibatch: found {config.minibatch}, needed a multiple of {devices.count} devices x unroll_length "
+            f"{config.unroll_length}; take --num-envs {nearest(config.num_envs, fit)} --ppo-overrides "
+            f"'{{\"minibatch\": {fit * config.unroll_length}}}'{devices.remedy}."
+        )
 
 
 def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
@@ -105,10 +123,8 @@ def train(
     total = int(ppo_config.num_timesteps)
     if start >= total:
         raise ValidationError(f"ppo.num_timesteps: found {total}, but {start} are done already; ask for more.")
-    if ppo_config.num_envs % jax.device_count():
-        raise ValidationError(
-            f"ppo.num_envs: found {ppo_config.num_envs}, needed a multiple of the {jax.device_count()} devices."
-        )
+    check_shares(ppo_config, Devices.every())
+    Devices.every().check_draws(wrap_for_training(env, env.config.episode_length).learns_episodes)
     record = begin_segment(folder, environment, env.config, ppo_config, start, start_from)
     last: list[pathlib.Path] = []
 
@@ -155,7 +171,10 @@ def _ignore_progress(_: int, __: Any) -> None:
 
 
 def join_processes(coordinator: str, num_processes: int | None, process_id: int | None) -> None:
-    """Joins this process to a training over several hosts, each of which uses its own devices.
+    """Joins this process to a training over several hosts, each of which uses all GPUs that it sees.
+
+    Where Slurm or Open MPI started more processes than hosts, the k-th process of a host uses GPU k instead. The
+    environment variable JAX_LOCAL_DEVICE_IDS (such as "0,1") selects others.
 
     Must be called before JAX initialises its devices. All processes then call `train` with the same arguments;
     `num_envs` is the total over all of them. Only the first process writes files.
@@ -169,7 +188,7 @@ def join_processes(coordinator: str, num_processes: int | None, process_id: int 
       ValidationError: a number is missing or outside its range.
     """
     if coordinator == "auto":
-        jax.distributed.initialize()
+        jax.distributed.initialize(local_device_ids=_local_device_ids())
         return
     if num_processes is None or process_id is None:
         raise ValidationError(
@@ -182,4 +201,10 @@ def join_processes(coordinator: str, num_processes: int | None, process_id: int 
         raise ValidationError(f"--coordinator: found {coordinator!r}, needed HOST:PORT of process 0.")
     # Processes on CPUs need a library for collective operations.
     jax.config.update("jax_cpu_collectives_implementation", "gloo")
-    jax.distributed.initialize(coordinator, num_processes, process_id)
+    jax.distributed.initialize(coordinator, num_processes, process_id, _local_device_ids())
+
+
+def _local_device_ids() -> list[int] | None:
+    """The GPUs of this process for `jax.distributed.initialize`: [] for all, None for JAX's choice, which under Slurm
+    and Open MPI is one for each process, even where a host has a single process."""
+    return [] if settings.has_all_gpus() else None

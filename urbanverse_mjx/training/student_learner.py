@@ -13,7 +13,6 @@ import jax.numpy as jnp
 import optax
 from ml_collections import ConfigDict
 
-from ..datatypes import ValidationError
 from .devices import EQUAL, SPREAD, Devices
 from .student import SEEN, Student
 
@@ -71,6 +70,9 @@ class StudentLearner(abc.ABC):
         rates, which every device would count by itself.
     """
 
+    #: Where a training's config has that of the algorithm, for errors.
+    SECTION = "ppo"
+
     def __init__(
         self,
         env: Any,
@@ -81,9 +83,11 @@ class StudentLearner(abc.ABC):
         teacher_params: Any = None,
         devices: Devices | None = None,
     ) -> None:
-        self.env, self.teacher, self.config, self.teacher_params = env, teacher, config, teacher_params
+        self.env, self.teacher, self.config = env, teacher, config
         self.devices = devices or Devices.every()
-        self._check()
+        self.devices.check_shares(int(config.num_envs), {f"{self.SECTION}.minibatches": int(config.minibatches)})
+        self.devices.check_draws(env.learns_episodes)
+        self.teacher_params = teacher_params
         self.student, self._optimizer = student, optimizer
         self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
         self._reset = self.devices.run(env.reset, (SPREAD,), SPREAD)
@@ -92,13 +96,14 @@ class StudentLearner(abc.ABC):
             self._iterate, (_PLACEMENT, EQUAL, EQUAL), (_PLACEMENT, EQUAL), donate=0
         )  # fmt: skip
 
-    def _check(self) -> None:
-        self.devices.check(int(self.config.num_envs), int(self.config.minibatches), "ppo")
-        if self.devices.count > 1 and getattr(self.env, "learns_episodes", False):
-            raise ValidationError(
-                f"config.schedule.learnable: found it together with {self.devices.count} devices, needed one device, "
-                "because each would count success rates of its own; set it to 0.0, or CUDA_VISIBLE_DEVICES to one GPU."
-            )
+    @property
+    def teacher_params(self) -> Any:
+        """Parameters of the teacher, on the devices."""
+        return self._teacher_params
+
+    @teacher_params.setter
+    def teacher_params(self, params: Any) -> None:
+        self._teacher_params = self.devices.place(params, EQUAL)
 
     def compile(self, student: Any = None) -> None:
         """Compiles an iteration ahead of the first one, from shapes alone; student: as for `begin`, or shapes."""
@@ -111,15 +116,15 @@ class StudentLearner(abc.ABC):
         Args:
           progress: () in [0, 1], progress of the whole training, which determines the learning rate.
         """
-        return self._compiled(state, *self.devices.given((self.teacher_params, progress)))
+        return self._compiled(state, self.teacher_params, self.devices.place(progress, EQUAL))
 
     def begin(self, student: Any = None) -> LearnerState:
         """The state before the first iteration; student: parameters of the initial student, by default random ones."""
-        return self.devices.made(lambda: self._first_state(student), _PLACEMENT)
+        return self.devices.create(lambda: self._first_state(student), _PLACEMENT)
 
     def placed(self, state: LearnerState) -> LearnerState:
         """A state of a file, on the devices."""
-        return self.devices.made(lambda: state, _PLACEMENT)
+        return self.devices.place(state, _PLACEMENT)
 
     def _first_state(self, student: Any) -> LearnerState:
         n = int(self.config.num_envs)
@@ -139,7 +144,7 @@ class StudentLearner(abc.ABC):
 
     def actor(self, state: LearnerState) -> Any:
         """The parameters of the student in a state, on one device."""
-        return self.devices.own(state.params)
+        return self.devices.local_copy(state.params)
 
     @abc.abstractmethod
     def _parameters(self, student: Any, obs: Any, key: jax.Array) -> Any:

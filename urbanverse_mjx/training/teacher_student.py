@@ -23,6 +23,7 @@ from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from . import iterative, run
 from .dagger import Dagger
+from .devices import Devices
 from .finetune import Finetune
 from .iterative import Iterations, Validate
 from .policy import (
@@ -76,9 +77,10 @@ class TeacherStudent:
             checkpoint; an incomplete teacher is trained again.
 
         Raises:
-          ValidationError: the folder is in use, the run is complete, the scenes differ from the run's, or the initial
-            policy has other layers.
+          ValidationError: the folder is in use, the run is complete, the scenes differ from the run's, the initial
+            policy has other layers, or the envs do not divide into the minibatches of a stage on the devices.
         """
+        self._check_devices()
         if resume and _complete(self.folder) is not None:
             raise ValidationError(f"--resume: found a complete run in {self.folder}, needed one that was cut off.")
         if not resume:
@@ -100,6 +102,16 @@ class TeacherStudent:
             self._imitate(teacher, start)
         say("stage 3 of 3: the student continues by PPO")
         return self._finetune(teacher, self.folder / IMITATION / str(_complete(self.folder / IMITATION)))
+
+    def _check_devices(self) -> None:
+        """Checks what the stages ask of the devices, before the first of them takes its time."""
+        config, devices = self.config, Devices.every()
+        parts = {"ppo.teacher": config.teacher, "ppo": config, "ppo.finetune": config.finetune}
+        minibatches = {f"{section}.minibatches": int(part.minibatches) for section, part in parts.items()}
+        if (self.folder / TEACHER / COMPLETE).is_file():
+            del minibatches["ppo.teacher.minibatches"]
+        devices.check_shares(int(config.num_envs), minibatches)
+        devices.check_draws(wrap_for_training(self.env, self.env.config.episode_length).learns_episodes)
 
     def steps(self, stage: str) -> int:
         """Planned env-steps of a stage."""
@@ -195,7 +207,6 @@ class TeacherStudent:
         return Iterations(
             learner=learner,
             begin=begin,
-            actor_of=learner.actor,
             save=save,
             folder=folder,
             iterations=iterations,

@@ -63,13 +63,15 @@ def tune(
                 "could be imitated; take the preset 'best'."
             )
     if resume:
-        start_from = pathlib.Path(RunRecord.load(folder).segments[-1]["start_from"])
+        said = RunRecord.load(folder).segments[-1].get("start_from")
+        start_from = None if said is None else pathlib.Path(said)
     if start_from is None:
         raise ValidationError(
             "preset 'tune': found no --start-from, needed the policy that goes on; to train a new one take another "
             "preset."
         )
-    start = load_compatible_student(start_from, env, config)
+    # A resumed run has the parameters in its state.
+    start = None if resume else load_compatible_student(start_from, env, config)
     finetune.num_envs, finetune.seed = int(config.num_envs), int(config.seed)
     wrapped = wrap_for_training(env, env.config.episode_length)
     learner = Finetune(wrapped, _no_labels(env.action_size), config, finetune)
