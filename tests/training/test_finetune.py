@@ -94,6 +94,7 @@ def test_a_mirrored_student_drives_as_its_mirror_image(small_bank: SceneBank) ->
     class Recorded:
         def __init__(self) -> None:
             self.action_size, self.reset = wrapped.action_size, wrapped.reset
+            self.learns_episodes = False
 
         def step(self, state: State, action: jax.Array) -> State:
             jax.debug.callback(lambda a: given.append(np.asarray(a)), action)
