@@ -146,7 +146,7 @@ def test_ways_lead_to_their_goals(spaces: dict[str, FreeSpace], group: str) -> N
 @pytest.mark.parametrize("degrees", [0.0, 90.0, 30.0, 45.0, 160.0])
 def test_distances_to_the_middle_of_a_road_are_those_of_a_strip(degrees: float) -> None:
     """A straight road of 8 m in any direction: unit vectors across it, and half its width less the distance to the
-    edge, to about a node. In the outermost node, where no vehicle has room, a slanted edge is a stair."""
+    edge, to about a node. In the outermost node, where no vehicle fits, a slanted edge is a stair."""
     node, size, width = 0.4, 80, 8.0
     along = np.radians(degrees)
     x, y = ((np.indices((size, size)) - size / 2 + 0.5) * node).reshape(2, -1)

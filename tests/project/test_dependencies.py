@@ -1,32 +1,21 @@
 """Licences, bill of materials and advisories of what the locks install (`.ci/dependencies.py`)."""
 
-import importlib.util
 import json
 import pathlib
 import platform
 import re
 import sys
-import types
 import zipfile
 from typing import Any
 
 import jsonschema
 import pytest
 
+from tests.support import ci_script
+
 ROOT = pathlib.Path(__file__).parents[2]
 
-
-def load() -> types.ModuleType:
-    spec = importlib.util.spec_from_file_location("ci_dependencies", ROOT / ".ci" / "dependencies.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # its dataclass looks for its module there
-    spec.loader.exec_module(module)
-    return module
-
-
-dependencies = load()
+dependencies = ci_script.load("dependencies")
 
 
 # Licences ------------------------------------------------------------------------------------------------------------

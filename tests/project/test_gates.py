@@ -1,6 +1,5 @@
 """The gates between packages close: every import contract turns red at a planted fault."""
 
-import importlib.util
 import os
 import pathlib
 import re
@@ -8,10 +7,11 @@ import shutil
 import subprocess
 import sys
 import tomllib
-import types
 
 import grimp
 import pytest
+
+from tests.support import ci_script
 
 ROOT = pathlib.Path(__file__).parents[2]
 
@@ -52,17 +52,6 @@ FAULTS = [
     ("Brax stays in training", "envs", "brax"),
     ("Warp stays in simulation", "training", "warp"),
 ]
-
-
-def code_metrics() -> types.ModuleType:
-    """`.ci/code_metrics.py`."""
-    spec = importlib.util.spec_from_file_location("ci_code_metrics", ROOT / ".ci" / "code_metrics.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # its dataclass looks for its module there
-    spec.loader.exec_module(module)
-    return module
 
 
 def contracts() -> list[str]:
@@ -120,7 +109,7 @@ def test_a_new_package_must_be_given_a_layer(copy: pathlib.Path) -> None:
 
 def test_no_modules_import_each_other() -> None:
     """Imports within functions and for types included."""
-    in_circles = code_metrics().in_circles
+    in_circles = ci_script.load("code_metrics").in_circles
     assert in_circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
     assert in_circles({"a": set()}) == []
     graph = grimp.build_graph("urbanverse_mjx", cache_dir=None)

@@ -26,7 +26,7 @@ _PARKING, _BAY, _BAY_ROOM, _BAY_AWAY = 2.0, 5.0, 0.9, 5.0
 _PARKED_WITHIN = 2.3
 #: m of solid line before a crosswalk or a junction.
 _SOLID = 9.0
-#: m of carriageway beside parked vehicles in which two tracks of a tramway have room.
+#: m of carriageway beside parked vehicles in which two tracks of a tramway fit.
 _TWO_TRACKS = 5.6
 #: m from the middle of a track to its rails, their width, and the width of a tramway's bed.
 _GAUGE, _RAIL, _BED = 0.7175, 0.07, 2.3
@@ -261,7 +261,7 @@ def _line(paint: str, axis: Axis, s0: float, s1: float, d: float, width: float, 
 
 
 def _dashes(s0: float, s1: float, rules: RoadRules) -> list[tuple[float, float]]:
-    """Pieces of a broken line: `_SOLID` m at each end without a gap, dashes between; one piece if there is no room."""
+    """Pieces of a broken line: `_SOLID` m at each end without a gap, dashes between; one piece if no dash fits."""
     inner0, inner1 = s0 + _SOLID, s1 - _SOLID
     if inner1 - inner0 < rules.dash:
         return [(s0, s1)]
