@@ -11,7 +11,7 @@ import pytest
 import shapely
 
 from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import SceneBank, SceneGraph, ValidationError
+from urbanverse_mjx.datatypes import GraphObject, GroundRegion, SceneBank, SceneGraph, Source, ValidationError
 from urbanverse_mjx.datatypes.ground import PAINT_KINDS
 from urbanverse_mjx.datatypes.validation import write_json
 from urbanverse_mjx.pipeline.banks import join_banks
@@ -180,6 +180,28 @@ def test_a_record_of_another_format_counts_as_not_built(
         write_json(path, other)
         assert building.build_layout("autobench", layout) == [record]
         assert len(built) == number
+
+
+def test_a_set_with_the_regional_look_is_built(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    """What is drawn on the road is counted in the record, which is found again."""
+    kinds = {"walk": ("sidewalk", -2.0, 2.0, 0.15), "road": ("road", 2.0, 10.0, 0.0)}
+    ground = tuple(
+        GroundRegion(name, kind, ((0.0, low), (40.0, low), (40.0, high), (0.0, high)), (0.0, 0.0, z))
+        for name, (kind, low, high, z) in kinds.items()
+    )
+    bench = GraphObject("bench_0", "bench", (20.0, -1.0, 0.6), (0.6, 1.6, 0.9), 0.0)
+    graph = SceneGraph("corner", Source("hand", "CC0-1.0", "Tokyo", "Japan"), (bench,), ground)
+    graph.save(tmp_path / "scenes" / "mine" / "corner" / "graph.json")
+    rows = {"mine": {"cousins": 1, "split": "train", "seed": 0, "regional": True}}
+    write_json(tmp_path / "scenes" / library.TABLE, rows)
+    monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(tmp_path / "scenes"))
+    monkeypatch.setattr(library, "folder", lambda name: tmp_path / "built" / name)
+    (record,) = building.build_layout("mine", "corner")
+    assert record["drawn"] > 0
+    compiled = []
+    monkeypatch.setattr(building, "_compile", lambda *given: compiled.append(given))
+    assert building.build_layout("mine", "corner") == [record]
+    assert not compiled
 
 
 def test_most_hulls_in_reach_is_what_the_shipped_streets_allow(bank: SceneBank) -> None:

@@ -23,6 +23,8 @@ RECORD_FIELDS = (
     "key", "id", "hashes", "objects", "hulls", "prisms", "regions", "episodes", "goals", "left_out", "overlapping",
     "kept_fixed", "let_go", "hanging", "moved_when_let_go", "processor_s", "wall_s",
 )  # fmt: skip
+#: Further fields of scenes with the regional look: the meshes drawn on roads.
+REGIONAL_FIELDS = ("drawn",)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,7 +125,7 @@ def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
         return None
     record = v.read_json(path, "record of a scene")
     try:
-        v.mapping(record, path.name, RECORD_FIELDS)
+        v.mapping(record, path.name, RECORD_FIELDS, REGIONAL_FIELDS)
     except v.ValidationError:
         return None
     return record if record["key"] == key else None
@@ -168,7 +170,7 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
         "processor_s": round(time.process_time() - processor, 2),
         "wall_s": round(time.monotonic() - begin, 2),
     }
-    v.write_json(path, v.mapping(record, path.name, RECORD_FIELDS))
+    v.write_json(path, v.mapping(record, path.name, RECORD_FIELDS, REGIONAL_FIELDS))
     return record
 
 
