@@ -17,6 +17,7 @@ Rows, of which `--rows` names patterns:
     go2-teacher             a teacher on the Go2
     paper-SET-SEED          preset `paper` on procedural or urbanverse160, equal steps
     one-street              preset `paper` on a single street
+    go2-paper-SET, go2-one-street  the same on the Go2
     streets-SET-SEED        teachers that differ in their training streets alone: procedural, urbanverse160, both
     teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
     student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
@@ -59,6 +60,8 @@ STREETS = {
     "both": {"urbanverse160": 20, "procedural": 16},
 }
 PAPER_ROWS = {"procedural": "paper, procedural-160", "urbanverse160": "paper, UrbanVerse-160"}
+#: Robot in the tables -> its environment.
+ENVIRONMENTS = {"COCO": "CocoNav", "Go2": "Go2Nav"}
 #: Training streets -> their name in the table.
 STREET_NAMES = {"procedural": "144 procedural", "urbanverse160": "140 of UrbanVerse-160", "both": "both"}
 #: Name of a row -> name in the table, and environment options.
@@ -201,11 +204,22 @@ def _student(
     return dataclasses.replace(job, awaits=folder / "result.json")
 
 
-def _paper(args: argparse.Namespace, name: str, streets: str, seed: int, policy: str, *scenes: str) -> Job:
+def _paper(
+    args: argparse.Namespace, name: str, streets: str, seed: int, policy: str, *scenes: str, robot: str = "COCO"
+) -> Job:
     words: list[object] = ["benchmarks.comparison", "--train", *_banks([streets]), "--test", *_banks(BENCHMARKS)]
     words += ["--scenes", *scenes] if scenes else []
+    words += ["--environment", ENVIRONMENTS[robot]] if robot != "COCO" else []
     words += ["--steps", args.paper_steps, "--seed", seed, "--num-envs", 1024, "--env", *_conditions()]
-    return _job(args, name, words, (streets, *BENCHMARKS), PAPER, [Row("paper", policy, seed=seed)])
+    return _job(args, name, words, (streets, *BENCHMARKS), PAPER, [Row("paper", policy, robot, seed)])
+
+
+def _one_robot(args: argparse.Namespace, robot: str) -> Iterator[Job]:
+    """The preset `paper` on both sets of streets and on one street, with one seed of a robot."""
+    for streets, policy in PAPER_ROWS.items():
+        yield _paper(args, f"{robot.lower()}-paper-{streets}", streets, args.ship, policy, robot=robot)
+    name = f"{robot.lower()}-one-street"
+    yield _paper(args, name, "procedural", args.ship, "one street", "procedural_000", robot=robot)
 
 
 def _halves(args: argparse.Namespace, name: str) -> pathlib.Path:
@@ -314,6 +328,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
             yield _teacher(args, f"streets-{name}-{seed}", held, seed, args.street_steps, row)
     yield from _best(args)
     yield _paper(args, "one-street", "procedural", args.ship, "one street", "procedural_000")
+    yield from _one_robot(args, "Go2")
     for name in BENCHMARKS:
         for policy in GOES_ON:
             yield _goes_on(args, name, policy)

@@ -1,7 +1,10 @@
 """Measurements of one configuration: the whole step, its parts, the most expensive physics, the policy, the
 training."""
 
+import concurrent.futures
 import dataclasses
+import statistics
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -225,7 +228,12 @@ def policy(run: Run) -> dict[str, Any]:
 
 
 def learn(case: Case, env: Any) -> dict[str, Any]:
-    """Measures env-steps/s of the package's training (rollout, PPO updates, logging), without compilation."""
+    """Measures env-steps/s of the package's training (rollout, updates, logging), without compilation.
+
+    Of a preset in stages (`best`) the two with images are measured, one after the other, under their names.
+    """
+    if "teacher" in registry.get_ppo_config(case.env, case.preset):
+        return _learn_in_stages(case, env)
     from urbanverse_mjx.training.run import train
 
     config = ppo_config(case)
@@ -238,3 +246,42 @@ def learn(case: Case, env: Any) -> dict[str, Any]:
         "compile_s": result.seconds - result.steps / result.steps_per_second if result.steps_per_second else None,
         **{name: config[name] for name in ("unroll_length", "num_updates_per_batch", "minibatch")},
     }
+
+
+def _learn_in_stages(case: Case, env: Any) -> dict[str, Any]:
+    """Rates of imitation and of the PPO after it. The teacher's weights are random, which changes no cost of a step."""
+    from urbanverse_mjx.training.policy import initial_params
+    from urbanverse_mjx.training.teacher_student import TeacherStudent
+
+    sizes = {"num_envs": case.num_envs, "seed": case.seed, **case.ppo}
+    config = registry.with_overrides(registry.get_ppo_config(case.env, case.preset), sizes)
+    with work_folder("urbanverse-throughput-") as folder:
+        training = TeacherStudent(case.env, env, lambda: env, config, Path(folder))
+        shapes = {name: tuple(shape) for name, shape in env.observation_size.items()}
+        _, teacher, _ = initial_params(shapes, env.action_size, training.teacher_config(), case.seed)
+        stages = {"imitation": training.imitation(teacher), "finetune": training.finetuning(teacher)}
+    student = jax.eval_shape(stages["imitation"].begin).params
+    begin = time.monotonic()
+    # Together: compilation takes minutes, most of it on one core each.
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        list(pool.map(lambda learner: learner.compile(student), stages.values()))
+    found: dict[str, Any] = {"compile_s": time.monotonic() - begin}
+    actor = None
+    for name, learner in stages.items():
+        state = learner.begin(actor)
+        times = []
+        # The first iteration moves data and is not counted.
+        for number in range(case.iterations + 1):
+            start = time.monotonic()
+            state, reported = learner.iterate(state, jnp.float32(number / (case.iterations + 1)))
+            jax.block_until_ready((state, reported))
+            times.append(time.monotonic() - start)
+        actor = jax.device_get(learner.actor(state))
+        del state
+        seconds = statistics.median(times[1:])
+        found[name] = {
+            "env_steps_per_s": learner.steps_per_iteration / seconds,
+            "env_steps_per_s_spread": (max(times[1:]) - min(times[1:])) / seconds,
+            "steps": learner.steps_per_iteration,
+        }
+    return found

@@ -31,6 +31,8 @@ RATES = (
     "parts.frames_per_s",
     "policy.env_steps_per_s_with_policy",
     "learn.env_steps_per_s",
+    "learn.imitation.env_steps_per_s",
+    "learn.finetune.env_steps_per_s",
     "physics_active.physics_steps_per_s",
 )
 #: Fields that identify a row, in addition to the bank.

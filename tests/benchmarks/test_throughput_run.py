@@ -90,6 +90,23 @@ def test_learning_is_measured_through_the_products_training(
     assert 0 < learn["compile_s"] < learn["seconds"]
 
 
+@pytest.mark.slow
+def test_learning_in_stages_is_measured_stage_by_stage(
+    bank_file: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ["--preset", "best", "--pixels", "8x12", "--bank", str(bank_file), "--measure", "learn"]
+    small = {"layers": [[4, 4, 4]], "memory": 4, "hidden": 8, "bfloat16": False}
+    sizes = {"unroll_length": 4, "minibatches": 2, "finetune.minibatches": 2, "finetune.unroll_length": 4}
+    sizes |= {f"network.{key}": value for key, value in small.items()}
+    settings = [part for key, value in sizes.items() for part in ("--ppo-set", f"{key}={json.dumps(value)}")]
+    (result,) = run(capsys, *options, *settings)
+    learn = result["learn"]
+    assert learn["compile_s"] > 0
+    for stage in ("imitation", "finetune"):
+        assert learn[stage]["steps"] == 4 * result["num_envs"]
+        assert learn[stage]["env_steps_per_s"] > 0
+
+
 def test_what_fails_is_a_row_and_the_next_goes_on(bank_file: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--pixels", "none", "--bank", str(bank_file), "--measure", "", "--scenes", "9,1"]
     assert throughput.main([*TINY, *options]) == 1

@@ -165,21 +165,29 @@ class TeacherStudent:
         make = ppo_networks.make_inference_fn(networks)
         return lambda params, state, key: make((None, params, None), deterministic=True)(state.obs, key)[0]
 
-    def _imitate(self, teacher: pathlib.Path, start: Any) -> None:
-        config, folder = self.config, self.folder / IMITATION
-        folder.mkdir(exist_ok=True)
+    def imitation(self, teacher: Any) -> Dagger:
+        """The learner of the second stage; teacher: parameters of the teacher's actor."""
         wrapped = wrap_for_training(self.env, self.env.config.episode_length)
-        learner = Dagger(wrapped, self._teach(), config, load_student(teacher))
+        return Dagger(wrapped, self._teach(), self.config, teacher)
+
+    def finetuning(self, teacher: Any) -> Finetune:
+        """The learner of the third stage; teacher: parameters of the teacher's actor."""
+        config = ConfigDict(self.config.finetune.to_dict())
+        config.num_envs, config.seed = int(self.config.num_envs), int(self.config.seed) + 1
+        wrapped = wrap_for_training(self.env, self.env.config.episode_length)
+        return Finetune(wrapped, self._teach(), self.config, config, teacher)
+
+    def _imitate(self, teacher: pathlib.Path, start: Any) -> None:
+        folder = self.folder / IMITATION
+        folder.mkdir(exist_ok=True)
+        learner = self.imitation(load_student(teacher))
         before = PolicySpec.load(teacher).steps
         stage = self._stage(learner, lambda: learner.begin(start), folder, "imitation", before)
         result = _continue(stage)
         _write_complete(folder, result.policy or latest_policy(folder))
 
     def _finetune(self, teacher: pathlib.Path, student: pathlib.Path) -> TrainingResult:
-        config = ConfigDict(self.config.finetune.to_dict())
-        config.num_envs, config.seed = int(self.config.num_envs), int(self.config.seed) + 1
-        wrapped = wrap_for_training(self.env, self.env.config.episode_length)
-        learner = Finetune(wrapped, self._teach(), self.config, config, load_student(teacher))
+        learner = self.finetuning(load_student(teacher))
         # Counts from the end of the imitation, not from its best checkpoint, so that step numbers are unique.
         each = int(self.config.num_envs) * int(self.config.unroll_length)
         before = PolicySpec.load(teacher).steps + each * self._iterations("imitation", each)
