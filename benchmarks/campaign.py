@@ -19,6 +19,7 @@ Rows, of which `--rows` names patterns:
     one-street              preset `paper` on a single street
     go2-paper-SET, go2-one-street  the same on the Go2
     streets-SET-SEED        teachers that differ in their training streets alone: procedural, urbanverse160, both
+    long-streets-SET-SEED   the same on procedural and urbanverse160 with twice the env-steps
     teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
     student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
     goes-on-BENCHMARK-POLICY  contact does not end an episode
@@ -326,6 +327,9 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
         for name, held in STREETS.items():
             row = Row("teacher", seed=seed, comparison="training_streets", arm=STREET_NAMES[name])
             yield _teacher(args, f"streets-{name}-{seed}", held, seed, args.street_steps, row)
+            if name != "both":
+                row = dataclasses.replace(row, comparison="long_training_streets")
+                yield _teacher(args, f"long-streets-{name}-{seed}", held, seed, 2 * args.street_steps, row)
     yield from _best(args)
     yield _paper(args, "one-street", "procedural", args.ship, "one street", "procedural_000")
     yield from _one_robot(args, "Go2")
@@ -499,7 +503,12 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--gpu-memory", type=int, default=80, help="GiB of each GPU")
     cli.add_argument("--until", type=float, help="s from now after which no job begins")
     cli.add_argument("--teacher-steps", type=int, default=12_000_000, help="env-steps")
-    cli.add_argument("--street-steps", type=int, default=6_000_000, help="env-steps of the teachers of streets-*")
+    cli.add_argument(
+        "--street-steps",
+        type=int,
+        default=6_000_000,
+        help="env-steps of the teachers of streets-*, half of long-streets-*",
+    )
     cli.add_argument("--arm-steps", type=int, default=10_000_000, help="env-steps of teacher-arm-* and student-arm-*")
     cli.add_argument("--paper-steps", type=int, default=4_587_520, help="env-steps; a multiple of 131,072")
     cli.add_argument("--scaling-steps", type=int, default=6_000_000, help="env-steps, rounded up to rollouts")

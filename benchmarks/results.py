@@ -55,11 +55,12 @@ VALIDATION = {
     "validation_places": "places, held out",
     "validation_composed": "composed",
 }
+#: Sets on which teachers of different training streets are compared.
+_STREETS = {"validation_composed": "composed"} | BENCHMARKS
 #: Name of the table in benchmarks/scores, and of its marks in docs/results.md -> what it compares.
 COMPARISONS = {
-    "training_streets": Comparison(
-        "trained on", {"validation_composed": "composed"} | BENCHMARKS, "144 procedural", "streets-*"
-    ),
+    "training_streets": Comparison("trained on", _STREETS, "144 procedural", "streets-*"),
+    "long_training_streets": Comparison("trained on", _STREETS, "144 procedural", "long-streets-*"),
     "teacher_arms": Comparison("teacher", VALIDATION, "as it is", "teacher-arm-*"),
     "student_arms": Comparison("student", VALIDATION, "as it is", "student-arm-*"),
 }

@@ -247,7 +247,7 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
             own = {"benchmarks.halves": job.gives.parent, "benchmarks.street_tuning": job.gives.parents[2]}
             wanted = own.get(job.command[1], tmp_path / "out" / job.name)
             assert parsed[-1].out == wanted
-    assert len(parsed) == 3 * (1 + 2 + 3 + 1) + 3 + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2
+    assert len(parsed) == 3 * (1 + 2 + 3 + 2 + 1) + 3 + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
