@@ -4,6 +4,7 @@
     python -m benchmarks.missions --out OUT --policy runs/mine --missions 0 1 2
     python -m benchmarks.missions --out OUT --blocks 1 --block 40 --missions 0     # a short one, to try it out
     python -m benchmarks.missions --out OUT --policy coco_best --film 7      # writes OUT/mission_07.mp4 as well
+    python -m benchmarks.missions --out OUT --seconds 1200                   # what can be driven in 20 minutes
     python -m benchmarks.missions --out OUT --add
     python -m benchmarks.missions --page
 
@@ -14,19 +15,22 @@ C MuJoCo. A scripted supervisor takes over when the robot is stuck, about to tou
 pavement, or has touched something, drives a few metres along the route and hands back: an intervention. A mission fails
 by a fall, if the supervisor gives up, or after 25 minutes.
 
-POLICY and robot as in `benchmarks.transfer`. Streets are compiled into OUT/streets once; every mission is a task of one
-process, and finished ones are kept in OUT/missions, so that a stopped run continues. OUT/result.json and the last line
-of stdout have the rates; `--add` writes the missions of the default policies into benchmarks/scores/missions.csv, and
-`--page` the table in docs/results.md, as `make results` does.
+POLICY and robot as in `benchmarks.transfer`. Streets are compiled into OUT/streets once; the missions of a street and a
+robot are a task of one process, and finished ones are kept in OUT/missions, so that a stopped run continues, also on
+another machine to which that folder was copied. A machine without what compiling needs drives OUT/streets of another
+one by `--scenes`. OUT/result.json and the last line of stdout have the rates; `--add` writes the missions of the
+default policies into benchmarks/scores/missions.csv, and `--page` the table in docs/results.md, as `make results` does.
 """
 
 import argparse
 import csv
 import functools
 import json
+import math
 import os
 import pathlib
 import sys
+import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -72,9 +76,24 @@ def _street(folder: pathlib.Path, robot: str, size: Any, vision: str) -> tuple[A
 
 
 def drive(
-    tested: transfer.TestedPolicy, number: int, size: streets.Size, folder: pathlib.Path, file: pathlib.Path, film: bool
-) -> None:
-    """Drives a mission in this process and writes what became of it; with a film of the same name, if asked."""
+    tested: transfer.TestedPolicy,
+    number: int,
+    size: streets.Size,
+    folder: pathlib.Path,
+    file: pathlib.Path,
+    film: bool,
+    until: float = math.inf,
+) -> bool:
+    """Drives a mission in this process and writes what became of it; with a film of the same name, if asked.
+
+    Args:
+      until: s of `time.time`, after which it does not begin.
+
+    Returns:
+      whether it was driven.
+    """
+    if time.time() >= until:
+        return False
     from benchmarks.lib.mission_drive import Track, contract_of, drive_mission
 
     task = transfer.load_task(tested)
@@ -85,6 +104,19 @@ def drive(
     if track is not None:
         _film(track, folder, world, people, done, file.with_suffix(".mp4"))
     v.write_json(file, done)
+    return True
+
+
+def drive_street(missions: Sequence[tuple[Any, ...]]) -> list[bool]:
+    """Drives missions of one street and robot in this process, which loads and compiles for them once.
+
+    Args:
+      missions: arguments of `drive`.
+
+    Returns:
+      whether each was driven.
+    """
+    return [drive(*mission) for mission in missions]
 
 
 def _film(
@@ -226,7 +258,11 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--blocks", type=int, default=streets.Size().blocks, help="of a street")
     cli.add_argument("--block", type=float, default=streets.BLOCK, help="m of a block")
     cli.add_argument("--film", nargs="+", type=int, default=[], metavar="NUMBER", help="missions to film")
+    cli.add_argument("--scenes", type=pathlib.Path, metavar="FOLDER", help="of compiled streets; default: OUT/streets")
     cli.add_argument("--workers", type=int, default=settings.num_threads(), help="processes")
+    cli.add_argument(
+        "--seconds", type=float, default=math.inf, help="begin no mission after this time; default: no end"
+    )
     cli.add_argument("--add", action="store_true", help="write the missions that are there into benchmarks/scores")
     cli.add_argument("--page", action="store_true", help="write the table of docs/results.md")
     args = cli.parse_args(argv)
@@ -241,6 +277,9 @@ def _main(args: argparse.Namespace) -> int:
         return 0
     args.out = args.out.absolute()
     v.integer(args.workers, "--workers", 1)
+    if args.seconds != math.inf:
+        v.number(args.seconds, "--seconds", 0.0)
+    until = time.time() + args.seconds
     v.integer(args.blocks, "--blocks", 1, 8)
     size = streets.Size(args.blocks, v.number(args.block, "--block", 30.0, 200.0))
     if args.add:
@@ -251,36 +290,54 @@ def _main(args: argparse.Namespace) -> int:
     named = [(args.policy, args.robot)] if args.policy is not None else DRIVERS
     tested_policies = [transfer.find_policy(policy, robot, args.out) for policy, robot in named]
     numbers = sorted({*args.missions, *args.film} if args.missions else args.film)
-    _build(numbers, size, args)
-    tasks = []
-    for tested in tested_policies:
-        for number in sorted(numbers, key=lambda n: (n % streets.STREETS, n)):
-            file, film = mission_file(args.out, tested, size, number), number in args.film
+    folders = _build(numbers, size, args)
+    tasks: dict[tuple[int, int], list[tuple[Any, ...]]] = {}
+    for policy, tested in enumerate(tested_policies):
+        for number in numbers:
+            file, film, street = (
+                mission_file(args.out, tested, size, number),
+                number in args.film,
+                number % streets.STREETS,
+            )
             if not file.is_file() or (film and not file.with_suffix(".mp4").is_file()):
-                tasks.append((tested, number, size, _folder(args.out, number, size), file, film))
-    for done, (task, _) in enumerate(results_as_completed(drive, tasks, args.workers), 1):
-        said = v.read_json(tasks[task][4], "mission")
-        print(f"{done}/{len(tasks)} {tasks[task][0].name}: {json.dumps(said)}", file=sys.stderr, flush=True)
-    found = {f"{d.name} ({d.robot})": summary(read_missions(args.out, d, size)) for d in tested_policies}
+                of_street = tasks.setdefault((policy, street), [])
+                of_street.append((tested, number, size, folders[street], file, film, until))
+    together = [(of_street,) for of_street in tasks.values()]
+    total_number, done = sum(len(x) for x in tasks.values()), 0
+    for task, driven in results_as_completed(drive_street, together, args.workers):
+        for (tested, _, _, _, file, _, _), it_was in zip(together[task][0], driven, strict=True):
+            done += it_was
+            if it_was:
+                said = json.dumps(v.read_json(file, "mission"))
+                print(f"{done}/{total_number} {tested.name}: {said}", file=sys.stderr, flush=True)
+    done_by = {f"{d.name} ({d.robot})": read_missions(args.out, d, size) for d in tested_policies}
+    found = {name: summary(done) for name, done in done_by.items() if done}
     v.write_json(args.out / "result.json", found)
     print(json.dumps(found))
     return 0
 
 
-def _folder(out: pathlib.Path, number: int, size: streets.Size) -> pathlib.Path:
-    return out / "streets" / streets.street_id(number % streets.STREETS, size)
+def _build(numbers: Sequence[int], size: streets.Size, args: argparse.Namespace) -> dict[int, pathlib.Path]:
+    """Folder of each street that is needed; compiles what is not there, unless `--scenes` names the folder of all."""
+    wanted = sorted({number % streets.STREETS for number in numbers})
+    names = {number: streets.street_id(number, size) for number in wanted}
+    if args.scenes is not None:
+        from urbanverse_mjx.scene.folders import scene_folders
 
-
-def _build(numbers: Sequence[int], size: streets.Size, args: argparse.Namespace) -> None:
+        there = {folder.name: folder for folder in scene_folders([args.scenes])}
+        for name in names.values():
+            v.choice(name, f"--scenes {args.scenes}", tuple(there))
+        return {number: there[name] for number, name in names.items()}
     from urbanverse_mjx.assets.records.store import ensure_store
 
     ensure_store()
-    wanted = sorted({number % streets.STREETS for number in numbers})
-    tasks = [(k, size, _folder(args.out, k, size)) for k in wanted]
+    folders = {number: args.out / "streets" / name for number, name in names.items()}
+    tasks = [(number, size, folder) for number, folder in folders.items()]
     for done, (task, reason) in enumerate(results_as_completed(build_street, tasks, args.workers), 1):
         if reason:
             raise ValidationError(f"street {wanted[task]}: {reason}")
         print(f"{done}/{len(tasks)} streets", file=sys.stderr, flush=True)
+    return folders
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -5,6 +5,7 @@
     python -m benchmarks.transfer --out OUT --policy mine.onnx --shifts all latency --places t12_lampposts
     python -m benchmarks.transfer --out OUT --policy pkg:agent --robot go2 --set latency='[0.3, 0.3]' grip='[0.2, 0.2]'
     python -m benchmarks.transfer --out OUT --policy mine.onnx --scenes FOLDER    # your own compiled scenes
+    python -m benchmarks.transfer --out OUT --seconds 1200                        # what can be driven in 20 minutes
     python -m benchmarks.transfer --out OUT --add
 
 No robot and no real street is involved. The robot drives in C MuJoCo through 16 places that no generator of this
@@ -18,7 +19,9 @@ POLICY: go_to_goal, a policy folder (exported as ONNX into OUT), FILE.onnx, or m
 `evaluation.external.load_callable`), with the robot of its training or `--robot`.
 
 Places are compiled into OUT/places once; those without space for routes are left out (left_out.json there). Every place
-of a row is a task of one process, and finished tasks are kept in OUT/episodes, so that a stopped run continues.
+of a row is a task of one process, and finished episodes are kept in OUT/episodes, so that a stopped run continues, also
+on another machine to which that folder was copied; the table of all policies comes first. A machine without what
+compiling needs drives OUT/places of another one by `--scenes`.
 MuJoCo's renderer needs off-screen OpenGL (MUJOCO_GL, by default egl; on machines without a GPU Mesa draws on the CPU).
 OUT/result.json and the last line of stdout have the rates; `--add` writes the rows of the two tables into
 benchmarks/scores/transfer.csv, for `make results`.
@@ -33,7 +36,8 @@ import os
 import pathlib
 import re
 import sys
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -101,12 +105,13 @@ def find_policy(policy: str, robot: str | None, out: pathlib.Path) -> TestedPoli
     if not path.exists() and (SHIPPED / policy).is_dir():
         path = SHIPPED / policy
     if path.is_dir():
-        from urbanverse_mjx.training.export_onnx import export_onnx
         from urbanverse_mjx.training.policy import PolicySpec, latest_policy
 
         folder = latest_policy(path)
         file = out / "policies" / f"{path.name}-{PolicySpec.load(folder).steps}.onnx"
         if not file.is_file():
+            from urbanverse_mjx.training.export_onnx import export_onnx
+
             file.parent.mkdir(parents=True, exist_ok=True)
             export_onnx(path, file)
         return TestedPolicy(path.name, str(file), robot or _robot_of(file))
@@ -216,8 +221,16 @@ def velocity_of(task: Task, robot: Any, action: np.ndarray) -> tuple[float, floa
     action = np.clip(np.nan_to_num(action), -1.0, 1.0)
     if task.action_mode == "velocity":
         return 0.5 * (float(action[0]) + 1.0) * robot.max_speed, float(action[1]) * robot.max_yaw_rate
-    speed, turn = robot.waypoint_to_velocity(action, task.period)
+    speed, turn = _compiled(robot.waypoint_to_velocity, task.period)(action)
     return float(speed), float(turn)
+
+
+@functools.lru_cache(4)
+def _compiled(waypoint_to_velocity: Callable[..., Any], period: float) -> Callable[[np.ndarray], Any]:
+    """A robot's function as one program; as single operations of JAX it took a fifth of an episode's time."""
+    import jax
+
+    return jax.jit(lambda action: waypoint_to_velocity(action, period))
 
 
 def drive(world: Any, task: Task, start: np.ndarray, goal: np.ndarray, conditions: s.Conditions) -> dict[str, Any]:
@@ -274,19 +287,55 @@ def _world(folder: pathlib.Path, robot: str, lens: s.Shifts, size: Any, vision: 
 
 
 def drive_place(
-    tested: TestedPolicy, shifts: s.Shifts, folder: pathlib.Path, episodes: int, file: pathlib.Path
-) -> None:
-    """Drives evenly spaced episodes of a compiled scene in this process, and writes them to a file."""
+    tested: TestedPolicy,
+    shifts: s.Shifts,
+    folder: pathlib.Path,
+    episodes: int,
+    file: pathlib.Path,
+    until: float = math.inf,
+) -> bool:
+    """Drives evenly spaced episodes of a compiled scene in this process, and writes them to a file.
+
+    After each episode those driven so far are in `unfinished(file)`, from which a later call continues.
+
+    Args:
+      until: s of `time.time`, after which no episode begins.
+
+    Returns:
+      whether all are driven.
+    """
+    if time.time() >= until:
+        return False
     task = load_task(tested)
     world = _world(folder, tested.robot, shifts, task.size, json.dumps(dict(task.vision)))
     table = world.geometry.episodes
-    found = []
-    for row in np.linspace(0, len(table) - 1, episodes).round().astype(int):
+    rows = np.linspace(0, len(table) - 1, episodes).round().astype(int).tolist()
+    part, body = unfinished(file), {"place": folder.name, "shifts": dataclasses.asdict(shifts)}
+    found = _driven(part, body, rows)
+    for row in rows[len(found) :]:
+        if time.time() >= until:
+            return False
         # The same draws for all policies; other ones in other places.
-        seed = (int.from_bytes(folder.name.encode()[:4], "big"), int(row))
+        seed = (int.from_bytes(folder.name.encode()[:4], "big"), row)
         done = drive(world, task, table.start[row], table.goal[row], shifts.draw(seed))
-        found.append({"episode": int(row), **done})
-    v.write_json(file, {"place": folder.name, "shifts": dataclasses.asdict(shifts), "episodes": found})
+        found.append({"episode": row, **done})
+        v.write_json(part, {**body, "episodes": found})
+    v.write_json(file, {**body, "episodes": found})
+    part.unlink(missing_ok=True)
+    return True
+
+
+def unfinished(file: pathlib.Path) -> pathlib.Path:
+    """Where the first episodes of a task are kept until all are driven."""
+    return file.with_suffix(".part.json")
+
+
+def _driven(part: pathlib.Path, body: Mapping[str, Any], rows: Sequence[int]) -> list[dict[str, Any]]:
+    """The episodes of a stopped run; none if they are not the first of these rows under these shifts."""
+    done = v.read_json(part, "episodes") if part.is_file() else {"episodes": []}
+    found = done.pop("episodes")
+    alike = done == json.loads(json.dumps(body)) and [e["episode"] for e in found] == list(rows[: len(found)])
+    return found if alike else []
 
 
 # Places.
@@ -372,8 +421,12 @@ def run(
     out: pathlib.Path,
     episodes: int,
     workers: int,
+    until: float = math.inf,
 ) -> None:
-    """Drives all rows in all places that are not done yet; a file with another number of episodes is driven again."""
+    """Drives all rows in all places that are not done yet; a file with another number of episodes is driven again.
+
+    until: s of `time.time`, after which no episode begins.
+    """
     tasks = []
     for tested, shift, shifts in rows:
         for folder in folders:
@@ -381,9 +434,11 @@ def run(
             wanted = json.loads(json.dumps(dataclasses.asdict(shifts)))
             done = v.read_json(file, "episodes") if file.is_file() else {}
             if done.get("shifts") != wanted or len(done["episodes"]) != episodes:
-                tasks.append((tested, shifts, folder, episodes, file))
-    for number, (task, _) in enumerate(results_as_completed(drive_place, tasks, workers), 1):
+                tasks.append((tested, shifts, folder, episodes, file, until))
+    for number, (task, complete) in enumerate(results_as_completed(drive_place, tasks, workers), 1):
         file = tasks[task][4]
+        if not complete:
+            continue
         ends = [e["end"] for e in v.read_json(file, "episodes")["episodes"]]
         print(f"{number}/{len(tasks)} {file.relative_to(out)}: {ends.count('goal')}/{len(ends)}", file=sys.stderr)
         sys.stderr.flush()
@@ -455,6 +510,9 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--scenes", nargs="+", type=pathlib.Path, metavar="FOLDER", help="compiled scenes in their place")
     cli.add_argument("--episodes", type=int, default=EPISODES, help="in each place")
     cli.add_argument("--workers", type=int, default=settings.num_threads(), help="processes")
+    cli.add_argument(
+        "--seconds", type=float, default=math.inf, help="begin no episode after this time; default: no end"
+    )
     cli.add_argument("--add", action="store_true", help="write the rows that are there into benchmarks/scores")
     return cli.parse_args(argv)
 
@@ -478,10 +536,11 @@ def _rows(args: argparse.Namespace) -> list[tuple[TestedPolicy, str, s.Shifts]]:
         tested = find_policy(args.policy, args.robot, args.out)
         return [(tested, name, known[name]) for name in names]
     tested_policies = [find_policy(policy, robot, args.out) for policy, robot in POLICIES]
+    # The table of all policies first, then row by row.
     return [
         (tested, name, known[name])
+        for name in sorted(names, key=lambda name: name != "all")
         for tested in tested_policies
-        for name in names
         if name == "all" or (tested.name, tested.robot) in SINGLE
     ]
 
@@ -493,6 +552,9 @@ def _main(args: argparse.Namespace) -> int:
         return 0
     v.integer(args.episodes, "--episodes", 1)
     v.integer(args.workers, "--workers", 1)
+    if args.seconds != math.inf:
+        v.number(args.seconds, "--seconds", 0.0)
+    until = time.time() + args.seconds
     rows = _rows(args)
     if args.scenes:
         from urbanverse_mjx.scene.folders import scene_folders
@@ -503,11 +565,14 @@ def _main(args: argparse.Namespace) -> int:
         for place in places:
             v.choice(place, "--places", place_names())
         folders = build_places(places, args.out / "places", args.workers)
-    run(rows, folders, args.out, args.episodes, args.workers)
+    run(rows, folders, args.out, args.episodes, args.workers, until)
     names = [folder.name for folder in folders]
     found: dict[str, Any] = {}
     for tested, shift, _ in rows:
-        done = summary(rows_of(args.out, tested, shift, names))
+        driven = rows_of(args.out, tested, shift, names)
+        if not driven:
+            continue
+        done = summary(driven)
         found.setdefault(f"{tested.name} ({tested.robot})", {})[shift] = done
         print(f"{tested.name} ({tested.robot}), {shift}: {json.dumps(done)}", file=sys.stderr)
     v.write_json(args.out / "result.json", found)

@@ -237,7 +237,11 @@ class People:
         self.appearances = slot_appearances(self._street.kinds, bank)
         model = self._street.model
         self._count = round(filled * model.num_agents)
-        self._init, self._step = jax.jit(model.init), jax.jit(model.step)
+
+        def step(crowd: Any, scene: Any, observer: Any, moving: Any, key: Any, number: Any) -> Any:
+            return model.step(crowd, scene, observer, moving, jax.random.fold_in(key, number))
+
+        self._init, self._step = jax.jit(model.init), jax.jit(step)
         self._places = jax.jit(lambda crowd: self._street.places(crowd, jax.numpy.int32(0)))
         self._key: Any = None
         self._crowd: Any = None
@@ -252,11 +256,8 @@ class People:
 
     def step(self, number: int, pose: np.ndarray, velocity: np.ndarray) -> Any:
         """The poses after one more step; velocity: (2,) m/s of the robot in the world."""
-        import jax
-
-        key = jax.random.fold_in(self._key, number)
         moving = tuple(np.float32(x) for x in velocity)
-        self._crowd = self._step(self._crowd, 0, self._observer(pose), moving, key)
+        self._crowd = self._step(self._crowd, 0, self._observer(pose), moving, self._key, np.uint32(number))
         return self._poses()
 
     def gaps(self, points: np.ndarray) -> np.ndarray:
@@ -275,7 +276,8 @@ class People:
         return Observer(x, y, yaw, np.array(True))
 
     def _poses(self) -> Any:
-        self._now = type(self._places(self._crowd))(*(np.asarray(x) for x in self._places(self._crowd)))
+        places = self._places(self._crowd)
+        self._now = type(places)(*(np.asarray(x) for x in places))
         return self._now
 
 

@@ -289,6 +289,54 @@ def test_missions_are_added_once_and_the_page_counts_them(tmp_path: pathlib.Path
     assert "Not run yet: all 50 missions of coco_best (coco), go2_best (go2)" in text
 
 
+def _compiled_streets(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, numbers: range) -> list[str]:
+    """Pretends that streets are compiled, and counts what is driven in them; each mission takes a second."""
+    driven: list[str] = []
+    there = [tmp_path / streets.street_id(number, streets.Size()) for number in numbers]
+
+    def drive(tested, number, size, folder, file, film, until) -> bool:
+        if len(driven) >= until:
+            return False
+        driven.append(f"{tested.robot} {number} {folder.name}")
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(_outcome(number, 1, 400.0)), encoding="utf-8")
+        return True
+
+    monkeypatch.setattr(missions, "drive", drive)
+    monkeypatch.setattr(missions.time, "time", lambda: 0.0)
+    monkeypatch.setattr(missions.os, "environ", {})
+    monkeypatch.setattr("urbanverse_mjx.scene.folders.scene_folders", lambda places: there)
+    return driven
+
+
+def test_missions_of_a_street_are_driven_together_until_the_time_is_over(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    driven = _compiled_streets(tmp_path, monkeypatch, range(10))
+    words = ["--out", str(tmp_path), "--policy", "go_to_goal", "--scenes", str(tmp_path), "--workers", "1"]
+    words += ["--missions", "1", "2", "11", "12", "21"]
+    assert missions.main([*words, "--seconds", "4"]) == 0
+    street = [streets.street_id(number, streets.Size()) for number in (1, 2)]
+    assert driven == [f"coco {k} {street[0]}" for k in (1, 11, 21)] + [f"coco 2 {street[1]}"]
+    found = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    assert found["go_to_goal (coco)"]["missions"] == 4
+    assert missions.main(words) == 0
+    assert driven[4:] == [f"coco 12 {street[1]}"]
+    nothing = tmp_path / "other"
+    assert missions.main(["--out", str(nothing), *words[2:], "--seconds", "0"]) == 0
+    assert json.loads((nothing / "result.json").read_text(encoding="utf-8")) == {}
+
+
+def test_a_street_that_is_not_among_the_compiled_ones_is_named(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driven = _compiled_streets(tmp_path, monkeypatch, range(2))
+    words = ["--out", str(tmp_path), "--policy", "go_to_goal", "--scenes", str(tmp_path), "--missions", "1", "3"]
+    assert missions.main(words) == 2
+    assert streets.street_id(3, streets.Size()) in capsys.readouterr().err
+    assert driven == []
+
+
 def test_the_page_is_that_of_the_rows() -> None:
     page = results.PAGE.read_text(encoding="utf-8")
     assert results.with_table(page, missions.page_text(), missions.MARKS) == page, "run make results"

@@ -4,6 +4,7 @@ runs, and tables of the rows."""
 import json
 import math
 import pathlib
+import shutil
 import types
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 from benchmarks import results, transfer, transfer_page
 from benchmarks.lib import shifts as s
-from benchmarks.lib.street_world import TICK, World
+from benchmarks.lib.street_world import TICK, World, make_robot
 from benchmarks.lib.transfer_places import DIRECT, FILMED
 from tests.support.standing_objects import CUBE, scene_of
 from urbanverse_mjx.citygen import craftbench, validation_streets
@@ -151,7 +152,7 @@ def _fake_places(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> lis
     """Counts what is driven, without MuJoCo."""
     driven: list[str] = []
 
-    def drive_place(tested, shifts, folder, episodes, file) -> None:
+    def drive_place(tested, shifts, folder, episodes, file, until) -> bool:
         driven.append(f"{tested.name} {folder.name}")
         ends = [
             {"episode": k, "end": "goal", "hit": None, "seconds": 1.0, "metres": 9.0, "left": 0.5}
@@ -160,6 +161,7 @@ def _fake_places(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> lis
         body = {"place": folder.name, "shifts": transfer.dataclasses.asdict(shifts), "episodes": ends}
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(body), encoding="utf-8")
+        return True
 
     monkeypatch.setattr(transfer, "drive_place", drive_place)
     return driven
@@ -179,6 +181,88 @@ def test_a_run_continues_and_drives_again_what_has_changed(
     assert driven == ["mine a", "mine b", "mine a", "mine a"]
     rows = transfer.rows_of(tmp_path, tested, "own", ["a", "b", "c"])
     assert [(r["place"], r["episodes"], r["goal"], r["metres"]) for r in rows] == [("a", 4, 4, 36.0), ("b", 3, 3, 27.0)]
+
+
+def _fake_world(monkeypatch: pytest.MonkeyPatch, count: int) -> list[float]:
+    """Counts the starts from which a scene's episodes are driven, without MuJoCo; each takes a second of the clock."""
+    driven: list[float] = []
+
+    class Table:
+        start, goal = np.arange(count), np.zeros((count, 3))
+
+        def __len__(self) -> int:
+            return count
+
+    def drive(world, task, start, goal, conditions) -> dict:
+        driven.append(int(start))
+        return {"end": "goal", "hit": None, "seconds": 1.0, "metres": 9.0, "left": 0.5}
+
+    world = types.SimpleNamespace(geometry=types.SimpleNamespace(episodes=Table()))
+    monkeypatch.setattr(transfer, "load_task", lambda tested: types.SimpleNamespace(size=None, vision={}))
+    monkeypatch.setattr(transfer, "_world", lambda *args: world)
+    monkeypatch.setattr(transfer, "drive", drive)
+    monkeypatch.setattr(transfer.time, "time", lambda: float(len(driven)))
+    return driven
+
+
+def test_a_run_out_of_time_loses_no_episode(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    driven = _fake_world(monkeypatch, 11)
+    tested, folder, file = (
+        transfer.TestedPolicy("mine", "mine.onnx", "coco"),
+        tmp_path / "a",
+        tmp_path / "out" / "a.json",
+    )
+    assert not transfer.drive_place(tested, s.Shifts(), folder, 6, file, 4.0)
+    assert driven == [0, 2, 4, 6]
+    assert not file.exists()
+    assert transfer.rows_of(tmp_path, tested, "none", ["a"]) == []
+    # Elsewhere, from a copy of that folder.
+    copy = tmp_path / "copy"
+    shutil.copytree(file.parent, copy)
+    assert transfer.drive_place(tested, s.Shifts(), folder, 6, copy / "a.json")
+    assert driven == [0, 2, 4, 6, 8, 10]
+    done = json.loads((copy / "a.json").read_text(encoding="utf-8"))
+    assert [e["episode"] for e in done["episodes"]] == [0, 2, 4, 6, 8, 10]
+    assert [p.name for p in copy.iterdir()] == ["a.json"]
+    # Episodes of another number or of other shifts do not count.
+    assert transfer.drive_place(tested, s.Shifts(), folder, 3, file)
+    assert driven[6:] == [0, 5, 10]
+    file.unlink()
+    assert not transfer.drive_place(tested, s.Shifts(), folder, 6, file, 11.0)
+    assert transfer.drive_place(tested, s.Shifts(dropped=0.1), folder, 6, file)
+    assert driven[9:] == [0, 2, 0, 2, 4, 6, 8, 10]
+
+
+def test_a_run_out_of_time_says_what_is_there(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driven = _fake_world(monkeypatch, 4)
+    monkeypatch.setattr(transfer.os, "environ", {})
+    monkeypatch.setattr("urbanverse_mjx.scene.folders.scene_folders", lambda places: [tmp_path / "a", tmp_path / "b"])
+    words = ["--out", str(tmp_path), "--policy", "go_to_goal", "--scenes", ".", "--workers", "1", "--episodes", "4"]
+    words += ["--shifts", "none", "slope"]
+    assert transfer.main([*words, "--seconds", "6"]) == 0
+    assert driven == [0, 1, 2, 3, 0, 1]
+    found = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["go_to_goal (coco)"]
+    assert {shift: row["episodes"] for shift, row in found.items()} == {"none": 4}
+    assert "0/4" not in capsys.readouterr().err
+    assert transfer.main(words) == 0
+    assert driven[6:] == [2, 3, *range(4), *range(4)]
+
+
+def test_the_table_of_all_policies_comes_first(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(transfer, "find_policy", lambda policy, robot, out: transfer.TestedPolicy(policy, "", robot))
+    rows = transfer._rows(transfer.arguments(["--out", str(tmp_path)]))
+    assert [(tested.name, tested.robot) for tested, _, _ in rows[:5]] == list(transfer.POLICIES)
+    assert [shift for _, shift, _ in rows] == ["all"] * 5 + [name for name in s.ALONE for _ in transfer.SINGLE]
+
+
+@pytest.mark.parametrize("name", ["coco", "go2"])
+def test_the_compiled_conversion_of_a_waypoint_is_the_robot_s(name: str) -> None:
+    robot, task = make_robot(name)[0], _task(None, action_mode="waypoint")
+    for action in np.random.default_rng(5).uniform(-1.0, 1.0, (50, 2)).astype(np.float32):
+        told = [float(x) for x in robot.waypoint_to_velocity(action, task.period)]
+        np.testing.assert_allclose(transfer.velocity_of(task, robot, action), told, rtol=0.0, atol=1e-6)
 
 
 def test_a_place_without_space_is_left_out_and_named(
@@ -243,6 +327,7 @@ def test_the_page_is_that_of_the_rows() -> None:
         (["--policy", "go_to_goal", "--set", "latency=[0.5, 0.1]"], r"latency[1]"),
         (["--policy", "go_to_goal", "--places", "moon"], "--places: found 'moon'"),
         (["--policy", "go_to_goal", "--episodes", "0"], "--episodes"),
+        (["--policy", "go_to_goal", "--seconds", "nan"], "--seconds"),
         (["--policy", "go_to_goal", "--scenes", "nowhere"], "nowhere"),
     ],
 )
