@@ -19,7 +19,14 @@ from rich.console import Console
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.categories.priors import prior
-from urbanverse_mjx.assets.categories.published import QUANTITIES, errors, ground_truths, published, set_aside
+from urbanverse_mjx.assets.categories.published import (
+    QUANTITIES,
+    errors,
+    ground_truths,
+    held_out_errors,
+    published,
+    set_aside,
+)
 from urbanverse_mjx.assets.collision.hulls import HullStore
 from urbanverse_mjx.assets.collision.hulls import store_path as hulls_path
 from urbanverse_mjx.assets.records.catalogue import disagreements, leaf_counts
@@ -117,6 +124,27 @@ def against_published(table: pa.Table) -> dict[str, Any]:
     return result
 
 
+def held_out_masses() -> dict[str, Any]:
+    """Returns errors of the masses of objects that no prior was fitted to, given their true boxes."""
+    by_leaf = collections.defaultdict(list)
+    found = held_out_errors()
+    for (leaf, _), error in found.items():
+        by_leaf[leaf].append(abs(error))
+    off = np.array(list(found.values()))
+    return {
+        "objects": len(off),
+        "leaves": len(by_leaf),
+        "mean_absolute_error": round(float(np.abs(off).mean()), 4),
+        "mean_absolute_error_of_leaves": round(float(np.mean([np.mean(x) for x in by_leaf.values()])), 4),
+        "off_by_more_than_2x": int(((off > 1.0) | (off < -0.5)).sum()),
+        "worst": {f"{leaf}, {item}": round(e, 2) for (leaf, item), e in sorted(found.items(), key=_size)[-3:]},
+    }
+
+
+def _size(item: tuple[tuple[str, str], float]) -> float:
+    return abs(item[1])
+
+
 def filter_latencies(objects: ObjectLibrary, repeats: int = 5) -> dict[str, Any]:
     """Returns the time (ms) of each filter: the first call, which decodes its column, and the median of later ones."""
     first, later = {}, {}
@@ -156,6 +184,7 @@ def measure(renders: int, matches: int) -> dict[str, Any]:
         "agreement": agreement(table),
         "hulls": hulls(),
         "published": against_published(table),
+        "held_out_masses": held_out_masses(),
         "build_s": round(built, 1),
         "open_s": round(opened, 2),
         "store_bytes": size,

@@ -7,9 +7,13 @@ from urbanverse_mjx.assets.categories import published as module
 from urbanverse_mjx.assets.categories.materials import sources
 from urbanverse_mjx.assets.categories.published import (
     QUANTITIES,
+    HeldOut,
     Published,
     errors,
     ground_truths,
+    held_out,
+    held_out_errors,
+    mass_in_box,
     published,
     set_aside,
 )
@@ -112,3 +116,47 @@ def test_a_figure_set_aside_without_a_reason_is_refused(tmp_path, monkeypatch) -
     monkeypatch.setattr(module, "asset_root", lambda: tmp_path)
     with pytest.raises(ValidationError, match="no reason"):
         module.set_aside.__wrapped__()
+
+
+def test_masses_of_objects_that_no_prior_was_fitted_to() -> None:
+    """The aim: 25 % mean absolute error for a known box, and nothing off by more than a factor of two."""
+    found = held_out_errors()
+    assert len(found) >= 19
+    assert len({leaf for leaf, _ in found}) >= 10
+    assert np.mean(np.abs(list(found.values()))) <= 0.25
+    assert all(-0.5 <= error <= 1.0 for error in found.values())
+
+
+def test_no_held_out_object_is_one_that_a_prior_was_fitted_to() -> None:
+    masses = {(row.leaf, row.mass) for row in published()}
+    assert not masses & {(row.leaf, row.mass) for row in held_out()}
+
+
+def test_the_mass_in_a_box_follows_the_box_and_the_make() -> None:
+    """A side that is not stated is the median's; a solid make grows with the volume of the box."""
+    box = HeldOut("bollard", "concrete post", 0.17, 0.17, 0.95, 1.0, "concrete", "https://a.b")
+    wider = HeldOut("bollard", "concrete post", 0.20, 0.20, 0.95, 1.0, "concrete", "https://a.b")
+    unstated = HeldOut("bollard", "concrete post", None, None, 0.95, 1.0, "concrete", "https://a.b")
+    assert mass_in_box(wider) / mass_in_box(box) == pytest.approx((0.20 / 0.17) ** 2, rel=0.05)
+    assert mass_in_box(unstated) == pytest.approx(mass_in_box(box))
+    steel = HeldOut("bollard", "steel post", 0.17, 0.17, 0.95, 1.0, "steel", "https://a.b")
+    assert mass_in_box(steel) < 0.6 * mass_in_box(box)
+    with pytest.raises(ValidationError, match="no make of 'gold'"):
+        mass_in_box(HeldOut("bollard", "post", 0.17, 0.17, 0.95, 1.0, "gold", "https://a.b"))
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("football,ball,0.22,,,,,https://a.b", "found no mass"),
+        ("football,ball,,,,0.4,,handbook", "no mass or no address"),
+        ("football,FIFA ball,,,,0.43,,https://a.b", "an object of published.csv"),
+    ],
+)
+def test_bad_held_out_rows_are_refused(line: str, said: str, tmp_path, monkeypatch) -> None:
+    published()
+    head = ",".join(("leaf", "thing", *QUANTITIES, "make", "address"))
+    (tmp_path / "held_out_masses.csv").write_text(f"{head}\n{line}\n", encoding="utf-8")
+    monkeypatch.setattr(module, "asset_root", lambda: tmp_path)
+    with pytest.raises(ValidationError, match=said):
+        module.held_out.__wrapped__()
