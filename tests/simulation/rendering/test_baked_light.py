@@ -176,6 +176,21 @@ def _open_street(bank: SceneBank, sun: Any) -> SceneBank:
     return dataclasses.replace(even, slot_mesh=mesh)
 
 
+def test_a_camera_opens_under_a_dark_sky_as_it_does_in_a_dark_street(bank: SceneBank) -> None:
+    """Without a sun a white surface in the open is as bright as the even sky: 0.65 and more is daylight."""
+    level = {}
+    for radiance in (0.2, 0.4, 0.65, 0.9):
+        sky = np.full((16, 32, 3), radiance)
+        street = _first(cases.with_light(cases.plain_bank(bank, 0.5), sky, SUN, np.zeros(3)))
+        renderer = cases.make_renderer(street, None, light="baked", shading="matte")
+        image = renderer.view(0, np.array([20.0, 6.0, 7.0]), cases.DOWN, 1.2)["rgb"]
+        level[radiance] = cases.to_linear(image).mean()
+    # It follows the sky from 0.65 on; below, it falls by the power 0.3 of the sky, and by itself once the factor is 2.
+    assert level[0.9] / level[0.65] == pytest.approx(0.9 / 0.65, rel=0.03)
+    assert level[0.4] / level[0.65] == pytest.approx((0.4 / 0.65) ** 0.3, rel=0.03)
+    assert level[0.2] / level[0.65] == pytest.approx(0.2 / 0.65 * light_bake.BRIGHTEST, rel=0.03)
+
+
 def _bake(bank: SceneBank) -> light_bake.BakedLight:
     found: list[light_bake.BakedLight] = []
     with pytest.MonkeyPatch.context() as patch:

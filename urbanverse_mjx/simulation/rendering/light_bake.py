@@ -35,6 +35,11 @@ VERSION = 1
 MARGIN, HEADROOM = 4.0, 12.0
 #: A camera makes up for this power of what the street is darker than open ground, up to a factor.
 EXPOSURE, BRIGHTEST = 0.7, 2.0
+#: Brightness of a white surface in the open from which a sky counts as daylight: at dusk or in heavy rain a camera
+#: opens by the same power, up to the same factor.
+DAYLIGHT = 0.65
+#: Least sine of the sun's height by which its light counts for that, as skies are exposed (walls face a low sun).
+LOW_SUN = 0.35
 #: rad, half the angle of the sun's disc.
 SUN_RADIUS = 0.00465
 #: Texels or cells of one launch on a CPU, which other threads compute at the same time.
@@ -126,7 +131,17 @@ class Baker:
                     found[scene] = self._bake(scene)
                     _write(paths[scene], found[scene])
                     report(done)
-        return [light for light in found if light is not None]
+        return [
+            dataclasses.replace(light, exposure=light.exposure * self._opened(scene))
+            for scene, light in enumerate(found)
+            if light is not None
+        ]
+
+    def _opened(self, scene: int) -> np.float32:
+        """Factor on the exposure of a scene for a sky darker than daylight; not part of what the cache keeps."""
+        sun = float(np.mean(self._irradiance[scene]) / np.pi * max(self._suns[scene][2], LOW_SUN))
+        white = max(sun + float(np.mean(self._ambient[scene])), 1e-6)
+        return np.float32(np.clip((DAYLIGHT / white) ** EXPOSURE, 1.0, BRIGHTEST))
 
     def _key(self, scene: int) -> str:
         """Hash of all that the light of a scene depends on."""
