@@ -110,7 +110,9 @@ CODE: Mapping[str, Code] = {
         ("cousins", "rendering"),
     ),
     # Stages of a run; the code that they call has its own versions.
-    "generation": Code(2, ("pipeline.generation.stages",), ("bank", "distillation", "perception", "report")),
+    "generation": Code(
+        2, _below("pipeline.generation", "checks", "stages"), ("bank", "distillation", "perception", "report")
+    ),
     # Scenes of the library.
     "library": Code(1, ("pipeline.library.building",), ("bank",)),
     # Assets imported from the user's files.

@@ -58,6 +58,26 @@ def _edit(recording: pathlib.Path, change: Callable[[dict], object]) -> pathlib.
     return recording
 
 
+def _graph(kind: str, path: pathlib.Path) -> pathlib.Path:
+    """A graph that is valid as a file and not as a street."""
+    body = json.loads(GRAPH.read_text())
+    car = next(entry for entry in body["objects"] if entry["label"] == "sedan")
+    if kind == "huge car graph":
+        car["size"] = [2000.0, 800.0, 600.0]
+    elif kind == "distant car graph":
+        car["center"][0] = 90_000.0
+    elif kind == "meaningless graph":
+        for entry in body["objects"]:
+            entry["label"] = "zqxv"
+    elif kind == "narrow graph":
+        body["objects"] = [car]
+        body["ground"] = [region for region in body["ground"] if region["kind"] == "road"]
+    elif kind == "doubled ground graph":
+        body["ground"].append({**body["ground"][0], "id": "again"})
+    path.write_text(json.dumps(body))
+    return path
+
+
 TEXTURE = np.random.default_rng(0).integers(0, 255, (180, 320, 3)).astype(np.uint8)
 
 
@@ -117,6 +137,46 @@ def test_broken_content_is_one_sentence_and_leaves_nothing(
     assert said.count("\n") == 1
     assert word in said
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "word"),
+    [
+        ("huge car graph", "found a size of 2,000 x 800 x 600 m, needed at most"),
+        ("distant car graph", "from all ground"),
+        ("doubled ground graph", "shared with"),
+    ],
+)
+def test_graphs_that_cannot_be_of_a_street_leave_nothing(
+    kind: str, word: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = _graph(kind, tmp_path / "graph.json")
+    for command in (["gen", str(source), "--quiet"], ["scene", "compile", str(source)]):
+        assert main([*command, "--out", str(tmp_path / "out")]) == 2
+        assert word in capsys.readouterr().err
+        assert not (tmp_path / "out").exists()
+
+
+def test_an_image_called_a_film_is_named(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = tmp_path / "source.mp4"
+    Image.fromarray(TEXTURE).save(source, format="PNG")
+    assert main(["gen", str(source), "--out", str(tmp_path / "out"), "--quiet"]) == 2
+    assert "source.mp4: found a single PNG image" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "word"),
+    [("meaningless graph", "found no place for any of"), ("narrow graph", "needed a connected area with 4 m")],
+)
+def test_cousins_that_cannot_be_compiled_are_not_written(
+    kind: str, word: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Found only once assets are chosen and hidden ground is filled; the graph's stage is whole by then."""
+    source = _graph(kind, tmp_path / "graph.json")
+    assert main(["gen", str(source), "--out", str(tmp_path / "out"), "--quiet"]) == 2
+    assert word in capsys.readouterr().err
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [".lock", "graph", "run.json"]
 
 
 def test_no_way_to_write_is_one_sentence(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 import itertools
 import pathlib
+import re
 
 import imageio.v3 as iio
 import numpy as np
@@ -102,6 +103,46 @@ def test_a_sideways_turn_is_measured_and_a_fast_one_dropped():
 def test_broken_input_is_one_sentence(tmp_path: pathlib.Path, make, said: str):
     with pytest.raises(ValidationError, match=said):
         sample(make(tmp_path), tmp_path / "frames")
+
+
+def _film(path: pathlib.Path, seconds: int, *options: str) -> pathlib.Path:
+    """A video whose index stands before its images, ten a second."""
+    images = [p for k in range(seconds) for p in _pan(10, 4 + k)]
+    parameters = ["-movflags", "faststart", *options] if path.suffix == ".mp4" else list(options)
+    iio.imwrite(path, np.stack(images), fps=10, plugin="FFMPEG", macro_block_size=2, output_params=parameters)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".mkv"])
+def test_a_film_that_ends_early_is_refused_with_the_seconds_that_are_missing(tmp_path: pathlib.Path, suffix: str):
+    whole = _film(tmp_path / f"whole{suffix}", 8)
+    assert sample(whole, tmp_path / "all").time_s[-1] > 7.0
+    cut = tmp_path / f"cut{suffix}"
+    cut.write_bytes(whole.read_bytes()[: int(0.6 * whole.stat().st_size)])
+    with pytest.raises(ValidationError) as caught:
+        sample(cut, tmp_path / "frames")
+    found, stated = re.findall(r"found (\d\.\d) of the (\d\.\d) s", str(caught.value))[0]
+    assert float(stated) == pytest.approx(8.0, abs=0.2)
+    assert 3.0 < float(found) < 7.0
+    assert f"the missing {float(stated) - float(found):.1f} s by --allow-truncated" in str(caught.value)
+    kept = sample(cut, tmp_path / "frames", SamplingOptions(allow_truncated=True))
+    assert kept.time_s[-1] == pytest.approx(float(found), abs=0.7)
+
+
+def test_a_film_of_uneven_rate_or_beyond_the_frame_limit_is_not_called_cut_off(tmp_path: pathlib.Path):
+    """Half of the images are dropped in the second half, as phones do in the dark."""
+    uneven = _film(tmp_path / "uneven.mp4", 8, "-vf", "select='lt(t,4)+not(mod(n,3))'", "-fps_mode", "vfr")
+    assert sample(uneven, tmp_path / "a").time_s[-1] > 7.0
+    many = sample(_film(tmp_path / "many.mp4", 8), tmp_path / "b", SamplingOptions(max_frames=12))
+    assert len(many) <= 12
+
+
+def test_an_mp4_without_its_index_is_said_to_be_cut_off(tmp_path: pathlib.Path):
+    whole = tmp_path / "whole.mp4"
+    iio.imwrite(whole, np.stack(_pan(20, 6)), fps=10, plugin="FFMPEG", macro_block_size=2)
+    (tmp_path / "cut.mp4").write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
+    with pytest.raises(ValidationError, match="an MP4 without its index"):
+        sample(tmp_path / "cut.mp4", tmp_path / "frames")
 
 
 def _text(path: pathlib.Path) -> pathlib.Path:

@@ -48,6 +48,8 @@ class GenArgs:
     """City of the video, for the records."""
     country: str = "unknown"
     """Country of the video, for the records."""
+    allow_truncated: bool = False
+    """Use a film that ends before its stated length as far as it goes."""
     quiet: bool = False
 
 
@@ -111,6 +113,8 @@ class BatchArgs:
     """Height (m) of the cameras above the ground on which their carriers walk."""
     blur: str | None = None
     """Detector of faces and number plates, which are blurred before a frame is stored."""
+    allow_truncated: bool = False
+    """Use films that end before their stated length as far as they go."""
     quiet: bool = False
 
 
@@ -134,6 +138,7 @@ def _gen(args: GenArgs) -> int:
         args.country,
         args.perception,
         None if args.models is None else str(args.models),
+        args.allow_truncated,
     )
     options = pipeline.GenerationOptions(
         args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, video
@@ -161,7 +166,7 @@ def _import(args: ImportArgs) -> int:
 
 def _batch(args: BatchArgs) -> int:
     # The cousins of a source are compiled sequentially, because sources run in parallel.
-    video = pipeline.VideoOptions(args.rate, args.camera_height, args.blur)
+    video = pipeline.VideoOptions(args.rate, args.camera_height, args.blur, allow_truncated=args.allow_truncated)
     options = pipeline.GenerationOptions(
         args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, video=video
     )

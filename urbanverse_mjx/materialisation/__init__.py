@@ -1,6 +1,7 @@
 """Converts a scene graph to layouts: chooses assets, materials and a sky, and resolves overlaps of objects."""
 
 from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
+from .plausible import check_placed, check_plausible
 from .regional import check_city, localise
 from .shortlists import LeftOut
 
@@ -9,6 +10,8 @@ __all__ = [
     "LeftOut",
     "check_city",
     "check_labels",
+    "check_placed",
+    "check_plausible",
     "index_of",
     "localise",
     "materialise_cousin",

@@ -56,9 +56,18 @@ def compile_graph(
     check_out_dir(out)
     scene = SceneGraph.load(graph)
     check_regions(scene.ground)
-    from ..materialisation import check_city, check_labels, index_of, localise, materialise_cousin
+    from ..materialisation import (
+        check_city,
+        check_labels,
+        check_placed,
+        check_plausible,
+        index_of,
+        localise,
+        materialise_cousin,
+    )
     from ..scene.halves import half_layouts
 
+    check_plausible(scene)
     objects = None
     if imported:
         from ..assets.selection.search import full_library
@@ -69,6 +78,7 @@ def compile_graph(
     if regional:
         check_city(scene)
     made = materialise_cousin(scene, cousin, seed, objects=objects)
+    check_placed(scene, [made])
     if regional:
         made = localise(made, scene, index_of(made.layout, objects))
     layout = half_layouts(made.layout)[half - 1] if half else made.layout

@@ -9,7 +9,7 @@ import shapely
 
 from ..datatypes import AssetMesh
 from ..datatypes import validation as v
-from ..datatypes.ground import KIND_INDEX, PAINT_KINDS
+from ..datatypes.ground import KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS
 from ..geometry.polygons import MAX_OVERLAP
 from .polygons import convex_parts, triangulate
 
@@ -73,6 +73,35 @@ def check_regions(regions: Sequence[Region]) -> None:
                 "regions that do not overlap",
                 "cut one of them or make it a road_marking",
             )
+
+
+def check_room(regions: Sequence[Region], radius: float, length: float) -> None:
+    """Checks that a robot could drive a route on the bare ground. Objects only take away room, so no scene that can be
+    compiled is refused.
+
+    Args:
+      radius: m, half of the width that the robot needs.
+      length: m, straight distance from the start to the goal of the shortest useful route.
+
+    Raises:
+      ValidationError: no connected traversable area holds such a route.
+    """
+    walkable = [shapely.Polygon(r.polygon) for r in regions if r.kind in TRAVERSABLE_KINDS]
+    joined = shapely.union_all(walkable).buffer(_MIN_BORDER).buffer(-_MIN_BORDER - radius)
+    longest = max((_diagonal(part) for part in shapely.get_parts(joined)), default=0.0)
+    if longest < length:
+        kinds = ", ".join(TRAVERSABLE_KINDS)
+        found = f"{sum(shape.area for shape in walkable):.3g} m² of {kinds}, with room for {longest:.3g} m of driving"
+        needed = f"a connected area with {length:g} m for a robot {2 * radius:g} m wide"
+        raise v.fail("ground", found, needed, "film more of the pavement, or add or widen sidewalks in graph.json")
+
+
+def _diagonal(shape: shapely.geometry.base.BaseGeometry) -> float:
+    """m, diagonal of the bounding box."""
+    if shape.is_empty:
+        return 0.0
+    low_x, low_y, high_x, high_y = shape.bounds
+    return float(np.hypot(high_x - low_x, high_y - low_y))
 
 
 def plane_height(plane: Sequence[float], xy: np.ndarray) -> np.ndarray:

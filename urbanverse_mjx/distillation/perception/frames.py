@@ -5,6 +5,7 @@ import dataclasses
 import itertools
 import os
 import pathlib
+import struct
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -21,6 +22,9 @@ IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 FILE = "frames.json"
 SCHEMA = "urbanverse.frames/1"
 
+#: Share of its stated length below which a video counts as cut off, and s that have to be missing.
+_MIN_SHARE, _MIN_MISSING = 0.95, 0.5
+
 
 @dataclasses.dataclass(frozen=True)
 class SamplingOptions:
@@ -31,6 +35,7 @@ class SamplingOptions:
       candidates: images of a video that are compared for each frame; the sharpest is kept.
       short_side: pixels; larger images are scaled down to it.
       max_frames: longer videos are sampled at a lower rate; folders with more images are an error.
+      allow_truncated: whether a video that ends before its stated length is used as far as it goes.
       limits: thresholds of the screening.
     """
 
@@ -38,6 +43,7 @@ class SamplingOptions:
     candidates: int = 3
     short_side: int = 540
     max_frames: int = 720
+    allow_truncated: bool = False
     limits: ScreenLimits = dataclasses.field(default_factory=ScreenLimits)
 
     def __post_init__(self) -> None:
@@ -102,8 +108,8 @@ def sample(
       blur: makes faces and plates unreadable before anything is written.
 
     Raises:
-      ValidationError: no video, no images, images of different sizes, fewer than two usable frames, or no write
-        access.
+      ValidationError: no video, one that ends early, no images, images of different sizes, fewer than two usable
+        frames, or no write access.
     """
     options = options or SamplingOptions()
     source = pathlib.Path(source)
@@ -173,7 +179,8 @@ def _video(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group
     duration = count / fps if fps > 0 and count > 0 else 0.0
     rate = min(options.rate, fps or options.rate, options.max_frames / duration if duration > 0 else options.rate)
     each = max(1, min(options.candidates, int(fps / rate))) if fps > 0 else 1
-    images = itertools.islice(_images(video, rate * each, options.short_side), options.max_frames * each)
+    stated = None if options.allow_truncated else _Stated(path, round(count), duration)
+    images = itertools.islice(_images(video, rate * each, options.short_side, stated), options.max_frames * each)
     return _grouped(images, each), min(options.max_frames, max(1, round(duration * rate)))
 
 
@@ -182,17 +189,67 @@ def _opened(path: pathlib.Path) -> cv2.VideoCapture:
         raise v.fail(str(path), "no such file", "a video or a folder of images", "check the path")
     video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     if not video.isOpened():
+        if _lacks_index(path):
+            found = "an MP4 without its index (moov), as a recording that was cut off leaves behind"
+            raise v.fail(str(path), found, "the whole file", "copy it again, or repair it")
         raise v.fail(str(path), "something that OpenCV reads no image from", "a video", "play it to check")
     return video
 
 
-def _images(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[tuple[float, np.ndarray]]:
+def _lacks_index(path: pathlib.Path) -> bool:
+    """Whether a file consists of boxes of an MP4 (ISO/IEC 14496-12, section 4.2) but the one that finds the images."""
+    found, end = [], path.stat().st_size
+    with path.open("rb") as file:
+        while file.tell() + 8 <= end:
+            start = file.tell()
+            size, kind = struct.unpack(">I4s", file.read(8))
+            if size == 1 and start + 16 <= end:
+                (size,) = struct.unpack(">Q", file.read(8))
+            found.append(kind)
+            if size < 8:  # 0: to the end of the file
+                break
+            file.seek(start + size)
+    return found[:1] == [b"ftyp"] and b"moov" not in found
+
+
+@dataclasses.dataclass(frozen=True)
+class _Stated:
+    """What a video's header says of it: number of images, and duration in s; 0 if it says nothing."""
+
+    path: pathlib.Path
+    images: int
+    duration: float
+
+    def check(self, images: int, end: float) -> None:
+        """Compares with the images that could be decoded, the last of which ends at `end` s.
+
+        Both have to fall short: where a header has no number of images, it is the duration times the mean rate, and the
+        times of some containers are those of decoding.
+
+        Raises:
+          ValidationError: the video is cut off.
+        """
+        short = _MIN_SHARE * self.duration > end and self.duration - end > _MIN_MISSING
+        if short and images < _MIN_SHARE * self.images:
+            found = f"{end:.1f} of the {self.duration:.1f} s that its header states"
+            hint = f"copy it again, or do without the missing {self.duration - end:.1f} s by --allow-truncated"
+            raise v.fail(str(self.path), found, "the whole film", hint)
+
+
+def _images(
+    video: cv2.VideoCapture, rate: float, short_side: int, stated: _Stated | None = None
+) -> Iterator[tuple[float, np.ndarray]]:
     """Yields time (s) and RGB of the images nearest to every 1 / `rate` s; images in between are decoded and
-    dropped."""
+    dropped.
+
+    Raises:
+      ValidationError: the video ends before its stated length.
+    """
     period = 1.0 / (video.get(cv2.CAP_PROP_FPS) or rate)
-    first, time, due = None, -period, 0
+    first, time, due, count = None, -period, 0, 0
     try:
         while video.grab():
+            count += 1
             stamp = video.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
             first = stamp if first is None else first
             # Time stamps of AVI are those of decoding: all are late by the same time, and 0 at the end of the file.
@@ -203,6 +260,8 @@ def _images(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[t
             whole, bgr = video.retrieve()
             if whole:
                 yield time, _scaled(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), short_side)
+        if stated is not None:
+            stated.check(count, time + period)
     finally:
         video.release()
 

@@ -19,7 +19,7 @@ def sample_to(source: pathlib.Path, folder: pathlib.Path, options: VideoOptions,
       ValidationError: see `sample`.
     """
     blur = None if options.blur is None else blur_by_name(options.blur)
-    sample(source, folder, SamplingOptions(rate=options.rate), blur, report)
+    sample(source, folder, SamplingOptions(rate=options.rate, allow_truncated=options.allow_truncated), blur, report)
 
 
 def perceive_to(

@@ -4,9 +4,12 @@ import dataclasses
 import hashlib
 import pathlib
 
+from PIL import Image
+
 from ...datatypes import Recording, SceneGraph
 from ...datatypes import validation as v
 from ...datatypes.recording import FILE as RECORDING_FILE
+from ...datatypes.recording import UNREADABLE
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 
@@ -43,7 +46,20 @@ def recognise(source: str | pathlib.Path) -> Input:
         return Input("graph", path, SceneGraph.load(path).content_hash()[:16])
     if path.stat().st_size == 0:
         raise v.fail(str(path), "an empty file", "a video", "copy it again")
+    content = _image_format(path)
+    if content is not None:
+        needed = "a video, a folder of frames, a recording or graph.json"
+        raise v.fail(str(path), f"a single {content} image", needed, "name the film, or a folder of its frames")
     return Input("video", path, _key(path))
+
+
+def _image_format(path: pathlib.Path) -> str | None:
+    """The format (PNG, JPEG, ...) of an image, whatever the file is called; None for other files."""
+    try:
+        with Image.open(path) as image:
+            return image.format
+    except UNREADABLE:
+        return None
 
 
 def _key(*files: pathlib.Path) -> str:

@@ -13,6 +13,7 @@ from ...datatypes import validation as v
 from ...process_pool import results_as_completed
 from ...progress import Progress
 from . import compiling
+from .checks import check_cousins, check_graph
 from .run_folder import Clock, RunFolder, key_of
 from .sources import Input, recognise
 from .video_options import VideoOptions
@@ -82,7 +83,14 @@ def _recording(
     """Stages `frames/` and `recording/`; returns the folder of the recording (None for a graph), and its key."""
     if given.kind in ("graph", "recording"):
         return (given.path if given.kind == "recording" else None), given.key
-    key = key_of("perception", stage="frames", source=given.key, rate=video.rate, blur=video.blur)
+    key = key_of(
+        "perception",
+        stage="frames",
+        source=given.key,
+        rate=video.rate,
+        blur=video.blur,
+        allow_truncated=video.allow_truncated,
+    )
     report = progress.task("frames")
     if not run.done(FRAMES, key, FRAMES):
         from .perceiving import sample_to
@@ -113,11 +121,12 @@ def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.
         clock = Clock()
         with run.replacing(GRAPH) as folder:
             if recording is None:
+                check_graph(SceneGraph.load(given.path))
                 shutil.copyfile(given.path, folder / "graph.json")
             else:
                 from .distilling import distil_to
 
-                distil_to(Recording.load(recording), folder, report)
+                check_graph(distil_to(Recording.load(recording), folder, report))
         run.finish(GRAPH, key, clock.seconds)
     report(1, 1)
     return key
@@ -136,6 +145,7 @@ def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, bef
         clock = Clock()
         graph = SceneGraph.load(run.path / GRAPH / "graph.json")
         made = materialise_cousins(graph, options.cousins, options.seed, options.kerb)
+        check_cousins(graph, made)
         with run.replacing(COUSINS) as folder:
             for k, cousin in enumerate(made):
                 (folder / str(k)).mkdir()
