@@ -11,14 +11,15 @@ import shapely
 
 from ..datatypes import GraphObject, LabelPrior, Recording, SceneGraph, ValidationError
 from ..geometry.polygons import rectangle
-from . import bearings, crops, fusion, ground, ground_regions, placement
+from . import bearings, crops, fronts, fusion, ground, ground_regions, placement
 from .boxes import Box
 from .depth_scale import DepthScale, depth_scale
 from .drift import close_loops
 from .ground_completion import completed
 from .lifting import Views, lift
-from .objects import Fused, FusedObject, objects_of, without_fragments
+from .objects import Fused, FusedObject, objects_of, shows_shapes, without_fragments
 from .options import DistilOptions
+from .separation import Separation, separate
 
 #: Similarity of two labels without a common word, because detectors confuse some labels (van, truck). Chosen manually.
 _UNRELATED_SIMILARITY = 0.35
@@ -49,6 +50,7 @@ class Evidence:
       completed: which of its sizes (along the heading, across, up) come from the label's prior.
       moved: m, displacement by a placement prior.
       tracks: the detector's tracks that were fused into the object.
+      front: log odds of the heading from lamps and the side of the road (see `fronts`); 0 where they say nothing.
     """
 
     id: str
@@ -59,6 +61,7 @@ class Evidence:
     completed: tuple[bool, bool, bool]
     moved: float
     tracks: tuple[int, ...]
+    front: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
         return {**dataclasses.asdict(self), "completed": list(self.completed), "tracks": list(self.tracks)}
@@ -76,6 +79,7 @@ class Distillation:
       poses: (m, 4, 4) T_world_camera of the registered frames after loops were closed.
       views: how many views were fused.
       left_out: how many objects had too little confidence.
+      separation: buildings that were cut or removed because they overlap, and what stood inside them.
     """
 
     graph: SceneGraph
@@ -85,6 +89,7 @@ class Distillation:
     poses: np.ndarray
     views: int
     left_out: int
+    separation: Separation
 
 
 def word_similarity(one: str, other: str) -> float:
@@ -150,13 +155,41 @@ def distil(
     regions = ground_regions.regions(completed(ground_grid, [_footprint(t.box) for t in kept if t.prior.faces_road]))
     if not regions:
         raise _no_ground(recording)
+    kept, front = _with_fronts(kept, fused, regions, recording)
     pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions)
     if not options.place:
         pulled = np.zeros_like(pulled)
     left_out = len(objects) - len(kept)
-    return _graph(
-        recording, fused, kept, pulled, floor, regions, ground.kerbs(ground_grid), describe, crop_folder, left_out
-    )
+    laid = _Laid(kept, front, pulled, floor)
+    return _graph(recording, fused, laid, regions, ground.kerbs(ground_grid), describe, crop_folder, left_out)
+
+
+def _with_fronts(
+    kept: list[FusedObject], fused: Fused, regions: tuple, recording: Recording
+) -> tuple[list[FusedObject], np.ndarray]:
+    """The objects with vehicles turned round where lamps and the side of the road say so, and (n,) the log odds that
+    these give to the final headings."""
+    views, sharp = fused.views, shows_shapes(fused.depth)
+    rows = [k for k, obj in enumerate(kept) if "road" in obj.prior.stands_on]
+    vehicles = [
+        fronts.Vehicle(
+            obj.box.center[:2],
+            obj.box.yaw,
+            sharp and bool(obj.prior.shapes),
+            views.origin[obj.rows],
+            fused.placed.viewpoint[obj.rows, :2],
+            views.pixels[obj.rows],
+        )
+        for obj in (kept[k] for k in rows)
+    ]
+    odds, cues = fronts.log_odds(vehicles, regions, recording)
+    out, front = list(kept), np.zeros(len(kept))
+    for k, total, cue in zip(rows, odds, cues, strict=True):
+        front[k] = cue if total >= 0 else -cue
+        if total < 0:
+            yaw = float(np.remainder(kept[k].box.yaw + 2 * np.pi, 2 * np.pi) - np.pi)
+            out[k] = dataclasses.replace(kept[k], box=dataclasses.replace(kept[k].box, yaw=yaw))
+    return out, front
 
 
 def _associated(
@@ -204,19 +237,29 @@ def _reach(prior: LabelPrior) -> float:
     return 1.25 * float(np.linalg.norm(prior.extents[:, :2], axis=1).max()) if len(prior.extents) else np.inf
 
 
+@dataclasses.dataclass(frozen=True)
+class _Laid:
+    """The n objects that are kept; front (n,) log odds, see `Evidence`; pulled (n, 2) m, movement to their ground;
+    floor (n,) m, its height."""
+
+    objects: list[FusedObject]
+    front: np.ndarray
+    pulled: np.ndarray
+    floor: np.ndarray
+
+
 def _graph(
     recording: Recording,
     fused: Fused,
-    kept: list[FusedObject],
-    pulled: np.ndarray,
-    floor: np.ndarray,
+    laid: _Laid,
     regions: tuple,
     kerbs: tuple,
     describe: Describe | None,
     crop_folder: pathlib.Path | None,
     left_out: int,
 ) -> Distillation:
-    """The graph of the objects that are kept, each moved by `pulled` (n, 2) m, above `floor` (n,) m."""
+    """The graph of the objects that are kept."""
+    kept, pulled = laid.objects, laid.pulled
     names = _names(kept)
     describers = describe.given() if describe else {}
     descriptors = crops.Descriptors({}, {}, None)
@@ -226,7 +269,7 @@ def _graph(
     objects, evidence = [], []
     for i, (obj, name) in enumerate(zip(kept, names, strict=True)):
         box = dataclasses.replace(obj.box, center=obj.box.center + [*pulled[i], 0.0])
-        center, size = placement.stand(box, floor[i], obj.prior)
+        center, size = placement.stand(box, laid.floor[i], obj.prior)
         objects.append(
             GraphObject(
                 id=name,
@@ -250,18 +293,29 @@ def _graph(
                 completed=box.completed,
                 moved=round(float(np.linalg.norm(pulled[i])), 3),
                 tracks=tuple(int(t) for t in tracks if t >= 0),
+                front=round(float(laid.front[i]), 3),
             )
         )
+    priors = {obj.label: obj.prior for obj in kept}
+    separation = separate(
+        objects,
+        lambda label: priors[label].faces_road,
+        lambda label: not priors[label].on_ground,
+        fused.poses[:, :2, 3],
+        {entry.id: entry.views * obj.score for entry, obj in zip(evidence, objects, strict=True)},
+    )
+    removed = {entry.id for entry in separation.removed}
     graph = SceneGraph(
         id=recording.id,
         source=recording.source,
-        objects=tuple(objects),
+        objects=separation.objects,
         ground=tuple(dataclasses.replace(r, descriptor=descriptors.ground.get(r.kind)) for r in regions),
         sky_descriptor=descriptors.sky,
         camera_path=_path(fused.poses),
     )
     views = len(fused.views)
-    return Distillation(graph, tuple(evidence), kerbs, fused.depth, fused.poses, views, left_out)
+    stay = tuple(entry for entry in evidence if entry.id not in removed)
+    return Distillation(graph, stay, kerbs, fused.depth, fused.poses, views, left_out, separation)
 
 
 def _names(kept: list[FusedObject]) -> list[str]:

@@ -115,12 +115,17 @@ def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Fuse
     objects = [
         _object(fused, rows, k, prior_of) if big else None for rows, k, big in zip(groups, label, large, strict=True)
     ]
-    sharp = fused.single_view or fused.depth.noise < _OPTIONS.max_sharp_noise
+    sharp = fused.single_view or shows_shapes(fused.depth)
     street = Street.of([t.box for t in objects if t is not None and not sharp and shows_street(t.box)])
     return [
         _object(fused, rows, k, prior_of, street) if t is None else t
         for rows, k, t in zip(groups, label, objects, strict=True)
     ]
+
+
+def shows_shapes(depth: DepthScale) -> bool:
+    """Whether depth is exact enough that an object's own points determine its heading."""
+    return depth.noise < _OPTIONS.max_sharp_noise
 
 
 def shows_street(box: boxes.Box) -> bool:

@@ -39,6 +39,9 @@ def distil_to(recording: Recording, folder: pathlib.Path, report: Report) -> Sce
     body = {
         "views": found.views,
         "left_out": found.left_out,
+        "removed": [dataclasses.asdict(entry) for entry in found.separation.removed],
+        "cut": [list(entry) for entry in found.separation.cut],
+        "moved_out": [list(entry) for entry in found.separation.moved],
         "kerbs": [dataclasses.asdict(k) for k in found.kerbs],
         "objects": [e.to_json() for e in found.evidence],
     }
