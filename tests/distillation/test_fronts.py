@@ -74,18 +74,6 @@ def test_red_lamps_are_a_tail_and_a_red_body_says_nothing() -> None:
     assert fronts.tail_log_odds(paint(0.002, (90, 90, 90))) == 0.0
 
 
-def test_an_image_without_colour_is_known() -> None:
-    rng = np.random.default_rng(0)
-    grey = np.repeat(rng.integers(0, 255, (64, 64, 1)), 3, 2)
-    assert fronts.is_colourless(grey.astype(np.uint8))
-    sepia = np.clip(grey * 0.7 + [40, 20, 0], 0, 255)
-    assert fronts.is_colourless(sepia.astype(np.uint8))
-    noisy = np.clip(grey + rng.normal(0, 1, grey.shape), 0, 255)
-    assert fronts.is_colourless(noisy.astype(np.uint8))
-    street_like = np.clip(grey + [[[6, 0, -8]]] * rng.uniform(-1, 1, (64, 64, 1)), 0, 255)
-    assert not fronts.is_colourless(street_like.astype(np.uint8))
-
-
 def with_lamps(recording: Recording, cars: list[GraphObject], grey: bool = False) -> Recording:
     """Paints bodies, white headlights at +x of each car and red lamps at -x into the frames of a drawn recording."""
     objects = [*street.street_objects()[2:], *cars]

@@ -12,6 +12,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GroundRegion, Recording
+from .colour import is_colourless
 
 #: Countries and territories where traffic keeps left, in lower case; everywhere else it keeps right.
 KEEPS_LEFT = frozenset(
@@ -200,11 +201,3 @@ def tail_log_odds(pixels: np.ndarray) -> float:
     if share >= least:
         return _OPTIONS.tail
     return -_OPTIONS.no_tail if share < least / 4 else 0.0
-
-
-def is_colourless(image: np.ndarray) -> bool:
-    """Whether an image (H, W, 3) u8 is grey, or has one tint: its mean chroma is below 2 of 255, that of JPEG noise."""
-    part = image[::4, ::4].astype(np.float32)
-    blue = part[..., 2] - part.mean(-1)
-    red = part[..., 0] - part.mean(-1)
-    return bool(np.hypot(red - np.median(red), blue - np.median(blue)).mean() < 2.0)

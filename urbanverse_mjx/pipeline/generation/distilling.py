@@ -13,6 +13,7 @@ from ...assets.selection import descriptors
 from ...assets.selection.label_priors import LabelPriors
 from ...datatypes import Recording, SceneGraph
 from ...distillation import Describe, distil
+from ...distillation.colour import without_colour
 
 Report = Callable[[int, int], None]
 
@@ -27,16 +28,31 @@ DESCRIBE = Describe(
 )
 
 
+def _outline_of_object(image: np.ndarray, mask: np.ndarray) -> list[int]:
+    """The descriptor with all colours at 0, at which every asset's colours are equally far."""
+    numbers = descriptors.of_image(image, mask)
+    numbers[: descriptors.COLORS] = 0
+    return numbers.tolist()
+
+
+#: The descriptors of images without colour: outlines of objects alone. Ground and sky without a descriptor get any dry
+#: material and any daytime sky; by their grey they would be wet and overcast.
+DESCRIBE_GREY = Describe(_outline_of_object)
+
+
 def distil_to(recording: Recording, folder: pathlib.Path, report: Report) -> SceneGraph:
     """Distils a recording into a folder: `graph.json`, `evidence.json`, `crops/`.
 
     Raises:
       ValidationError: see `distil`.
     """
+    grey = without_colour(recording)
+    describe = DESCRIBE_GREY if grey else DESCRIBE
     found = distil(
-        recording, LabelPriors(load_index()), describe=DESCRIBE, crop_folder=folder / "crops", progress=report
+        recording, LabelPriors(load_index()), describe=describe, crop_folder=folder / "crops", progress=report
     )
     body = {
+        "colour": not grey,
         "views": found.views,
         "left_out": found.left_out,
         "removed": [dataclasses.asdict(entry) for entry in found.separation.removed],
