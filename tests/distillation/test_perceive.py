@@ -23,6 +23,7 @@ from urbanverse_mjx.distillation.perception import (
 )
 from urbanverse_mjx.distillation.perception.densify import dense_depth, levels
 from urbanverse_mjx.distillation.perception.metric import to_metric
+from urbanverse_mjx.distillation.perception.parallax import check_parallax
 from urbanverse_mjx.distillation.perception.structure import Structure
 
 CAMERA = Camera(320, 180, 210.0, 210.0, 160.0, 90.0)
@@ -200,6 +201,47 @@ def test_frames_without_a_pose_stay_in_the_recording_without_one(
 def test_without_ground_there_is_no_scale(frames: Frames, structure: Structure):
     with pytest.raises(ValidationError, match="found 0 points on the ground"):
         to_metric(structure, np.zeros(len(structure.frame), np.uint8), 1.5)
+
+
+def _folder(path: pathlib.Path, images: list[np.ndarray]) -> Frames:
+    path.mkdir()
+    for k, image in enumerate(images):
+        Image.fromarray(image).save(path / f"{k:03d}.png")
+    return sample(path, path / "frames")
+
+
+def _photograph() -> np.ndarray:
+    """One large image of the corridor, (360, 640, 3) u8, sharp at every scale."""
+    texture = (255 * _texture(7)[:360]).astype(np.uint8)
+    return np.repeat(np.pad(texture, ((0, 0), (0, 40)), "wrap")[..., None], 3, -1)
+
+
+@pytest.mark.parametrize("kind", ["pan", "zoom", "turn"])
+def test_frames_without_parallax_are_refused_at_once(tmp_path: pathlib.Path, kind: str):
+    photo = _photograph()
+    if kind == "pan":
+        images = [photo[6 * k : 6 * k + 180, 20 * k : 20 * k + 320] for k in range(9)]
+    elif kind == "zoom":
+        large = Image.fromarray(photo)
+        boxes = [(10 * k, 5.625 * k, 640 - 10 * k, 360 - 5.625 * k) for k in range(9)]
+        images = [np.asarray(large.resize((320, 180), Image.Resampling.BILINEAR, box)) for box in boxes]
+    else:
+        images = [_frame(_pose(0.0, 0.4 + 0.06 * k))[0] for k in range(9)]
+    with pytest.raises(ValidationError, match=r"found no parallax .* needed a camera that moves past near and far"):
+        reconstruct(_folder(tmp_path / "in", images))
+
+
+def test_walks_have_parallax_even_along_a_wall(frames: Frames, tmp_path: pathlib.Path):
+    check_parallax(frames)
+    check_parallax(_folder(tmp_path / "in", [_frame(_pose(0.3 * k, 1.5))[0] for k in range(9)]))
+
+
+def test_a_given_focal_length_is_kept_and_a_stated_one_refined(frames: Frames):
+    kept = reconstruct(frames, StructureOptions(features=1500, focal=200.0))
+    assert kept.camera.fx == 200.0
+    refined = reconstruct(frames, StructureOptions(features=1500, focal=200.0, exact=False))
+    assert refined.camera.fx == pytest.approx(CAMERA.fx, rel=0.03)
+    assert refined.camera.fx != 200.0
 
 
 def test_frames_without_texture_give_no_poses(tmp_path: pathlib.Path):

@@ -105,6 +105,42 @@ def test_broken_input_is_one_sentence(tmp_path: pathlib.Path, make, said: str):
         sample(make(tmp_path), tmp_path / "frames")
 
 
+def _photo(path: pathlib.Path, image: np.ndarray, focal: int | None, orientation: int = 1) -> None:
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    if focal is not None:
+        exif.get_ifd(0x8769)[0xA405] = focal
+    Image.fromarray(image).save(path, exif=exif, quality=95)
+
+
+def test_the_focal_length_comes_from_the_exif_data_of_all_images(tmp_path: pathlib.Path):
+    for name, focals in (
+        ("same", (26, 26, 26)),
+        ("zoomed", (26, 26, 52)),
+        ("unknown", (26, None, 26)),
+        ("zero", (0, 0, 0)),
+    ):
+        (tmp_path / name).mkdir()
+        for k, focal in enumerate(focals):
+            _photo(tmp_path / name / f"{k}.jpg", _pan(3, 20)[k], focal)
+    frames = sample(tmp_path / "same", tmp_path / "a", SamplingOptions(short_side=64))
+    assert (frames.width, frames.height) == (114, 64)
+    # 26 mm on a diagonal of 43.27 mm, of 130.7 pixels.
+    assert frames.focal == pytest.approx(26.0 / 43.2666 * np.hypot(114, 64), abs=0.01)
+    assert load(tmp_path / "a").focal == frames.focal
+    for name in ("zoomed", "unknown", "zero"):
+        assert sample(tmp_path / name, tmp_path / f"{name}_frames").focal is None
+
+
+def test_images_are_turned_upright(tmp_path: pathlib.Path):
+    (tmp_path / "in").mkdir()
+    for k, image in enumerate(_pan(3, 20)):
+        _photo(tmp_path / "in" / f"{k}.jpg", np.rot90(image), 26, orientation=6)  # to be turned clockwise by 90 degrees
+    frames = sample(tmp_path / "in", tmp_path / "out")
+    assert (frames.width, frames.height) == (192, 108)
+    assert np.abs(frames.rgb(0).astype(int) - _pan(1, 0)[0]).mean() < 10
+
+
 def _film(path: pathlib.Path, seconds: int, *options: str) -> pathlib.Path:
     """A video whose index stands before its images, ten a second."""
     images = [p for k in range(seconds) for p in _pan(10, 4 + k)]

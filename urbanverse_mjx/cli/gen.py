@@ -48,6 +48,9 @@ class GenArgs:
     """City of the video, for the records."""
     country: str = "unknown"
     """Country of the video, for the records."""
+    focal: float | None = None
+    """Focal length of the lens in mm, as 35-mm equivalent (26 for the main lens of most phones; video is often
+    cropped); default: that of the images' EXIF data, else estimated."""
     allow_truncated: bool = False
     """Use a film that ends before its stated length as far as it goes."""
     quiet: bool = False
@@ -58,10 +61,10 @@ class ImportArgs:
     """Convert a recording of another project, for `urbanverse gen`; prints one JSON line."""
 
     source: Annotated[pathlib.Path, tyro.conf.Positional]
-    """KITTI-360's root, or a folder that UrbanVerse-Gen's authors' distillation wrote."""
+    """KITTI-360's root, a folder that UrbanVerse-Gen's authors' distillation wrote, or a COLMAP model with images/."""
     out: pathlib.Path
     """Folder of the recording."""
-    format: Literal["kitti360", "urbanverse"]
+    format: Literal["kitti360", "urbanverse", "colmap"]
     """Format of the source."""
     sequence: str = "2013_05_28_drive_0000_sync"
     """KITTI-360: name of the drive."""
@@ -74,11 +77,19 @@ class ImportArgs:
     depth: Literal["auto", "scan", "boxes"] = "auto"
     """KITTI-360: depth from the laser's scans, or from the annotated boxes and the road."""
     rate: float = 1.0
-    """urbanverse: frames per second."""
+    """urbanverse, colmap: frames per second."""
+    camera_height: float = 1.5
+    """colmap: height (m) of the camera above the ground on which its carrier walks; determines the scale."""
     perception: Literal["eye", "foundation"] = "eye"
-    """urbanverse: perception model, see `urbanverse gen`."""
+    """urbanverse, colmap: perception model, see `urbanverse gen`."""
     models: pathlib.Path | None = None
-    """urbanverse: folder of the foundation models' weights."""
+    """urbanverse, colmap: folder of the foundation models' weights."""
+    licence: str = "unknown"
+    """urbanverse, colmap: licence of the images, for the records."""
+    city: str = "unknown"
+    """urbanverse, colmap: city of the images, for the records."""
+    country: str = "unknown"
+    """urbanverse, colmap: country of the images, for the records and the side of the traffic."""
     quiet: bool = False
 
 
@@ -139,6 +150,7 @@ def _gen(args: GenArgs) -> int:
         args.perception,
         None if args.models is None else str(args.models),
         args.allow_truncated,
+        args.focal,
     )
     options = pipeline.GenerationOptions(
         args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, video
@@ -158,8 +170,17 @@ def _import(args: ImportArgs) -> int:
             recording = pipeline.import_kitti360(args.source, args.out, options, report)
         else:
             models = None if args.models is None else str(args.models)
-            video = pipeline.VideoOptions(rate=args.rate, perception=args.perception, models=models)
-            recording = pipeline.import_authors_tree(args.source, args.out, video, report)
+            video = pipeline.VideoOptions(
+                rate=args.rate,
+                camera_height=args.camera_height,
+                licence=args.licence,
+                city=args.city,
+                country=args.country,
+                perception=args.perception,
+                models=models,
+            )
+            convert = {"urbanverse": pipeline.import_authors_tree, "colmap": pipeline.import_colmap}[args.format]
+            recording = convert(args.source, args.out, video, report)
     print(json.dumps({"recording": str(args.out), "id": recording.id, "frames": len(recording)}))
     return 0
 

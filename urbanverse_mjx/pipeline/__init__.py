@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .filming import CaptureOptions, capture
     from .gallery import Gallery, draw_gallery
     from .generation.batch import run_batch
-    from .generation.importing import import_authors_tree, import_kitti360
+    from .generation.importing import import_authors_tree, import_colmap, import_kitti360
     from .generation.stages import GenerationOptions, generate
     from .generation.video_options import VideoOptions
     from .library.sets import LibraryBuild, LibraryOptions, build_library
@@ -74,6 +74,7 @@ _HOMES = {
     "evaluate_policy": "evaluation",
     "generate": "generation.stages",
     "import_authors_tree": "generation.importing",
+    "import_colmap": "generation.importing",
     "import_kitti360": "generation.importing",
     "join_banks": "banks",
     "make_controller": "scenes",
@@ -121,6 +122,7 @@ __all__ = [
     "evaluate_policy",
     "generate",
     "import_authors_tree",
+    "import_colmap",
     "import_kitti360",
     "join_banks",
     "make_controller",

@@ -11,7 +11,7 @@ from typing import Any
 
 import cv2
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageOps
 
 from ...datatypes import validation as v
 from ...datatypes.recording import UNREADABLE
@@ -22,6 +22,10 @@ IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 FILE = "frames.json"
 SCHEMA = "urbanverse.frames/1"
 
+#: EXIF 2.3, section 4.6: the sub-directory of camera settings, and in it FocalLengthIn35mmFilm (mm, 0 = unknown).
+_EXIF, _FOCAL_35MM = 0x8769, 0xA405
+#: Ratio up to which stated focal lengths are those of one lens without zoom.
+_SAME_LENS = 1.05
 #: Share of its stated length below which a video counts as cut off, and s that have to be missing.
 _MIN_SHARE, _MIN_MISSING = 0.95, 0.5
 
@@ -64,6 +68,7 @@ class Frames:
       width, height: pixels of all.
       dropped: time (s) and reason of each frame left out.
       blur: name of the detector of blurred regions, or None without blurring.
+      focal: focal length in pixels of these frames that the images' EXIF data state, or None.
     """
 
     folder: pathlib.Path
@@ -73,6 +78,7 @@ class Frames:
     height: int
     dropped: tuple[tuple[float, str], ...] = ()
     blur: str | None = None
+    focal: float | None = None
 
     def __len__(self) -> int:
         return len(self.names)
@@ -150,6 +156,7 @@ def sample(
         height,
         dropped,
         None if blur is None else blur.name,
+        _stated_focal(source, width, height) if source.is_dir() else None,
     )
     v.write_json(folder / FILE, frames.to_json())
     return frames
@@ -167,6 +174,30 @@ def load(folder: pathlib.Path) -> Frames:
     tuples = {name: tuple(body[name]) for name in ("names", "time_s")}
     dropped = tuple((time, reason) for time, reason in body["dropped"])
     return Frames(**{**body, **tuples, "folder": folder, "dropped": dropped})
+
+
+def focal_pixels(equivalent: float, width: int, height: int) -> float:
+    """Focal length in pixels of an image of `width` x `height` pixels.
+
+    Args:
+      equivalent: mm, focal length with the same diagonal angle on film of 36 x 24 mm (CIPA DCG-001).
+    """
+    return equivalent * float(np.hypot(width, height) / np.hypot(36.0, 24.0))
+
+
+def _stated_focal(folder: pathlib.Path, width: int, height: int) -> float | None:
+    """pixels, the focal length by the EXIF data of a folder's images; None where an image has none, or they differ."""
+    stated = []
+    for file in _images_of(folder):
+        with Image.open(file) as image:
+            stated.append(float(image.getexif().get_ifd(_EXIF).get(_FOCAL_35MM) or 0.0))
+    if not stated or min(stated) <= 0.0 or max(stated) > _SAME_LENS * min(stated):
+        return None
+    return round(focal_pixels(float(np.median(stated)), width, height), 3)
+
+
+def _images_of(folder: pathlib.Path) -> list[pathlib.Path]:
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in IMAGE_SUFFIXES)
 
 
 Group = Sequence[tuple[float, np.ndarray]]
@@ -281,7 +312,7 @@ def _grouped(images: Iterator[tuple[float, np.ndarray]], each: int) -> Iterator[
 
 
 def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
-    files = sorted(p for p in path.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES)
+    files = _images_of(path)
     if not files:
         raise v.fail(str(path), "no image", f"files ending in {', '.join(IMAGE_SUFFIXES)}", "check the path")
     if len(files) > options.max_frames:
@@ -292,7 +323,7 @@ def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Grou
         for k, file in enumerate(files):
             try:
                 with Image.open(file) as image:
-                    rgb = image.convert("RGB")
+                    rgb = ImageOps.exif_transpose(image).convert("RGB")
             except UNREADABLE as error:
                 raise v.fail(str(file), f"an unreadable image ({error})", "a whole one", "leave it out") from error
             size = size or rgb.size

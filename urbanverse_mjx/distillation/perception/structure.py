@@ -18,6 +18,7 @@ from ... import settings
 from ...datatypes import Camera, ValidationError
 from ...work_folder import work_folder
 from .frames import Frames
+from .parallax import check_parallax
 from .pieces import cut
 
 #: Fewest frames with a pose that form a trajectory.
@@ -83,11 +84,13 @@ class StructureOptions:
       overlap: number of following frames with which each frame is matched. Later frames are not matched, because most
         matches over 16 frames or more connected two similar houses, windows or signs.
       focal: focal length in pixels of the frames, if known; None to estimate it.
+      exact: whether `focal` is kept; otherwise the mapping starts from it and refines it.
     """
 
     features: int = 3000
     overlap: int = 8
     focal: float | None = None
+    exact: bool = True
 
 
 @dataclasses.dataclass(frozen=True)
@@ -162,9 +165,10 @@ def reconstruct(
       progress: called with (steps done, steps in all); a step is a frame extracted, matched or registered.
 
     Raises:
-      ValidationError: COLMAP registers fewer than `MIN_FRAMES` frames.
+      ValidationError: the frames show no parallax, or COLMAP registers fewer than `MIN_FRAMES` of them.
     """
     options = options or StructureOptions()
+    check_parallax(frames)
     most, best, best_score = 0, None, (np.inf, 0)
     with work_folder("urbanverse-structure-") as work:
         for found in _maps(frames, options, work, progress or (lambda done, total: None)):
@@ -228,7 +232,7 @@ def _maps(
     verification.ransac.max_error = (
         _OPTIONS.short_pair_error if len(frames) < _OPTIONS.short_clip else _OPTIONS.pair_error
     )
-    mapping = _mapping(pycolmap, options.focal is None)
+    mapping = _mapping(pycolmap, options.focal is None or not options.exact)
     registered = 2 * len(frames)
 
     def one_more() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from ...datatypes import Recording, Source
 from ...datatypes import validation as v
-from ...distillation.readers import Kitti360Options, read_authors_tree, read_kitti360
+from ...distillation.readers import Kitti360Options, read_authors_tree, read_colmap, read_kitti360
 from .predictors import make_predictor
 from .video_options import VideoOptions
 
@@ -31,6 +31,17 @@ def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, video: VideoOp
     _free(folder)
     source = Source(root.absolute().name, video.licence, video.city, video.country)
     return read_authors_tree(root, folder, make_predictor(video), source, video.rate, progress=report)
+
+
+def import_colmap(root: pathlib.Path, folder: pathlib.Path, video: VideoOptions, report: Report) -> Recording:
+    """Converts a COLMAP model with its images; objects, surfaces and depth are detected.
+
+    Raises:
+      ValidationError: see `read_colmap` and `make_predictor`; or the folder is not empty.
+    """
+    _free(folder)
+    source = Source(root.absolute().name, video.licence, video.city, video.country)
+    return read_colmap(root, folder, make_predictor(video), source, video.camera_height, video.rate, report)
 
 
 def _free(folder: pathlib.Path) -> None:

@@ -4,12 +4,25 @@ import pathlib
 from collections.abc import Callable
 
 from ...datatypes import Recording, Source
-from ...distillation.perception import Perception, SamplingOptions, blur_by_name, perceive, sample
+from ...datatypes import validation as v
+from ...distillation.perception import (
+    Frames,
+    Perception,
+    SamplingOptions,
+    StructureOptions,
+    blur_by_name,
+    perceive,
+    reconstruct,
+    sample,
+)
+from ...distillation.perception.frames import focal_pixels
 from ...distillation.perception.frames import load as load_frames
 from .predictors import make_predictor
 from .video_options import VideoOptions
 
 Report = Callable[[int, int], None]
+#: mm, 35-mm equivalents of the focal lengths that the reconstruction accepts (`MappingOptions`).
+FOCAL_RANGE = (10.0, 75.0)
 
 
 def sample_to(source: pathlib.Path, folder: pathlib.Path, options: VideoOptions, report: Report) -> None:
@@ -30,6 +43,25 @@ def perceive_to(
     Raises:
       ValidationError: see `perceive` and `make_predictor`.
     """
-    perception = Perception(make_predictor(options, frames), camera_height=options.camera_height)
+    sampled = load_frames(frames)
+    wanted = structure_options(sampled, options)
+    perception = Perception(
+        make_predictor(options, frames),
+        lambda sampled, progress: reconstruct(sampled, wanted, progress),
+        camera_height=options.camera_height,
+    )
     source = Source(video.name, options.licence, options.city, options.country)
-    return perceive(load_frames(frames), folder, perception, source, video.stem, report)
+    return perceive(sampled, folder, perception, source, video.stem, report)
+
+
+def structure_options(frames: Frames, options: VideoOptions) -> StructureOptions:
+    """The focal length that the reconstruction keeps, if the user gave one, or from which it starts, if EXIF data have
+    one.
+
+    Raises:
+      ValidationError: the focal length is not one of a camera for streets.
+    """
+    if options.focal is not None:
+        v.number(options.focal, "--focal (mm, 35-mm equivalent)", *FOCAL_RANGE)
+        return StructureOptions(focal=focal_pixels(options.focal, frames.width, frames.height))
+    return StructureOptions(focal=frames.focal, exact=False)

@@ -13,6 +13,7 @@ class VideoOptions:
       perception: model that finds objects: "eye", the built-in one, or "foundation".
       models: folder of the latter.
       blur: detector of faces and plates, which are made unreadable before a frame is stored; None for no blurring.
+      focal: mm, 35-mm equivalent focal length of the lens; None for the images' EXIF data, else an estimate.
       allow_truncated: whether a film that ends before its stated length is used as far as it goes.
       licence, city, country: of the video, for the records.
     """
@@ -26,3 +27,4 @@ class VideoOptions:
     perception: str = "eye"
     models: str | None = None
     allow_truncated: bool = False
+    focal: float | None = None

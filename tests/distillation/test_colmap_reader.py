@@ -1,0 +1,128 @@
+"""A COLMAP model of others becomes a recording in metres, upright, with undistorted frames."""
+
+import pathlib
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy.spatial.transform import Rotation
+
+from tests.distillation.test_perceive import CAMERA, HEIGHT, POSES, SOURCE, _frame, _Oracle
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.distillation.perception import trajectory_error
+from urbanverse_mjx.distillation.readers import read_colmap
+
+#: The model's own unit (m) and axes.
+UNIT, TURN = 0.137, Rotation.from_euler("xyz", [0.7, -1.9, 0.4]).as_matrix()
+
+
+def write_model(folder: pathlib.Path, lens: str = "PINHOLE", below: str = "sparse/0", images: int = 9) -> pathlib.Path:
+    """Writes the corridor's frames and a text model with points on its surfaces, seen by two frames each.
+
+    With the lens SIMPLE_RADIAL the images are stretched: k1 = 0.1.
+    """
+    model = folder / below
+    model.mkdir(parents=True, exist_ok=True)
+    (folder / "images").mkdir()
+    rng = np.random.default_rng(0)
+    points, seen = [], [[] for _ in range(images)]
+    for k in range(images):
+        rgb, _, depth = _frame(POSES[k])
+        if lens == "SIMPLE_RADIAL":
+            rgb = bent(rgb)
+        Image.fromarray(rgb).save(folder / "images" / f"f{k}.png")
+        rows, columns = rng.integers(0, 180, 150), rng.integers(0, 320, 150)
+        for row, column in zip(rows, columns, strict=True):
+            if 0 < depth[row, column] < 20:
+                ray = CAMERA.rays()[row, column] * depth[row, column]
+                points.append(POSES[k][:3, 3] + POSES[k][:3, :3] @ ray)
+    for number, point in enumerate(points):
+        for k in range(images):
+            local = POSES[k][:3, :3].T @ (point - POSES[k][:3, 3])
+            x, y = local[:2] / local[2] if local[2] > 0.1 else (9.0, 9.0)
+            stretch = 1 + 0.1 * (x * x + y * y) if lens == "SIMPLE_RADIAL" else 1.0
+            u, w = 210 * x * stretch + 160, 210 * y * stretch + 90
+            if 0 < u < 320 and 0 < w < 180:
+                seen[k].append((u, w, number + 1))
+    parameters = "210 160 90 0.1" if lens == "SIMPLE_RADIAL" else "210 210 160 90"
+    (model / "cameras.txt").write_text(f"1 {lens} 320 180 {parameters}\n")
+    lines = []
+    for k in range(images):
+        back = (TURN @ POSES[k][:3, :3]).T
+        x, y, z, w = Rotation.from_matrix(back).as_quat()
+        shift = -back @ (TURN @ POSES[k][:3, 3]) / UNIT
+        lines.append(f"{k + 1} {w} {x} {y} {z} {shift[0]} {shift[1]} {shift[2]} 1 f{k}.png")
+        lines.append(" ".join(f"{u} {v} {number}" for u, v, number in seen[k]))
+    (model / "images.txt").write_text("\n".join(lines) + "\n")
+    body = []
+    for number, point in enumerate(points):
+        track = [
+            f"{k + 1} {i}" for k in range(images) for i, entry in enumerate(seen[k]) if entry[2] == number + 1
+        ]  # fmt: skip
+        x, y, z = TURN @ point / UNIT
+        body.append(f"{number + 1} {x} {y} {z} 0 0 0 0.1 {' '.join(track)}")
+    (model / "points3D.txt").write_text("\n".join(body) + "\n")
+    return folder
+
+
+def bent(rgb: np.ndarray) -> np.ndarray:
+    """The image of a lens with k1 = 0.1: a pixel at distance r (1 + 0.1 r^2) from the middle shows the ray at r."""
+    far = CAMERA.rays()[..., :2]
+    near = far.copy()
+    for _ in range(30):
+        near = far / (1.0 + 0.1 * (near**2).sum(-1, keepdims=True))
+    columns = np.clip((near[..., 0] * 210 + 160).astype(int), 0, 319)
+    rows = np.clip((near[..., 1] * 210 + 90).astype(int), 0, 179)
+    return rgb[rows, columns]
+
+
+@pytest.mark.parametrize(("lens", "below"), [("PINHOLE", "sparse/0"), ("SIMPLE_RADIAL", "sparse")])
+def test_a_model_becomes_metric_and_upright(tmp_path: pathlib.Path, lens: str, below: str) -> None:
+    write_model(tmp_path / "model", lens, below)
+    recording = read_colmap(tmp_path / "model", tmp_path / "out", _Oracle(1.3), SOURCE, HEIGHT, rate=2.0)
+    assert (recording.id, len(recording), len(recording.registered)) == ("model", 9, 9)
+    assert [frame.time_s for frame in recording.frames[:3]] == [0.0, 0.5, 1.0]
+    error = trajectory_error(recording.poses(), POSES)
+    assert error.rmse < 0.02
+    assert error.turn < 0.2
+    assert error.scale == pytest.approx(1.0, abs=0.02)
+    assert recording.poses()[:, 2, 3] == pytest.approx([HEIGHT] * 9, abs=0.03)
+    assert (recording.camera.fx, recording.camera.width, recording.camera.cx) == (210.0, 320, 160.0)
+    off = np.abs(recording.rgb(4).astype(int) - _frame(POSES[4])[0])[10:-10, 10:-10]
+    assert off.mean() < (0.5 if lens == "PINHOLE" else 6.0)
+    depth = recording.depth(4)
+    assert depth is not None
+    true = _frame(POSES[4])[2]
+    known = (true > 0) & (true < 20)
+    assert np.median(np.abs(depth - true)[known] / true[known]) < 0.08
+
+
+def _without_points(folder: pathlib.Path) -> None:
+    lines = (folder / "sparse/0/images.txt").read_text().splitlines()
+    (folder / "sparse/0/images.txt").write_text("".join(f"{line}\n\n" for line in lines[::2]))
+    (folder / "sparse/0/points3D.txt").write_text("")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (
+            lambda p: [(p / "sparse/0" / f"{n}.txt").unlink() for n in ("cameras", "images", "points3D")],
+            "no cameras.bin",
+        ),
+        (lambda p: (p / "images/f3.png").unlink(), "f3.png: found an unreadable image"),
+        (lambda p: Image.new("RGB", (64, 36)).save(p / "images/f3.png"), "f3.png: found 64x36 pixels, needed 320x180"),
+        (_without_points, "found 0 points on the ground"),
+    ],
+)
+def test_what_a_model_lacks_is_named(tmp_path: pathlib.Path, spoil, said: str) -> None:
+    spoil(write_model(tmp_path / "model"))
+    with pytest.raises(ValidationError, match=said):
+        read_colmap(tmp_path / "model", tmp_path / "out", _Oracle(1.3), SOURCE, HEIGHT)
+    assert not (tmp_path / "out" / "recording.json").exists()
+
+
+def test_two_images_are_too_few(tmp_path: pathlib.Path) -> None:
+    write_model(tmp_path / "model", images=2)
+    with pytest.raises(ValidationError, match="found 2 images with a pose, needed at least 3"):
+        read_colmap(tmp_path / "model", tmp_path / "out", _Oracle(1.3), SOURCE, HEIGHT)
