@@ -291,3 +291,25 @@ def test_the_model_takes_images_of_any_size(variables, monkeypatch: pytest.Monke
     assert observation.depth.shape == size
     assert set(np.unique(observation.surfaces)) <= {0, *range(1, len(GROUND_KINDS)), SKY}
     assert observation.masks.max() == len(observation.detections) - 1 or not observation.detections
+
+
+@pytest.mark.parametrize(("kind", "threshold"), [(HOUSE, 0.7), (CAR, 0.4), (PERSON, 0.4)])
+def test_an_unsure_leaf_becomes_the_plain_one_of_its_group(kind: int, threshold: float) -> None:
+    special = {HOUSE: "pharmacy", CAR: "police car", PERSON: "firefighter"}[kind]
+    leaf = classes.leaves().index(special)
+    for certainty, label in ((threshold + 0.01, special), (threshold - 0.01, NAMES[kind])):
+        assert inference.label_of(FoundObject(kind, 0.9, leaf, (), certainty)) == label
+    assert load_index().by_leaf(NAMES[kind]), "the plain leaf has assets of its own"
+
+
+def test_certainty_is_the_leaf_s_share_within_its_group(wanted: GroundTruth) -> None:
+    """Leaves of other groups do not count: the taxi's log odds are ln 6 above those of the ten other cars."""
+    right = _right(wanted)
+    leaves = np.where(classes.leaf_classes() == CAR, 0.0, 20.0) + np.zeros_like(np.asarray(right.leaves))
+    leaves[..., classes.leaves().index("taxi")] = np.log(6.0)
+    cars = [obj for obj in decode(right._replace(leaves=leaves), 200.0).objects if obj.kind == CAR]
+    assert len(cars) == 2
+    count = int((classes.leaf_classes() == CAR).sum())
+    for car in cars:
+        assert classes.leaves()[car.leaf] == "taxi"
+        assert car.certainty == pytest.approx(6.0 / (5.0 + count), rel=1e-4)

@@ -16,7 +16,8 @@ class GenArgs:
     """Make compiled digital cousins of a video; continues an earlier run; prints one JSON line."""
 
     source: Annotated[pathlib.Path, tyro.conf.Positional]
-    """A video, a folder of frames, the folder of a recording (posed frames with depth and masks), or graph.json."""
+    """A video, a folder of frames, a photograph, the folder of a recording (posed frames with depth and masks), or
+    graph.json."""
     out: pathlib.Path
     """Folder of the run: graph, cousins, bank, report.html."""
     cousins: int = 5

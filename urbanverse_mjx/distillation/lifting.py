@@ -27,11 +27,11 @@ class LiftOptions:
     Attributes:
       min_group: least share of a view's points that a group apart in depth needs to belong to the object; smaller
         groups are background covered by the mask.
-      ground_points: approximate number of ground points per frame.
+      ground_points: approximate number of ground points per frame, and of all frames together if they are few.
     """
 
     min_group: float = 0.2
-    ground_points: int = 1500
+    ground_points: tuple[int, int] = (1500, 45_000)
 
 
 _OPTIONS = LiftOptions()
@@ -127,7 +127,7 @@ def lift(
                 columns.append(np.stack([np.full(len(index), number), index], -1))
                 parts.append(tuple(np.asarray(c) for c in columns))
             if surfaces is not None:
-                grounds.append((*_ground(surfaces, depth, rays, row),))
+                grounds.append((*_ground(surfaces, depth, rays, row, len(registered)),))
         if progress is not None:
             progress(row + 1, len(registered))
     return Lifted(_joined(parts, tuple(labels)), _joined_ground(grounds), coarse)
@@ -194,11 +194,12 @@ def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndar
     return keep & (np.abs(z - middle[which]) <= reach[which] + 0.05 * z)
 
 
-def _ground(surfaces: np.ndarray, depth: np.ndarray, rays: np.ndarray, row: int) -> tuple[np.ndarray, ...]:
+def _ground(surfaces: np.ndarray, depth: np.ndarray, rays: np.ndarray, row: int, frames: int) -> tuple[np.ndarray, ...]:
     """Frame, kind and points of ground pixels, thinned evenly over the image."""
     paint = [GROUND_KINDS.index(name) for name in PAINT_KINDS]
     usable = (surfaces > 0) & (surfaces != SKY) & (depth > 0) & ~np.isin(surfaces, paint)
     flat = np.flatnonzero(usable)
-    flat = flat[:: max(1, len(flat) // _OPTIONS.ground_points)]
+    each, together = _OPTIONS.ground_points
+    flat = flat[:: max(1, len(flat) // max(each, together // frames))]
     points = rays.reshape(-1, 3)[flat] * depth.ravel()[flat][:, None]
     return np.full(len(flat), row, np.int32), surfaces.ravel()[flat], points

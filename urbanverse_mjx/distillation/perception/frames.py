@@ -162,6 +162,35 @@ def sample(
     return frames
 
 
+def photograph(
+    source: pathlib.Path, folder: pathlib.Path, options: SamplingOptions | None = None, blur: Blur | None = None
+) -> Frames:
+    """Writes a single image as the only frame, upright and scaled like frames of a video, and `frames.json`.
+
+    Raises:
+      ValidationError: the image cannot be read, is too dark or has no contrast, or there is no write access.
+    """
+    options = options or SamplingOptions()
+    try:
+        with Image.open(source) as image:
+            stated = float(image.getexif().get_ifd(_EXIF).get(_FOCAL_35MM) or 0.0)
+            rgb = _scaled(np.asarray(ImageOps.exif_transpose(image).convert("RGB")), options.short_side)
+    except UNREADABLE as error:
+        raise v.fail(str(source), f"an unreadable image ({error})", "a whole one", "copy it again") from error
+    seen = measure(rgb)
+    if seen.bright < options.limits.dark or seen.sharpness < options.limits.flat:
+        found = "a dark image" if seen.bright < options.limits.dark else "an image without detail"
+        raise v.fail(str(source), found, "a street in daylight", "take another photograph")
+    _empty(folder)
+    Image.fromarray(rgb if blur is None else blur(rgb)).save(folder / "000000.png")
+    height, width = rgb.shape[:2]
+    focal = round(focal_pixels(stated, width, height), 3) if stated > 0 else None
+    name = None if blur is None else blur.name
+    frames = Frames(folder, ("000000.png",), (0.0,), width, height, (), name, focal)
+    v.write_json(folder / FILE, frames.to_json())
+    return frames
+
+
 def load(folder: pathlib.Path) -> Frames:
     """Frames that `sample` wrote.
 

@@ -141,6 +141,8 @@ def _scales(
         raise ValidationError(
             "metric scale: found no ground near any camera, needed some; film with the ground in sight."
         )
+    if not np.isnan(scales).any():
+        return scales
     speed = float(np.nanmedian(np.array(scales) * steps))
     return [speed / max(float(u), 1e-12) if np.isnan(s) else s for s, u in zip(scales, steps, strict=True)]
 

@@ -168,7 +168,6 @@ def reconstruct(
       ValidationError: the frames show no parallax, or COLMAP registers fewer than `MIN_FRAMES` of them.
     """
     options = options or StructureOptions()
-    check_parallax(frames)
     most, best, best_score = 0, None, (np.inf, 0)
     with work_folder("urbanverse-structure-") as work:
         for found in _maps(frames, options, work, progress or (lambda done, total: None)):
@@ -214,6 +213,7 @@ def _maps(
     """
     import pycolmap
 
+    check_parallax(frames)
     # COLMAP otherwise writes long logs to standard error.
     pycolmap.logging.minloglevel = pycolmap.logging.Level.FATAL.value
     # Features do not depend on the number of threads; the later steps do.

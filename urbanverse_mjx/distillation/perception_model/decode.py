@@ -44,12 +44,14 @@ _OPTIONS = DecodeOptions()
 @dataclasses.dataclass(frozen=True)
 class FoundObject:
     """One object in one image: number of its class, probability in [0, 1] that it is right, the most similar of
-    `classes.leaves()`, and the features behind the probability (see `_evidence`)."""
+    `classes.leaves()`, the features behind the probability (see `_evidence`), and the network's share of belief in that
+    leaf among those of the class."""
 
     kind: int
     score: float
     leaf: int
     evidence: tuple[float, ...] = ()
+    certainty: float = 1.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,9 +125,11 @@ def _group(
             continue
         masks[rows[part], columns[part]] = len(objects)
         likeness = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
-        leaf = int(np.where(classes.leaf_classes() == kind, likeness, -np.inf).argmax())
+        own = np.where(classes.leaf_classes() == kind, likeness, -np.inf)
+        leaf = int(own.argmax())
+        certainty = float(1.0 / np.exp(own - own[leaf]).sum())
         evidence = _evidence(votes[kind], float(heights[owner[part[0]]]), rows[part], columns[part], miss[part].mean())
-        objects.append(FoundObject(kind, float(expit(np.dot(_OPTIONS.trust, evidence))), leaf, evidence))
+        objects.append(FoundObject(kind, float(expit(np.dot(_OPTIONS.trust, evidence))), leaf, evidence, certainty))
     return masks, tuple(objects)
 
 

@@ -8,10 +8,13 @@ from ...datatypes import validation as v
 from ...distillation.perception import (
     Frames,
     Perception,
+    Photograph,
     SamplingOptions,
     StructureOptions,
     blur_by_name,
     perceive,
+    perceive_photograph,
+    photograph,
     reconstruct,
     sample,
 )
@@ -52,6 +55,30 @@ def perceive_to(
     )
     source = Source(video.name, options.licence, options.city, options.country)
     return perceive(sampled, folder, perception, source, video.stem, report)
+
+
+def photograph_to(source: pathlib.Path, folder: pathlib.Path, options: VideoOptions) -> None:
+    """Writes a photograph as the only frame.
+
+    Raises:
+      ValidationError: see `photograph`.
+    """
+    blur = None if options.blur is None else blur_by_name(options.blur)
+    photograph(source, folder, SamplingOptions(), blur)
+
+
+def perceive_photograph_to(
+    frames: pathlib.Path, folder: pathlib.Path, image: pathlib.Path, options: VideoOptions
+) -> Recording:
+    """Makes a recording of a photograph.
+
+    Raises:
+      ValidationError: see `perceive_photograph` and `make_predictor`.
+    """
+    taken = load_frames(frames)
+    known = Photograph(options.camera_height, structure_options(taken, options).focal)
+    source = Source(image.name, options.licence, options.city, options.country)
+    return perceive_photograph(taken, folder, make_predictor(options, frames), known, source, image.stem)
 
 
 def structure_options(frames: Frames, options: VideoOptions) -> StructureOptions:

@@ -1,4 +1,4 @@
-"""Sources of `urbanverse gen`: a scene graph, a recording, a folder of frames, or a video."""
+"""Sources of `urbanverse gen`: a scene graph, a recording, a folder of frames, a video, or a photograph."""
 
 import dataclasses
 import hashlib
@@ -16,7 +16,8 @@ IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 
 @dataclasses.dataclass(frozen=True)
 class Input:
-    """A source: its kind ("graph", "recording", "frames" or "video"), its path, and a key of its content."""
+    """A source: its kind ("graph", "recording", "frames", "video" or "photograph"), its path, and a key of its
+    content."""
 
     kind: str
     path: pathlib.Path
@@ -27,7 +28,7 @@ def recognise(source: str | pathlib.Path) -> Input:
     """Determines the kind of a source and makes all cheap checks.
 
     Raises:
-      ValidationError: the source does not exist or is none of the four kinds, or its graph or recording is invalid.
+      ValidationError: the source does not exist or is none of the kinds, or its graph or recording is invalid.
     """
     path = pathlib.Path(source).expanduser().absolute()
     if path.is_dir() and (path / RECORDING_FILE).is_file():
@@ -48,8 +49,10 @@ def recognise(source: str | pathlib.Path) -> Input:
         raise v.fail(str(path), "an empty file", "a video", "copy it again")
     content = _image_format(path)
     if content is not None:
-        needed = "a video, a folder of frames, a recording or graph.json"
-        raise v.fail(str(path), f"a single {content} image", needed, "name the film, or a folder of its frames")
+        if path.suffix.lower() not in IMAGE_SUFFIXES:
+            hint = f"name the film, or call the photograph {path.stem}.{content.lower()} to make cousins of it alone"
+            raise v.fail(str(path), f"a single {content} image", "a video", hint)
+        return Input("photograph", path, _key(path))
     return Input("video", path, _key(path))
 
 

@@ -54,7 +54,7 @@ def generate(
     """Makes compiled cousins of a source in a folder, or continues an earlier run in it.
 
     Args:
-      source: graph.json, a recording's folder, a folder of frames, or a video.
+      source: graph.json, a recording's folder, a folder of frames, a video, or a photograph.
       out: the run's folder: `frames/`, `recording/`, `graph/`, `cousins/<k>/{layout.json, scene/, usd/, check.json}`,
         `bank.npz`, `report.html`, `run.json`.
 
@@ -86,6 +86,7 @@ def _recording(
     key = key_of(
         "perception",
         stage="frames",
+        kind=given.kind,
         source=given.key,
         rate=video.rate,
         blur=video.blur,
@@ -93,21 +94,27 @@ def _recording(
     )
     report = progress.task("frames")
     if not run.done(FRAMES, key, FRAMES):
-        from .perceiving import sample_to
+        from .perceiving import photograph_to, sample_to
 
         clock = Clock()
         with run.replacing(FRAMES) as folder:
-            sample_to(given.path, folder, video, report)
+            if given.kind == "photograph":
+                photograph_to(given.path, folder, video)
+            else:
+                sample_to(given.path, folder, video, report)
         run.finish(FRAMES, key, clock.seconds)
     report(1, 1)
     key = key_of("perception", stage="recording", before=key, tour=dataclasses.asdict(video))
     report = progress.task("recording")
     if not run.done(RECORDING, key, f"{RECORDING}/recording.json"):
-        from .perceiving import perceive_to
+        from .perceiving import perceive_photograph_to, perceive_to
 
         clock = Clock()
         with run.replacing(RECORDING) as folder:
-            perceive_to(run.path / FRAMES, folder, given.path, video, report)
+            if given.kind == "photograph":
+                perceive_photograph_to(run.path / FRAMES, folder, given.path, video)
+            else:
+                perceive_to(run.path / FRAMES, folder, given.path, video, report)
         run.finish(RECORDING, key, clock.seconds)
     report(1, 1)
     return run.path / RECORDING, key
