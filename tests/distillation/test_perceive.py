@@ -178,6 +178,7 @@ def test_the_recording_and_its_record_are_whole(frames: Frames, structure: Struc
     assert record["registered"] == 9
     assert record["ground_points"] >= 20
     assert record["frames"] == {"kept": 9, "dropped": [], "blurred_by": None}
+    assert record["own_vehicle_percent"] == 0.0
 
 
 def test_frames_without_a_pose_stay_in_the_recording_without_one(

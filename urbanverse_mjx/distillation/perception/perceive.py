@@ -14,6 +14,7 @@ from . import densify
 from .frames import Frames
 from .metric import Metric, to_metric
 from .observation import FrameObservation, Predictor
+from .own_vehicle import own_vehicle
 from .structure import Structure, StructureOptions, reconstruct
 
 FILE = "perception.json"
@@ -63,10 +64,13 @@ def perceive(
     say = progress or (lambda done, total: None)
     find = perception.poses or (lambda frames, progress: reconstruct(frames, StructureOptions(), progress))
     structure = find(frames, lambda done, total: say(round(done / max(total, 1) * 3 * count), 5 * count))
+    body = own_vehicle(frames)
+    if body is not None:
+        body = structure.straighten(np.repeat(body[..., None].astype(np.uint8) * 255, 3, -1))[..., 0] > 127
     observations: list[FrameObservation] = []
     for k, number in enumerate(structure.registered):
         rgb = structure.straighten(frames.rgb(int(number)))
-        observations.append(perception.predictor(rgb, structure.camera.fx))
+        observations.append(_without(body, perception.predictor(rgb, structure.camera.fx)))
         say(3 * count + k + 1, 5 * count)
     metric = to_metric(structure, _codes(structure, observations), perception.camera_height)
     structure, observations = structure.only(metric.kept), [observations[k] for k in metric.kept]
@@ -80,6 +84,7 @@ def perceive(
         else:
             observation = observations[row]
             depth = densify.dense_depth(row, observation, structure, metric, ground)
+            depth = depth if body is None else np.where(body, np.float32(0.0), depth)
             writer.add(
                 frames.time_s[number],
                 rgb,
@@ -91,8 +96,23 @@ def perceive(
             )
         say(4 * count + number + 1, 5 * count)
     recording = writer.close()
-    v.write_json(folder / FILE, _record(frames, structure, metric, observations))
+    record = _record(frames, structure, metric, observations)
+    share = 0.0 if body is None else float(body.mean())
+    v.write_json(folder / FILE, record | {"own_vehicle_percent": round(100.0 * share, 1)})
     return recording
+
+
+def _without(body: np.ndarray | None, observation: FrameObservation) -> FrameObservation:
+    """An observation without ground and objects on the own vehicle (H, W); an object that is mostly there goes."""
+    if body is None:
+        return observation
+    masks = np.where(body, -1, observation.masks)
+    left, all_ = (np.bincount(m[m >= 0], minlength=len(observation.detections)) for m in (masks, observation.masks))
+    mostly = np.flatnonzero(2 * left < all_)
+    masks[np.isin(masks, mostly)] = -1
+    return dataclasses.replace(
+        observation, masks=masks, surfaces=np.where(body, 0, observation.surfaces).astype(np.uint8)
+    )
 
 
 def _codes(structure: Structure, observations: list[FrameObservation]) -> np.ndarray:

@@ -18,6 +18,7 @@ from ... import settings
 from ...datatypes import Camera, ValidationError
 from ...work_folder import work_folder
 from .frames import Frames
+from .own_vehicle import own_vehicle
 from .parallax import check_parallax
 from .pieces import cut
 
@@ -222,6 +223,11 @@ def _maps(
     extraction.sift.max_num_features = options.features
     extraction.sift.peak_threshold = _OPTIONS.contrast
     reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_OPTIONS.focal)
+    body = own_vehicle(frames)
+    if body is not None:
+        # Features on the own vehicle move with the camera; COLMAP leaves out pixels that are 0.
+        cv2.imwrite(str(work / "mask.png"), np.where(body, 0, 255).astype(np.uint8))
+        reader.camera_mask_path = work / "mask.png"
     if options.focal is not None:
         reader.camera_params = f"{options.focal},{frames.width / 2},{frames.height / 2},0"
     # With several threads, COLMAP's approximate search is not deterministic.
