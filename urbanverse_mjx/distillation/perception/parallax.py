@@ -25,7 +25,7 @@ class ParallaxOptions:
       tolerance: pixels, error of matches.
       min_pairs: fewest pairs from which anything is concluded.
       min_share: least share of matches off the best homography in the upper quarter of the pairs. A camera that only
-        turns or zooms, and any film of a flat picture, has 0 but for false matches.
+        turns or zooms, and any film of a flat image, has 0 but for false matches.
     """
 
     frames: int = 12
@@ -52,9 +52,9 @@ def check_parallax(frames: Frames) -> None:
         flat, pairs = 100.0 * (1.0 - float(np.quantile(shares, 0.75))), v.counted(len(shares), "pairs of frames")
         raise v.fail(
             str(frames.folder),
-            f"no parallax (a turn or a flat picture explains {flat:.0f} % of the matches in {pairs})",
+            f"no parallax (a turn or a flat image explains {flat:.0f} % of the matches in {pairs})",
             "a camera that moves past near and far objects",
-            "walk or drive along the street instead of turning, zooming or filming a picture",
+            "walk or drive along the street instead of turning, zooming or filming an image",
         )
 
 

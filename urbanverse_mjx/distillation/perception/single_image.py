@@ -65,7 +65,7 @@ def perceive_photograph(
     rgb = frames.rgb(0)
     seen = predictor(rgb, focal)
     if seen.depth is None:
-        raise v.fail(str(frames.folder), "a perception model without depth", "one with depth", "use --perception eye")
+        raise v.fail(str(frames.folder), "a perception model without depth", "one with depth", "use the built-in model")
     structure = _structure(camera, seen)
     ground = int(((seen.surfaces > 0) & (seen.surfaces != SKY)).sum() / _STEP**2)
     if ground < MIN_POINTS:
