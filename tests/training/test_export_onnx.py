@@ -56,6 +56,7 @@ def folders(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> 
             _, actor, critic = initial_params(dict(shapes), env.action_size, config, 0)
             made[kind] = save_policy(folder, (_normaliser(), _louder(actor), critic), spec)
         else:
+            config.network.last_action = False  # the part of the network that no other test exports
             network = make_student(config, env.action_size)
             made[kind] = save_student(folder, _louder(initial_student(network, shapes, 0)), spec)
     return made

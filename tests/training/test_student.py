@@ -62,14 +62,27 @@ def test_a_student_without_proprioception_acts_on_image_and_goal_alone() -> None
             assert (np.abs(np.asarray(other - whole)).max() > 1e-6) == (proprio or name != "proprio"), name
 
 
-def test_a_policy_from_before_the_choice_sees_proprioception() -> None:
+def test_a_student_without_its_last_action_sees_the_speeds() -> None:
+    obs, begins = some_observations(2, 3), jnp.zeros((2, 3), bool)
     config = dagger.default_dagger_config()
-    for proprio in (True, False):
-        config.network.proprio = proprio
-        assert dagger.make_student(config, 2).proprio == proprio
+    config.network.update({"layers": LAYERS, "hidden": 16, "memory": 8, "last_action": False, "bfloat16": False})
+    network = dagger.make_student(config, 2)
+    params, memory = initial_student(network, SHAPES, 0), network.first_memory(3)
+    whole, *_ = applied(network, params, obs, memory, begins)
+    for k in range(5):
+        other, *_ = applied(network, params, obs | {"proprio": obs["proprio"].at[..., k].add(3.0)}, memory, begins)
+        assert (np.abs(np.asarray(other - whole)).max() > 1e-6) == (k < 3), k
+
+
+@pytest.mark.parametrize("name", ["proprio", "last_action"])
+def test_a_policy_from_before_the_choice_sees_proprioception(name: str) -> None:
+    config = dagger.default_dagger_config()
+    for chosen in (True, False):
+        config.network[name] = chosen
+        assert getattr(dagger.make_student(config, 2), name) == chosen
     with config.unlocked():
-        del config.network["proprio"]
-    assert dagger.make_student(config, 2).proprio
+        del config.network[name]
+    assert getattr(dagger.make_student(config, 2), name)
 
 
 def test_a_sequence_at_once_is_the_sequence_step_by_step_and_forgets_at_a_begin() -> None:

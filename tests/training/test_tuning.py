@@ -118,4 +118,9 @@ def test_what_it_cannot_do_is_refused(small_bank: SceneBank, student: pathlib.Pa
     other.network.hidden = 32
     with pytest.raises(ValidationError, match="--start-from: found layers of other shapes"):
         tune("CocoNav", seeing_env(small_bank), other, tmp_path / "run", student)
+    # Its weights for the action before would be those that it began with.
+    blind = small_config()
+    blind.network.last_action = False
+    with pytest.raises(ValidationError, match=r"found network.last_action true .* pass --ppo-overrides '{\"network"):
+        tune("CocoNav", seeing_env(small_bank), blind, tmp_path / "run", student)
     assert not (tmp_path / "run").exists()

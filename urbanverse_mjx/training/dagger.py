@@ -43,8 +43,12 @@ def make_student(config: ConfigDict, action_size: int) -> Student:
     network = config.network
     layers = tuple((int(a), int(b), int(c)) for a, b, c in network.layers)
     dtype = jnp.bfloat16 if network.bfloat16 else jnp.float32
-    proprio = bool(network.get("proprio", True))  # absent from configurations of older policies
-    return Student(layers, action_size, int(network.hidden), int(network.memory), proprio, dtype, network.convolution)
+    # Absent from configurations of older policies.
+    proprio, last_action = (bool(network.get(name, True)) for name in ("proprio", "last_action"))
+    return Student(
+        layers, action_size, int(network.hidden), int(network.memory), proprio, dtype, network.convolution,
+        last_action=last_action,
+    )  # fmt: skip
 
 
 class Batch(NamedTuple):

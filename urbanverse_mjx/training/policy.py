@@ -291,7 +291,7 @@ def load_compatible_student(folder: pathlib.Path, env: Any, config: ConfigDict) 
     """Parameters of the newest student under `folder` that fit the network of `config` in `env`.
 
     Raises:
-      ValidationError: there is no policy, or its network has other shapes.
+      ValidationError: there is no policy, its network has other shapes, or it sees other parts of proprioception.
     """
     from .dagger import make_student
     from .student import initial_student
@@ -306,6 +306,16 @@ def load_compatible_student(folder: pathlib.Path, env: Any, config: ConfigDict) 
             f"--start-from: found layers of other shapes in {path}, needed those of this preset's student; take a "
             "policy that was trained with the same preset, image size and networks."
         )
+    before = ConfigDict(PolicySpec.load(path).ppo_config).get("network", {})
+    for name in ("proprio", "last_action"):
+        # Weights of what a student never saw are those that it began with.
+        had, wanted = bool(before.get(name, True)), bool(config.network.get(name, True))
+        if had != wanted:
+            said, asked = (str(x).lower() for x in (had, wanted))
+            raise ValidationError(
+                f"--start-from: found network.{name} {said} in {path}, needed {asked}; pass "
+                f"--ppo-overrides '{{\"network.{name}\": {said}}}'."
+            )
     return found
 
 

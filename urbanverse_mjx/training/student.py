@@ -40,6 +40,9 @@ class Student(nn.Module):
       hidden: units of the dense layers.
       memory: units of the GRU; 0 = none.
       proprio: whether the network sees proprioception; without it zeros stand in its place.
+      last_action: whether it sees the action before, the last part of proprioception; without it zeros stand in its
+        place. A student that imitates recorded actions may repeat that one in place of looking (de Haan et al., "Causal
+        Confusion in Imitation Learning", 2019).
       dtype: of the convolutions' arithmetic.
       single_step: whether sequences have one step and need no scan, because ONNX has no scan over a batch of unknown
         size.
@@ -53,6 +56,7 @@ class Student(nn.Module):
     dtype: Any = jnp.float32
     convolution: str = "auto"
     single_step: bool = False
+    last_action: bool = True
 
     @nn.compact
     def __call__(
@@ -72,6 +76,9 @@ class Student(nn.Module):
         seen = Encoder(self.layers, self.dtype, self.convolution, name="encoder")(obs[PIXELS])
         seen = nn.LayerNorm(name="seen_norm")(nn.Dense(self.hidden, name="seen")(seen))
         proprio = obs["proprio"] if self.proprio else jnp.zeros_like(obs["proprio"])
+        if not self.last_action:
+            kept, hidden = proprio[..., : -self.action_size], proprio[..., -self.action_size :]
+            proprio = jnp.concatenate([kept, jnp.zeros_like(hidden)], axis=-1)
         x = jnp.concatenate([nn.elu(seen), goal_features(obs["goal"]), proprio], axis=-1)
         x = nn.elu(nn.Dense(self.hidden, name="joint")(x))
         if self.memory and self.single_step:

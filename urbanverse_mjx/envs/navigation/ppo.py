@@ -108,6 +108,7 @@ def imitation_config() -> ConfigDict:
                 "hidden": 256,
                 "memory": 256,
                 "proprio": True,
+                "last_action": True,
                 "bfloat16": True,
                 "convolution": "auto",
             },
