@@ -83,7 +83,7 @@ DAMAGES: dict[str, tuple[Damage, str]] = {
         changed(DATA, "observation.state", 7, [0.0, np.nan, 0.0]),
         "row 7: observation.state: found a number",
     ),
-    "action": (changed(DATA, "action", 3, [0.0, 1.5]), "found an action outside [-1, 1]"),
+    "action": (changed(DATA, "action", 3, [0.0, 1.5]), "action: found an action outside [-1, 1]"),
     "time": (changed(DATA, "timestamp", 5, 9.0), "row 5: found timestamp 9 s, needed 0.2 s"),
     "frame": (changed(DATA, "frame_index", 5, 7), "row 5: found frame_index 7, needed 1"),
     "episode": (changed(DATA, "episode_index", 2, 1), "row 2: found episode_index 1, needed 0"),

@@ -26,6 +26,7 @@ from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.pipeline import machines
 from urbanverse_mjx.pipeline.recording import cameras, driving, readings
+from urbanverse_mjx.pipeline.recording.action_noise import ActionNoise
 from urbanverse_mjx.pipeline.recording.cameras import FRONT, numbered
 from urbanverse_mjx.pipeline.recording.driving import BatchDrive, Driven, drawn_episodes
 from urbanverse_mjx.pipeline.recording.record import RecordOptions
@@ -273,8 +274,16 @@ def test_only_successes_leaves_the_others_out(
     assert not (tmp_path / "none").exists()
 
 
-def driven(env: NavEnv, policy: NamedPolicy, episodes: EpisodeSet, num_envs: int, first: int = 0) -> list[Driven]:
-    return [e for part in BatchDrive(Machine(env, policy)).run(episodes, num_envs, first=first) for e in part]
+def driven(
+    env: NavEnv,
+    policy: NamedPolicy,
+    episodes: EpisodeSet,
+    num_envs: int,
+    first: int = 0,
+    noise: ActionNoise | None = None,
+) -> list[Driven]:
+    drive = BatchDrive(Machine(env, policy), noise)
+    return [e for part in drive.run(episodes, num_envs, first=first) for e in part]
 
 
 class Counting:
@@ -360,6 +369,69 @@ def test_wrong_actions_are_refused(env: NavEnv, answer: np.ndarray) -> None:
         driven(env, policy, episodes, 3)
 
 
+NOISE = ActionNoise(deviation=0.3, seconds=0.5)
+
+
+@pytest.mark.parametrize("outside", [False, True])
+def test_noise_drives_and_the_policys_answers_to_it_are_recorded(env: NavEnv, outside: bool) -> None:
+    agent = Straight() if outside else BASELINES["go_to_goal"]
+    policy, episodes = NamedPolicy("go_to_goal", agent, outside=outside), drawn_episodes(env.bank, env.scenes, 3, 1)
+    noisy, plain = (driven(env, policy, episodes, 2, noise=noise) for noise in (NOISE, None))
+    for episode, other in zip(noisy, plain, strict=True):
+        steps = episode.steps
+        goal = steps.goal / np.linalg.norm(steps.goal, axis=1, keepdims=True)
+        np.testing.assert_allclose(steps.answer, goal, atol=1e-5, err_msg="in the state that the noise led to")
+        assert np.abs(steps.action).max() <= 1.0
+        free = (np.abs(steps.action) < 1.0).all(1)
+        drawn = (steps.action - steps.answer)[free]
+        assert 0.1 < drawn.std() < 0.6
+        # The next observation has the action that drove.
+        np.testing.assert_allclose(steps.proprio[1:, 3:], steps.action[:-1], atol=1e-6)
+        assert np.abs(steps.xpos[-1, 1] - other.steps.xpos[-1, 1]).max() > 0.05
+        np.testing.assert_array_equal(other.steps.answer, other.steps.action)
+    assert not np.allclose(noisy[0].steps.action - noisy[0].steps.answer, noisy[1].steps.action - noisy[1].steps.answer)
+    # Noise belongs to the episode, not to the env that drives it or to where a recording was cut.
+    for a, b in zip(noisy, driven(env, policy, episodes, 1, noise=NOISE), strict=True):
+        jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, atol=1e-4), a.steps, b.steps)
+    check_same(driven(env, policy, episodes, 2, 1, NOISE), noisy[1:])
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.5, 2.0])
+def test_noise_has_the_same_deviation_at_all_times_and_loses_its_correlation(seconds: float) -> None:
+    noise, count, dt = ActionNoise(0.4, seconds), 20_000, 0.2
+    state = jax.vmap(lambda key: noise.begin(key, 2))(jax.random.split(jax.random.key(0), count))
+    values = [state.value]
+    for _ in range(5):
+        state = jax.vmap(lambda s: noise.next(s, dt))(state)
+        values.append(state.value)
+    drawn = np.array(values)
+    np.testing.assert_allclose(drawn.std((1, 2)), 0.4, rtol=0.02)
+    for apart in (1, 3):
+        found = (drawn[0] * drawn[apart]).mean() / 0.4**2
+        assert found == pytest.approx(np.exp(-apart * dt / seconds) if seconds else 0.0, abs=0.03)
+    assert abs((drawn[0, :, 0] * drawn[0, :, 1]).mean()) < 0.005, "components are independent"
+
+
+def test_a_recording_with_noise_has_both_actions(
+    env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use(env, monkeypatch)
+    folder = tmp_path / "new"
+    options = dataclasses.replace(OPTIONS, policy="go_to_goal", num_episodes=2, sensors=(), noise=NOISE)
+    pipeline.record(folder, options)
+    assert pipeline.check_dataset(folder).problems == ()
+    rows = table_of(folder)
+    goal = np.array(rows["observation.environment_state"])
+    np.testing.assert_allclose(rows["action"], goal / np.linalg.norm(goal, axis=1, keepdims=True), atol=1e-5)
+    applied = np.array(rows["applied_action"])
+    assert np.abs(applied - rows["action"]).max() > 0.2
+    np.testing.assert_allclose(np.array(rows["observation.state"])[1:STEPS, 3:], applied[: STEPS - 1], atol=1e-6)
+    assert json.loads((folder / "meta/urbanverse.json").read_text())["noise"] == {"deviation": 0.3, "seconds": 0.5}
+    other = dataclasses.replace(options, noise=ActionNoise(0.3, 1.0), num_episodes=3, resume=True)
+    with pytest.raises(ValidationError, match=r"--resume: found noise.seconds 1.0, needed 0.5 as in"):
+        pipeline.record(folder, other)
+
+
 def test_episodes_differ_and_a_smaller_number_gives_the_first_ones(small_bank: SceneBank) -> None:
     scenes, most = np.arange(3), int(small_bank.num_episodes.min()) * 3
 
@@ -402,6 +474,8 @@ def test_nothing_is_driven_where_the_folder_is_in_use(
         (["--scenes", "nowhere"], "found 'nowhere', which names no scene"),
         (["--env-name", "Go2Joystick", "--policy", "zero", "--preset", "fast"], "--env-name: found 'Go2Joystick'"),
         (["--seed", "-1"], "--seed"),
+        (["--noise.deviation", "-0.1"], "--noise.deviation: found -0.1"),
+        (["--noise.deviation", "0.1", "--teleop", "--port", "0"], "--noise.deviation: found it together with --teleop"),
     ],
 )
 def test_wrong_options_are_one_sentence_and_leave_no_folder(

@@ -208,8 +208,9 @@ def _values(
         if not np.isfinite(column).all():
             k = int(np.argmax(~np.isfinite(column.reshape(len(column), -1)).all(1)))
             yield f"{where}: row {k}: {name}: found a number that is not finite"
-    if "action" in columns and not (np.abs(columns["action"]) <= 1.0).all():
-        yield f"{where}: found an action outside [-1, 1]"
+    for name in ("action", "applied_action"):
+        if name in columns and not (np.abs(columns[name]) <= 1.0).all():
+            yield f"{where}: {name}: found an action outside [-1, 1]"
 
 
 def _images(

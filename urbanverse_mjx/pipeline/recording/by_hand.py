@@ -109,12 +109,14 @@ class HandDrive:
         def of(frames: list[Any], field: Callable[[Any], Any]) -> Any:
             return jax.tree.map(joined, *[field(frame.nav) for frame in frames])
 
+        action = of(after, lambda nav: nav.last_action)
         length = np.maximum(of(after, lambda nav: nav.route_length), 1e-6)
         return Steps(
             running=np.ones(len(before), bool),
             goal=sensed[:, :2],
             proprio=sensed[:, 2:],
-            action=of(after, lambda nav: nav.last_action),
+            action=action,
+            answer=action,
             reward=joined(*(frame.reward for frame in after)),
             result=of(after, lambda nav: nav.result),
             hit=of(after, lambda nav: nav.sim.contacts.hit),

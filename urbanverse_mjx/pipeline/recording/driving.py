@@ -17,6 +17,7 @@ from ...datatypes import RESULTS, SceneBank
 from ...datatypes import validation as v
 from ...evaluation.agents import Beginning, Privileged, Recurrent, agent_action, episode_data
 from ...evaluation.rollouts import EpisodeSet, checked_actions
+from .action_noise import ActionNoise, disturbed
 
 if TYPE_CHECKING:
     from ...envs import NavState
@@ -37,6 +38,7 @@ class Steps(NamedTuple):
       goal: (2,) m as the policy observes it.
       proprio: (3 + A,), see `NavEnv`.
       action: (A,) as applied.
+      answer: (A,) of the policy, in [-1, 1]; the same but for noise that was added to it.
       reward: of the step.
       result: () i32 after the step, see `Result`.
       hit: bool, the robot touched something during the step. xpos (nbody, 3), xquat (nbody, 4), agents, bodies,
@@ -50,6 +52,7 @@ class Steps(NamedTuple):
     goal: Any
     proprio: Any
     action: Any
+    answer: Any
     reward: Any
     result: Any
     hit: Any
@@ -64,12 +67,14 @@ class Steps(NamedTuple):
 
 
 class _State(NamedTuple):
-    """What is carried from step to step, leading axis of envs; known: of a `Privileged` policy."""
+    """What is carried from step to step, leading axis of envs; known: of a `Privileged` policy; noise: a `NoiseState`,
+    or () without noise."""
 
     nav: Any
     memory: Any
     keys: jax.Array
     known: Any
+    noise: Any
 
 
 @dataclasses.dataclass(frozen=True)
@@ -165,15 +170,18 @@ class BatchDrive:
 
     Args:
       machine: the environment and its policy.
+      noise: added to the actions that drive.
     """
 
-    def __init__(self, machine: "Machine") -> None:
+    def __init__(self, machine: "Machine", noise: ActionNoise | None = None) -> None:
         self._env, self._policy = machine.env, machine.policy
+        self._noise = noise if noise is not None and noise.deviation else None
         self._begin = table_arguments.jit(jax.vmap(self._env.begin_at))
         self._observe = table_arguments.jit(jax.vmap(self._env.observe))
         self._step = table_arguments.jit(jax.vmap(self._advance))
         self._chunk = table_arguments.jit(self._scan)
         self._replace = jax.jit(_replaced)
+        self._next_noise = jax.jit(self._noise_after)
 
     def run(
         self, episodes: EpisodeSet, num_envs: int, on_compiled: Callable[[], None] | None = None, first: int = 0
@@ -232,6 +240,7 @@ class BatchDrive:
             jax.tree.map(lambda x: jnp.broadcast_to(x, (len(rows), *x.shape)), memory),
             keys,
             jax.tree.map(lambda x: jnp.asarray(x[rows]), known),
+            self._first_noise(keys),
         )
 
     def _driven(self, steps: Steps, episodes: EpisodeSet, i: int) -> Driven:
@@ -254,8 +263,9 @@ class BatchDrive:
         obs = self._observe(state.nav)
         shape = (state.nav.result.shape[0], self._env.action_size)
         action = checked_actions(self._policy.name, agent, obs, shape)
-        nav, steps = self._step(state.nav, obs, jnp.asarray(action, jnp.float32))
-        return state._replace(nav=nav), jax.tree.map(lambda x: np.asarray(x)[None], steps)
+        nav, steps = self._step(state.nav, obs, jnp.asarray(action, jnp.float32), state.noise)
+        noise = self._next_noise(state.noise)
+        return state._replace(nav=nav, noise=noise), jax.tree.map(lambda x: np.asarray(x)[None], steps)
 
     def _scan(self, state: "_State") -> tuple["_State", Steps]:
         agent: Any = self._policy.agent
@@ -268,21 +278,32 @@ class BatchDrive:
         def step(state: _State, _: None) -> tuple[_State, Steps]:
             obs = jax.vmap(self._env.observe)(state.nav)
             action, memory, keys = jax.vmap(act)(state.nav, obs, state.memory, state.keys, state.known)
-            nav, steps = jax.vmap(self._advance)(state.nav, obs, action)
-            return _State(nav, memory, keys, state.known), steps
+            nav, steps = jax.vmap(self._advance)(state.nav, obs, action, state.noise)
+            return _State(nav, memory, keys, state.known, self._noise_after(state.noise)), steps
 
         return jax.lax.scan(step, state, None, length=_STEPS_PER_CALL)
 
-    def _advance(self, nav: "NavState", obs: Any, action: jax.Array) -> tuple["NavState", Steps]:
+    def _first_noise(self, keys: jax.Array) -> Any:
+        """Of episodes with these keys."""
+        own, size = self._noise, self._env.action_size
+        return () if own is None else jax.vmap(lambda key: own.begin(key, size))(keys)
+
+    def _noise_after(self, noise: Any) -> Any:
+        """That of the next step, with a leading axis of envs."""
+        dt, own = self._env.dt, self._noise
+        return noise if own is None else jax.vmap(lambda state: own.next(state, dt))(noise)
+
+    def _advance(self, nav: "NavState", obs: Any, action: jax.Array, noise: Any) -> tuple["NavState", Steps]:
         """One env one step on; an ended episode stands still as it ended."""
         env = self._env
-        new, reward, _, _ = env.advance(nav, action)
+        new, reward, _, _ = env.advance(nav, action if self._noise is None else disturbed(action, noise.value))
         running = nav.result == 0
         steps = Steps(
             running=running,
             goal=obs["goal"],
             proprio=env.named_observations(nav, obs)["state"][2:],
             action=new.last_action,
+            answer=new.last_action if self._noise is None else jnp.clip(action, -1.0, 1.0),
             reward=reward,
             result=new.result,
             hit=new.sim.contacts.hit,

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from ...datatypes import RESULTS
+from ...datatypes import RESULTS, SceneBank
 from ...datatypes import validation as v
 from ..viewing import PageOptions
+from .action_noise import ActionNoise
 from .formats import Format, check_folder, frame_episode, image_type, open_writer, stored
 from .lidar import LidarOptions
 
@@ -67,6 +68,8 @@ class RecordOptions(PageOptions):
     segmentation for semantic and instance, all for everything."""
     lidar: LidarOptions = dataclasses.field(default_factory=LidarOptions)
     """Rays of the LiDAR."""
+    noise: ActionNoise = dataclasses.field(default_factory=ActionNoise)
+    """On the actions that drive, so that the dataset also shows how the policy comes back; recorded are its own."""
     only_successes: bool = False
     """Leave episodes that did not reach their goal out of the dataset."""
     resume: bool = False
@@ -83,6 +86,7 @@ def record(
     options: RecordOptions | None = None,
     on_ready: Callable[[str], None] = lambda _: None,
     until: Callable[[], bool] = lambda: False,
+    bank: SceneBank | None = None,
 ) -> dict[str, Any]:
     """Records episodes into a new dataset. Whenever it is interrupted, all episodes written so far are complete.
 
@@ -93,6 +97,7 @@ def record(
       options: see there.
       on_ready: with `teleop`, called with the page's address once it can be opened.
       until: with `teleop`, called often; the recording ends when it returns True.
+      bank: taken in place of that of `options.bank`.
 
     Returns:
       dataset: the folder; episodes, frames: in it; results: how many of the driven ones ended how; seconds: from the
@@ -113,7 +118,7 @@ def record(
     options = dataclasses.replace(options, policy=options.policy or ("zero" if options.teleop else "planner"))
     folder, sensors = pathlib.Path(out), _checked(options)
     check_folder(folder, options.format, options.resume)
-    env, machine, scenes, features = _prepared(options, sensors)
+    env, machine, scenes, features = _prepared(options, sensors, bank)
     episodes = drawn_episodes(env.bank, scenes, options.num_episodes, options.seed)
     results: collections.Counter[str] = collections.Counter()
     origin = _origin(options, machine, scenes, sensors)
@@ -131,7 +136,7 @@ def record(
         readings = _readings(env, sensors)
 
         def write(filmed: "Filmed") -> None:
-            columns, metadata = _columns(env, readings, filmed.driven)
+            columns, metadata = _columns(env, readings, filmed.driven, noisy=bool(options.noise.deviation))
             if isinstance(writer, DatasetWriter):
                 writer.add(_episode(filmed, columns, metadata))
             else:
@@ -145,7 +150,9 @@ def record(
 
             groups = HandDrive(machine, options, on_ready, until).run(episodes, first)
         else:
-            driven = BatchDrive(machine).run(episodes, options.num_envs, lambda: report(first, note=""), first)
+            driven = BatchDrive(machine, options.noise).run(
+                episodes, options.num_envs, lambda: report(first, note=""), first
+            )
             groups = _filmable(driven, _BATCHES * camera.batch)
         with EpisodeWriting(encode, write, num_threads()) as writing:
             for group in groups:
@@ -217,10 +224,13 @@ def _checked(options: RecordOptions) -> tuple[str, ...]:
     known = (*SENSORS, *READINGS, "boxes")
     groups = {**GROUPS, "all": known}
     options.lidar.check()
+    options.noise.check()
     if options.teleop:
         from ...viewer.recording import free_port
 
         options.check()
+        if options.noise.deviation:
+            raise v.fail("--noise.deviation", "it together with --teleop", "one of them", "a person drives as they do")
         free_port(options.host, options.port)
     v.integer(options.num_episodes, "--num-episodes", 1)
     v.integer(options.num_envs, "--num-envs", 1)
@@ -265,14 +275,14 @@ def _readings(env: "NavEnv", sensors: tuple[str, ...]) -> "Readings":
 
 
 def _prepared(
-    options: RecordOptions, sensors: tuple[str, ...]
+    options: RecordOptions, sensors: tuple[str, ...], bank: SceneBank | None = None
 ) -> tuple["NavEnv", Any, np.ndarray, dict[str, "Feature"]]:
     """The environment, its policy, the scenes' rows of the bank, and the dataset's features."""
     from ...envs.navigation.scenarios import select_scenes
     from ..machines import IMAGE_SIZE, load_machine
     from ..training_run import bank_of
 
-    bank = bank_of(options.env_name or "CocoNav", options.quiet, options.preset, options.bank)
+    bank = bank or bank_of(options.env_name or "CocoNav", options.quiet, options.preset, options.bank)
     scenes = np.asarray(select_scenes(bank, options.scenes))
     assert options.policy is not None
     where = (bank, options.people, options.env_name, options.preset)
@@ -310,6 +320,7 @@ def _features(env: "NavEnv", options: RecordOptions, sensors: tuple[str, ...]) -
         **_readings(env, sensors).features(),
         "scene_index": Feature("int64", (1,)),
         "episode_row": Feature("int64", (1,)),
+        **({"applied_action": Feature("float32", (len(action),), action)} if options.noise.deviation else {}),
         **({"intervention": Feature("bool", (1,))} if options.teleop else {}),
     }
 
@@ -323,15 +334,17 @@ def _episode(filmed: "Filmed", columns: dict[str, np.ndarray], metadata: dict[st
     return Episode(TASK, columns, filmed.images, videos, filmed.stats, metadata, filmed.annotations)
 
 
-def _columns(env: "NavEnv", readings: "Readings", driven: "Driven") -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """The numbers (T, ...) of a driven episode, and the metadata of it as a whole."""
+def _columns(
+    env: "NavEnv", readings: "Readings", driven: "Driven", noisy: bool = False
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """The numbers (T, ...) of a driven episode, and the metadata of it as a whole; noisy: its actions had noise."""
     steps, length = driven.steps, len(driven.steps.running)
     last = np.arange(length) == length - 1
     root = env.mj_model.body(env.robot.root_body).id
     columns = {
         "observation.state": steps.proprio,
         "observation.environment_state": steps.goal,
-        "action": steps.action,
+        "action": steps.answer,
         "next.reward": steps.reward,
         "next.done": last,
         "next.success": last & (driven.result == "goal"),
@@ -349,6 +362,8 @@ def _columns(env: "NavEnv", readings: "Readings", driven: "Driven") -> tuple[dic
         "result": driven.result,
         "route_completion": driven.route_completion,
     }
+    if noisy:
+        columns["applied_action"] = steps.action
     if driven.by_hand is not None:
         from ...viewer.teleop import interventions
 
@@ -374,6 +389,7 @@ def _origin(options: RecordOptions, machine: "Machine", scenes: np.ndarray, sens
         "sensors": list(sensors),
         **({"teleop": True} if options.teleop else {}),
         **({"only_successes": True} if options.only_successes else {}),
+        **({"noise": options.noise.described()} if options.noise.deviation else {}),
         "environment_config": env.config.to_dict(),
         "scenes": {str(row): bank.scene_ids[row] for row in scenes.tolist()},
         "seed": options.seed,
