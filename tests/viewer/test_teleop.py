@@ -1,5 +1,6 @@
 """Teleoperation without a browser: commands, taking over and giving back, the deadman's switch, latency, the socket."""
 
+import io
 import json
 import re
 import time
@@ -10,6 +11,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 import viser
+from PIL import Image
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
@@ -339,6 +341,29 @@ def test_inputs_come_through_the_socket_and_states_go_back(front: tuple[viser.Vi
             list(socket)
 
 
+def test_the_camera_is_sent_while_a_headset_looks(front: tuple[viser.ViserServer, Front, Teleop]) -> None:
+    _, page, _ = front
+    shown = np.zeros((8, 12, 3), np.uint8)
+    shown[:, :6] = 200, 40, 40
+    images: list[np.ndarray | None] = [None]
+    page.camera = lambda: images[-1]
+    assert not page.watched
+    with connect(page.address.replace("http", "ws") + "/camera", proxy=None) as socket:
+        wait(lambda: page.watched)
+        with pytest.raises(TimeoutError):
+            socket.recv(timeout=0.3)
+        images.append(shown)
+        body = socket.recv(timeout=10.0)
+        assert isinstance(body, bytes)
+        found = np.asarray(Image.open(io.BytesIO(body))).astype(int)
+        assert np.abs(found[:, [0, 11]] - shown[:, [0, 11]]).max() < 30, "red on the left"
+        with pytest.raises(TimeoutError):
+            socket.recv(timeout=0.3)  # the same image is not sent again
+        images.append(255 - shown)
+        assert np.asarray(Image.open(io.BytesIO(bytes(socket.recv(timeout=10.0))))).mean() > 128  # type: ignore[arg-type]
+    wait(lambda: not page.watched)
+
+
 def test_a_page_that_shows_no_street_yet_says_so() -> None:
     """A first start compiles streets for minutes, while the port already answers."""
     with served("127.0.0.1", 0, Teleop()) as (_, front):
@@ -356,6 +381,8 @@ def test_the_page_and_visers_own_come_from_one_port(front: tuple[viser.ViserServ
         return urllib.request.urlopen(page.address + path, timeout=10.0).read()
 
     assert b'src="viser/"' in get("/")
+    for script in re.findall(rb'<script src="([^"]+)"', get("/")):
+        assert get(f"/{script.decode()}").startswith(b'"use strict"')
     assert get("/viser/?x=1") == urllib.request.urlopen(f"http://127.0.0.1:{server.get_port()}/", timeout=10.0).read()
     for missing in ("/viser/nothing.js", "/nothing", "/viser/../../secret"):
         with pytest.raises(urllib.error.HTTPError, match="404"):

@@ -54,7 +54,7 @@ def driven(small_bank: SceneBank) -> Iterator[tuple[Page, Teleop, Front, Any]]:
     teleop, streets = Teleop(give_back_after=1.5), Streets(box_machine(small_bank))
     with served("127.0.0.1", 0, teleop) as (server, front):
         page = Page(server, streets, streets.scenes[0], "go_to_goal", teleop=teleop)
-        front.state = lambda: page.state
+        front.show(page)
         thread = threading.Thread(target=page.run, daemon=True)
         thread.start()
         try:

@@ -119,7 +119,7 @@ def view(
     with served(options.host, options.port, teleop) as (server, front):
         name = scenes.first[0] if scenes.first else scenes.names[0]
         page = Page(server, choices, name, options.policy, options.robots, options.people, teleop)
-        front.state = lambda: page.state
+        front.show(page)
         front.library = ViewLibrary(scenes, page.open_scene).answer
         on_ready(front.address)
         if options.open:

@@ -44,11 +44,15 @@ class DrivePage:
     def __init__(self, server: viser.ViserServer, teleop: Teleop | None = None) -> None:
         self._server, self._teleop = server, teleop or Teleop()
         self._orders: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._stopped = self._held = self._ignores_key = False
+        self._stopped = self._held = self._ignores_key = self._was_watched = False
         self.playing = False
         self.index = 0
         #: State shown at the page's lower edge, see `teleop.html`.
         self.state: dict[str, Any] = {}
+        #: (H, W, 3) u8 of the robot's camera in the shown frame, for a headset; None while nobody looks at it.
+        self.picture: np.ndarray | None = None
+        #: Whether a headset shows it.
+        self.watched: Callable[[], bool] = lambda: False
         self.session: Session
         self.stage: Stage
         self._build()
@@ -88,6 +92,7 @@ class DrivePage:
         late = time.monotonic()
         while not (self._stopped or until()):
             self._obey()
+            self._notice_headset()
             command = self._command()
             # The simulation pauses while no browser is connected.
             if not self.playing or not self._server.get_clients():
@@ -116,6 +121,13 @@ class DrivePage:
             except ValidationError as error:
                 self._pause()
                 self._say(f"**{error}**")
+
+    def _notice_headset(self) -> None:
+        """Draws the shown frame for a headset that has been put on."""
+        watched = self.watched()
+        if watched and not self._was_watched:
+            self._look()
+        self._was_watched = watched
 
     def _command(self) -> Command | None:
         """Returns the current command of a person; taking over starts the simulation, and returning control to no
@@ -196,9 +208,10 @@ class DrivePage:
             for client in self._server.get_clients().values():
                 with client.atomic():
                     client.camera.position, client.camera.look_at = position, target
-        image = self.session.camera_image(self.index, robot) if self._sees.value else None
-        self._image.visible = image is not None
-        if image is not None:
+        drawn = self._sees.value or self.watched()
+        self.picture = image = self.session.camera_image(self.index, robot) if drawn else None
+        self._image.visible = image is not None and self._sees.value
+        if image is not None and self._sees.value:
             # Pixels are enlarged here, because browsers would blur them.
             times = -(-_WIDTH // image.shape[1])
             self._image.image = image.repeat(times, 0).repeat(times, 1)

@@ -1,4 +1,4 @@
-"""Server of the public page, which embeds viser's page, and of a socket for key and gamepad input.
+"""Server of the public page, which embeds viser's page, and of sockets for key and gamepad input and a headset's image.
 
 viser's client does not report held keys, key releases or gamepads. This page embeds viser's as a frame of the same
 origin, so that it also receives the frame's key events; viser's server runs behind it on a local port.
@@ -21,8 +21,10 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, Protocol
 
+import cv2
+import numpy as np
 import viser
 from websockets.asyncio.client import connect
 from websockets.asyncio.server import Server, ServerConnection, serve
@@ -35,8 +37,8 @@ from ..datatypes import ValidationError
 from .recording import free_port, private_server
 from .teleop import Inputs, Teleop
 
-#: Paths of viser's page, of the socket for keys, and of the library's page.
-FRAME, DRIVE, LIBRARY = "/viser", "/drive", "/library"
+#: Paths of viser's page, of the socket for keys, of that for the robot's camera, and of the library's page.
+FRAME, DRIVE, CAMERA, LIBRARY = "/viser", "/drive", "/camera", "/library"
 #: Takes the path below `LIBRARY` and the query; returns type and content, or raises a ValidationError.
 Library = Callable[[str, Mapping[str, str]], tuple[str, bytes]]
 #: In the page, the link to the library.
@@ -51,10 +53,20 @@ LOADING = {
     "latency": None,
 }
 _PAGE = pathlib.Path(__file__).with_name("teleop.html")
+_SCRIPT = pathlib.Path(__file__).with_name("headset.js")
 _MAX_BODY = 50 * 2**20  # bytes of a message; viser's own limit
-#: s between two states sent to a browser, and between two measurements of its delay.
-_TELL_EVERY, _PING_EVERY = 0.1, 2.0
+#: s between two states sent to a browser, between two looks for a new image, and between two measurements of its delay.
+_TELL_EVERY, _LOOK_EVERY, _PING_EVERY = 0.1, 0.02, 2.0
+_JPEG_QUALITY = 90
 _FORWARDED = ("Content-Type", "Content-Encoding")
+
+
+class Shown(Protocol):
+    """What the page shows, see `DrivePage`."""
+
+    state: dict[str, Any]
+    picture: np.ndarray | None
+    watched: Callable[[], bool]
 
 
 class Front:
@@ -68,6 +80,8 @@ class Front:
 
     Attributes:
       library: answers the requests below `LIBRARY`, from several threads; None: there is no such page.
+      camera: returns the image (H, W, 3) u8 RGB of the robot's camera, the same array until there is another, or None;
+        called often, from a thread, while `watched`.
 
     Raises:
       ValidationError: the port is in use.
@@ -79,8 +93,10 @@ class Front:
         self.port = free_port(host, port)
         self.state = state
         self.library: Library | None = None
+        self.camera: Callable[[], np.ndarray | None] = lambda: None
         self._host, self._behind, self._teleop = host, behind, teleop
-        self._page = _PAGE.read_bytes()
+        self._page, self._script = _PAGE.read_bytes(), _SCRIPT.read_bytes()
+        self._watching = 0
         self._numbers = itertools.count()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
@@ -95,6 +111,16 @@ class Front:
     def address(self) -> str:
         """Returns the address of the page for a local browser."""
         return f"http://{'127.0.0.1' if self._host == '0.0.0.0' else self._host}:{self.port}"
+
+    def show(self, page: "Shown") -> None:
+        """Takes state and camera image from a page, and tells it whether a headset shows them."""
+        self.state, self.camera = lambda: page.state, lambda: page.picture
+        page.watched = lambda: self.watched
+
+    @property
+    def watched(self) -> bool:
+        """Whether a headset shows the robot's camera."""
+        return self._watching > 0
 
     def stop(self) -> None:
         """Closes all connections and the port."""
@@ -136,6 +162,8 @@ class Front:
         if path == "/":
             page = self._page.replace(*_LINK) if self.library is not None else self._page
             return _response(http.HTTPStatus.OK, page, {"Content-Type": "text/html; charset=utf-8"})
+        if path == f"/{_SCRIPT.name}":
+            return _response(http.HTTPStatus.OK, self._script, {"Content-Type": "text/javascript; charset=utf-8"})
         if path == FRAME or path.startswith(f"{FRAME}/"):
             return await asyncio.to_thread(self._of_viser, path.removeprefix(FRAME) or "/", request)
         if self.library is not None and (path == LIBRARY or path.startswith(f"{LIBRARY}/")):
@@ -172,6 +200,8 @@ class Front:
         with contextlib.suppress(ConnectionClosed):
             if path == DRIVE:
                 await self._drive(browser)
+            elif path == CAMERA:
+                await self._show(browser)
             elif path.rstrip("/") == FRAME:
                 await self._relay(browser)
             else:
@@ -200,6 +230,21 @@ class Front:
                     await browser.send(state)
                     sent = state
                 await asyncio.sleep(_TELL_EVERY)
+
+    async def _show(self, browser: ServerConnection) -> None:
+        """Sends a headset each new image as a JPEG until it disconnects."""
+        self._watching += 1
+        gone, sent = asyncio.create_task(browser.wait_closed()), None
+        try:
+            while not gone.done():
+                image = self.camera()
+                if image is not None and image is not sent:
+                    await browser.send(await asyncio.to_thread(_jpeg, image))
+                    sent = image
+                await asyncio.wait([gone], timeout=_LOOK_EVERY)
+        finally:
+            gone.cancel()
+            self._watching -= 1
 
     async def _relay(self, browser: ServerConnection) -> None:
         """Relays messages between a browser and viser in both directions until one of them disconnects."""
@@ -249,6 +294,12 @@ def served(host: str, port: int, teleop: Teleop) -> Iterator[tuple[viser.ViserSe
             yield server, front
         finally:
             front.stop()
+
+
+def _jpeg(image: np.ndarray) -> bytes:
+    done, body = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
+    assert done
+    return body.tobytes()
 
 
 async def _pass_on(source: Any, target: Any) -> None:

@@ -61,7 +61,7 @@ class HandDrive:
         teleop = Teleop(self._options.give_back_after)
         with served(self._options.host, self._options.port, teleop) as (server, front):
             page = RecordPage(server, teleop)
-            front.state = lambda: page.state
+            front.show(page)
             shown = self._session(episodes, first, known)
             page.begin(shown)
             page.show_note("compiling the first step")
