@@ -28,6 +28,9 @@ Rows, of which `--rows` names patterns:
     transfer                the shipped policies in the places of benchmarks.transfer, on all cores
     missions                the shipped policies on the missions of benchmarks.missions, on all cores
     gpus-NUMBER-SEED        the preset `best` on one or two GPUs that run nothing else (see benchmarks.several_gpus)
+    imitation-NUMBER-SEED   the student of `best` fitted to demonstrations of the planner (see benchmarks.imitation)
+    imitation-NUMBER-ppo-SEED  PPO from there; imitation-ppo-SEED from random weights, with equally many samples
+    imitation-1000-VARIANT-SEED  without noise in the demonstrations, and with a student that sees its last action
     street-tuning-STREET    coco_best before and after PPO on cousins of a filmed street (see benchmarks.street_tuning)
 
 OUT gets a folder and a log for each job, and campaign.log.
@@ -47,7 +50,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import missions, results, scaling, several_gpus, street_tuning, transfer
+from benchmarks import imitation, missions, results, scaling, several_gpus, street_tuning, transfer
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -315,6 +318,36 @@ def _several_gpus(args: argparse.Namespace) -> Iterator[Job]:
             yield dataclasses.replace(job, gpus=gpus)
 
 
+def _imitated(
+    args: argparse.Namespace, name: str, arm: str, seed: int, own: Sequence[object], *needs: pathlib.Path
+) -> Job:
+    words: list[object] = ["benchmarks.imitation", *own, "--train", *_banks(HELD_OUT), "--holdout", *HELD_OUT.values()]
+    words += ["--test", *_banks(["validation"]), "--seed", seed, "--env", *_conditions()]
+    rows = [Row("student", comparison="imitation", arm=arm, seed=seed)]
+    rows.append(dataclasses.replace(rows[0], agent="covered", arm=f"{arm}, camera covered"))
+    memory = IMITATION if own[0] == "clone" else STUDENT
+    return _job(args, f"imitation-{name}-{seed}", words, (*HELD_OUT, "validation"), memory, rows, *needs)
+
+
+def _imitation(args: argparse.Namespace) -> Iterator[Job]:
+    """Behaviour cloning, and PPO after it and without it, on the streets and validation sets of the students' arms."""
+    most = max(imitation.COUNTS)
+    for seed in args.seeds:
+        for count in imitation.COUNTS:
+            own = ["clone", "--demonstrations", count]
+            yield _imitated(args, f"{count}", f"BC, {count} demonstrations", seed, own)
+        for name, (options, called) in imitation.VARIANTS.items():
+            own = ["clone", "--demonstrations", most, *options]
+            yield _imitated(args, f"{most}-{name}", f"BC, {most} demonstrations, {called}", seed, own)
+        for count in imitation.COUNTS:
+            start = args.out / f"imitation-{count}-{seed}"
+            own = ["ppo", "--start", start, "--samples", args.samples]
+            arm = f"BC, {count} demonstrations, then PPO"
+            yield _imitated(args, f"{count}-ppo", arm, seed, own, start / "result.json")
+        own = ["ppo", "--samples", args.samples, "--set", *imitation.ALONE]
+        yield _imitated(args, "ppo", results.COMPARISONS["imitation"].reference, seed, own)
+
+
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
     """All jobs that train or score, whatever `--rows` says, in the order in which they should begin."""
     for seed in args.seeds:
@@ -337,6 +370,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
         for policy in GOES_ON:
             yield _goes_on(args, name, policy)
     yield from _arms(args)
+    yield from _imitation(args)
     yield from _studies(args)
     yield from _street_tuning(args)
     yield from _several_gpus(args)
@@ -514,6 +548,9 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--scaling-steps", type=int, default=6_000_000, help="env-steps, rounded up to rollouts")
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")
     cli.add_argument("--ppo", type=int, default=200, help="iterations of PPO after it")
+    cli.add_argument(
+        "--samples", type=int, default=20_000_000, help="env-steps of imitation-*-ppo-* and imitation-ppo-*"
+    )
     cli.add_argument("--go2", type=int, default=100, help="iterations of the Go2's student")
     cli.add_argument("--list", action="store_true", help="print the commands, run nothing")
     cli.add_argument("--add", action="store_true", help="add the rows of all results to benchmarks/scores")

@@ -244,7 +244,7 @@ def train(
     compilation, None if it was interrupted."""
     from ml_collections import ConfigDict
 
-    from benchmarks.lib.unseen import parsed_options
+    from benchmarks.lib.unseen import parsed_options, steps_of
     from urbanverse_mjx.envs.registry import with_overrides
     from urbanverse_mjx.training import iterative
     from urbanverse_mjx.training.config import default_ppo_config
@@ -265,7 +265,7 @@ def train(
     if not file.is_file():
         folder.mkdir(parents=True, exist_ok=True)
         with at_work(folder):
-            done = 0 if not begun else _steps_of(folder)
+            done = 0 if not begun else steps_of(folder)
             if done < max(int(config.num_timesteps) // _each(config), 1) * _each(config):
                 tune("CocoNav", env, config, folder, args.policy, begun, quiet=not sys.stderr.isatty())
         seconds = None if begun else round(time.monotonic() - begin, 1)
@@ -278,15 +278,6 @@ def train(
 def _each(config: Any) -> int:
     """Env-steps of an iteration."""
     return int(config.num_envs) * int(config.finetune.unroll_length)
-
-
-def _steps_of(folder: pathlib.Path) -> int:
-    from urbanverse_mjx.training.policy import PolicySpec, latest_policy
-
-    try:
-        return PolicySpec.load(latest_policy(folder / "checkpoints")).steps
-    except ValidationError:
-        return 0  # killed between the state of the first checkpoint and its policy
 
 
 def tune_street(street: str, args: argparse.Namespace) -> dict[str, Any]:

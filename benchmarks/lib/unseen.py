@@ -67,6 +67,17 @@ def load(
     return Streets(bank, chosen, Suite.of(bank, held, episodes, frozen))
 
 
+def steps_of(folder: pathlib.Path) -> int:
+    """Returns the env-steps of the newest policy in a run folder, 0 without one: a run that was killed between its
+    first state and the policy of it has none."""
+    from urbanverse_mjx.training.policy import PolicySpec, latest_policy
+
+    try:
+        return PolicySpec.load(latest_policy(folder / "checkpoints")).steps
+    except v.ValidationError:
+        return 0
+
+
 def parsed_options(texts: Iterable[str]) -> dict[str, Any]:
     """Returns options given on the command line as NAME=VALUE, with values in JSON."""
     return {name: json.loads(value) for name, value in (text.split("=") for text in texts)}

@@ -232,13 +232,14 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
 
 
 def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from benchmarks import comparison, halves, missions, several_gpus, street_tuning, transfer
+    from benchmarks import comparison, halves, imitation, missions, several_gpus, street_tuning, transfer
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
     scripts |= {"benchmarks.halves": halves.arguments, "benchmarks.transfer": transfer.arguments}
     scripts |= {"benchmarks.missions": missions.arguments, "benchmarks.street_tuning": street_tuning.arguments}
     scripts["benchmarks.several_gpus"] = several_gpus.arguments
+    scripts["benchmarks.imitation"] = imitation.arguments
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
@@ -247,7 +248,7 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
             own = {"benchmarks.halves": job.gives.parent, "benchmarks.street_tuning": job.gives.parents[2]}
             wanted = own.get(job.command[1], tmp_path / "out" / job.name)
             assert parsed[-1].out == wanted
-    assert len(parsed) == 3 * (1 + 2 + 3 + 2 + 1) + 3 + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2
+    assert len(parsed) == 3 * (1 + 2 + 3 + 2 + 1) + 3 + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2 + 3 * 10
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
@@ -265,6 +266,16 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
     assert [arms[f"student-arm-{arm}-1"].memory for arm in ("memory", "base")] == [0, 256]
     assert {args.teacher.name for name, args in arms.items() if name.startswith("student")} == {"teacher-arm-base-0"}
     assert arms["student-arm-base-0"].steps * 65_536 == pytest.approx(10_000_000, rel=0.01)
+    cloned = {args.out.name: args for args in parsed if args.out.name.startswith("imitation-")}
+    assert {args.demonstrations for name, args in cloned.items() if args.role == "clone"} == {10, 100, 1000}
+    seen = [
+        (x.noise, x.last_action) for x in (cloned[f"imitation-1000{k}-1"] for k in ("", "-plain", "-noise", "-blind"))
+    ]
+    assert seen == [(0.2, False), (0.0, True), (0.2, True), (0.0, False)]
+    assert cloned["imitation-100-ppo-2"].start == cloned["imitation-100-2"].out
+    assert cloned["imitation-ppo-2"].start is None
+    assert {args.samples for args in cloned.values()} == {20_000_000}
+    assert {tuple(args.holdout) for args in cloned.values()} == {(8, 9)}
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
     assert go2.start.name == "finetuned"
@@ -279,6 +290,7 @@ def test_results_become_rows_of_scores(
     (tmp_path / "by_scene.csv").write_text("policy,robot,seed,env_steps,benchmark,scene,SR,RC,hit_episodes\n")
     (tmp_path / "training_streets.csv").write_text("arm,seed,set,scene,SR\n")
     (tmp_path / "student_arms.csv").write_text("arm,seed,set,scene,SR\n")
+    (tmp_path / "imitation.csv").write_text("arm,seed,set,scene,SR\n")
     (tmp_path / "scaling.csv").write_text("study,size,seed,env_steps,scenes,subset,set,scene,SR\n")
     score = {"summary": {}, "by_scene": {"s": {"SR": 50.0, "RC": 60.0, "hit_episodes": 10.0}}}
     sets = dict.fromkeys(("craftbench", "autobench", *campaign.results.VALIDATION), score)
@@ -293,11 +305,16 @@ def test_results_become_rows_of_scores(
     (args.out / "scaling-cousins-1-2").mkdir()
     point = {"steps": 9, "trained_on": scaling.subset("cousins", 1, 2), "fast": {"craftbench": score}}
     (args.out / "scaling-cousins-1-2" / "result.json").write_text(json.dumps(point))
+    (args.out / "imitation-10-ppo-1").mkdir()
+    both = {"student": sets, "covered": sets}
+    (args.out / "imitation-10-ppo-1" / "result.json").write_text(json.dumps(both))
     assert campaign.add_rows(args) == 0
     assert capsys.readouterr().out.splitlines() == [
         "paper-urbanverse160-2: paper, UrbanVerse-160",
         "streets-both-1: both",
         "student-arm-memory-1: without memory",
+        "imitation-10-ppo-1: BC, 10 demonstrations, then PPO",
+        "imitation-10-ppo-1: BC, 10 demonstrations, then PPO, camera covered",
         "scaling-cousins-1-2: cousins 1",
     ]
     rows = (tmp_path / "by_scene.csv").read_text().splitlines()
@@ -309,4 +326,5 @@ def test_results_become_rows_of_scores(
     assert (tmp_path / "student_arms.csv").read_text().splitlines()[1:] == [
         f"without memory,1,{name},s,50.0" for name in campaign.results.VALIDATION
     ]
+    assert len((tmp_path / "imitation.csv").read_text().splitlines()) == 1 + 2 * len(campaign.results.VALIDATION)
     assert "both,1,validation_composed,s,50.0" in (tmp_path / "training_streets.csv").read_text()

@@ -193,9 +193,8 @@ def _cloning_config(config: Any, request: "RunRequest", options: TrainOptions) -
     Raises:
       ValidationError: the preset has no student.
     """
-    from ml_collections import ConfigDict
-
     from ..datatypes import ValidationError
+    from ..training.cloning import cloning_config
 
     if config.get("algorithm") != "dagger":
         raise ValidationError(
@@ -207,13 +206,12 @@ def _cloning_config(config: Any, request: "RunRequest", options: TrainOptions) -
         raise ValidationError(
             "--demonstrations: found the preset 'tune', which imitates nothing, needed quick or best."
         )
-    other_stages = ("teacher", "finetune", "shares", "validation_episodes")
-    own = {k: x for k, x in config.to_dict().items() if k not in other_stages}
-    own["demonstrations"] = str(options.demonstrations.absolute())
+    own = cloning_config(config)
+    own.demonstrations = str(options.demonstrations.absolute())
     # A small dataset is read many times anyway.
     defaults = {"epochs": 1, "num_timesteps": _CLONED_STEPS}
-    own |= {k: x for k, x in defaults.items() if k not in request.ppo}
-    return ConfigDict(own).lock()
+    own.update({k: x for k, x in defaults.items() if k not in request.ppo})
+    return own.lock()
 
 
 def _clone(

@@ -17,6 +17,14 @@ from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_view, relit
 from .student import SEEN, initial_student
 
+#: Parts of the config of a preset that belong to other stages than imitation.
+_OTHER_STAGES = ("teacher", "finetune", "shares", "validation_episodes")
+
+
+def cloning_config(config: ConfigDict) -> ConfigDict:
+    """The imitation part of a preset's training config, for `Cloning`; unlocked."""
+    return ConfigDict({k: x for k, x in config.to_dict().items() if k not in _OTHER_STAGES})
+
 
 class Demonstrations(NamedTuple):
     """Steps of recorded episodes, whole episodes one after another.

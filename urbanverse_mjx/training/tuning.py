@@ -74,7 +74,7 @@ def tune(
     start = None if resume else load_compatible_student(start_from, env, config)
     finetune.num_envs, finetune.seed = int(config.num_envs), int(config.seed)
     wrapped = wrap_for_training(env, env.config.episode_length)
-    learner = Finetune(wrapped, _no_labels(env.action_size), config, finetune)
+    learner = Finetune(wrapped, no_labels(env.action_size), config, finetune)
     result = fit(
         environment,
         env,
@@ -92,6 +92,7 @@ def tune(
     return dataclasses.replace(result, policy=result.policy or latest_policy(start_from))
 
 
-def _no_labels(action_size: int) -> Callable[[Any, Any, jax.Array], jax.Array]:
-    """In place of a teacher, whose labels have no weight."""
+def no_labels(action_size: int) -> Callable[[Any, Any, jax.Array], jax.Array]:
+    """A `student_learner.Teacher` in place of one, for labels without weight in the loss; actions are zeros (n,
+    action_size)."""
     return lambda _, state, __: jnp.zeros((*state.obs["goal"].shape[:-1], action_size))
