@@ -1,6 +1,8 @@
 """Driving by hand in a real browser: keys, a gamepad, and a browser that falls silent or leaves."""
 
+import io
 import json
+import pathlib
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -8,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from websockets.sync.client import connect
 
 from tests.support.box_machine import box_machine
@@ -92,6 +95,44 @@ def speeds(page: Page) -> np.ndarray:
     """(T, 2) m/s, rad/s of all steps."""
     velocities = np.array([np.asarray(f.nav.sim.qvel)[0] for f in page.session.frames[1:]])
     return np.stack([np.linalg.norm(velocities[:, :2], axis=1), velocities[:, 5]], 1)
+
+
+#: The page before the first step, each pixel the mean of 4 x 4 of the browser's.
+STORED = pathlib.Path(__file__).with_name("view_page.png")
+_BLOCK = 4
+#: Share of pixels that may be other than in the stored image: edges of letters in another font, and smoothing.
+_MAX_OTHER = 0.005
+
+
+def screenshot(tab: Any) -> np.ndarray:
+    """(200, 300, 3) of the page, without what viser says of the browser, nor a button that the mouse points at."""
+    tab.mouse.move(400, 790)
+    inner = next(frame for frame in tab.frames if "/viser" in frame.url)
+    inner.add_style_tag(content=".mantine-Notifications-root { display: none !important; }")
+    whole = Image.open(io.BytesIO(tab.screenshot(timeout=120_000))).convert("RGB")
+    return np.asarray(whole.reduce(_BLOCK)).astype(int)
+
+
+def other(image: np.ndarray, stored: np.ndarray) -> float:
+    """Share of the pixels whose colour differs by more than a tenth of the range."""
+    return float((np.abs(image - stored).max(-1) > 25).mean())
+
+
+def test_the_page_looks_as_it_was_stored(driven: tuple[Page, Teleop, Front, Any], tmp_path: pathlib.Path) -> None:
+    """Where it is meant to look otherwise, the image that the failure names replaces the stored one."""
+    page, _, _, tab = driven
+    stored = np.asarray(Image.open(STORED).convert("RGB")).astype(int)
+    end, image = time.monotonic() + 60.0, screenshot(tab)
+    while other(image, stored) > _MAX_OTHER and time.monotonic() < end:  # until the street is drawn
+        image = screenshot(tab)
+    found = tmp_path / STORED.name
+    Image.fromarray(image.astype(np.uint8)).save(found)
+    share = other(image, stored)
+    assert share <= _MAX_OTHER, f"{100 * share:.1f} % of the pixels are others; look at {found}"
+    # A robot that is missing is more than that.
+    for body in page.stage._robots[0].bodies.values():
+        body.visible = False
+    wait(lambda: other(screenshot(tab), stored) > 1.5 * _MAX_OTHER)
 
 
 def test_keys_take_over_drive_stop_and_give_back(driven: tuple[Page, Teleop, Front, Any]) -> None:
