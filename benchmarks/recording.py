@@ -7,7 +7,8 @@ Each case is recorded with both numbers of episodes, once to fill the caches of 
 `frames_per_s` is the difference of the frames by that of the seconds, so that compiling and loading are in neither.
 Of the parts each runs alone over the episodes of the smaller number, compiled before: driving, drawing, encoding in as
 many threads as there are cores, and writing; `bound_frames_per_s` is the rate of the slowest, which the whole, whose
-parts run at the same time, does not exceed where they share no core. Each result is one JSON line, printed and appended
+parts run at the same time, does not exceed where they share no core; `..._processor_ms` are a part's processor time for
+a frame, of all threads together, which other processes change less. Each result is one JSON line, printed and appended
 to `--append`; a case that fails is a line with "error", and the next one follows.
 """
 
@@ -18,6 +19,7 @@ import itertools
 import json
 import os
 import pathlib
+import resource
 import shutil
 import sys
 import time
@@ -112,12 +114,15 @@ def parts(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]
     drive, readings = BatchDrive(machine), record._readings(env, sensors)
     camera, encode = record._filming(env, options, sensors)
     rates: dict[str, Any] = {}
+    processor: dict[str, float] = {}
 
     def timed[Item](part: str, work: Callable[[], list[Item]], length: Callable[[Item], int]) -> list[Item]:
-        begin = time.perf_counter()
+        begin, before = time.perf_counter(), processor_seconds()
         found = work()
-        seconds = time.perf_counter() - begin
-        rates[f"{part}_frames_per_s"] = round(sum(length(item) for item in found) / seconds, 1)
+        seconds, busy = time.perf_counter() - begin, processor_seconds() - before
+        count = sum(length(item) for item in found)
+        rates[f"{part}_frames_per_s"] = round(count / seconds, 1)
+        processor[f"{part}_processor_ms"] = round(1e3 * busy / count, 2)
         return found
 
     def driven() -> list[Driven]:
@@ -125,7 +130,7 @@ def parts(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]
 
     def drawn(own: list[Driven]) -> list[tuple[Driven, Drawn]]:
         found, size = [], 0
-        for episode, images in camera.draw(own):
+        for episode, images in camera.draw([own]):
             size += sum(part.nbytes for parts in images.values() for part in parts)
             # Of the others only the length counts.
             found.append((episode, images if size <= _KEPT or not found else {}))
@@ -149,14 +154,20 @@ def parts(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]
         return own
 
     # Compiles both programs.
-    list(camera.draw(driven()[:1]))
+    list(camera.draw([driven()[:1]]))
     steps = timed("drive", driven, frames)
     images = timed("draw", lambda: drawn(steps), lambda pair: frames(pair[0]))
     kept = [pair for pair in images if pair[1]]
     filmed = timed("encode", lambda: encoded(kept), lambda item: frames(item.driven))
     timed("write", lambda: written(filmed), lambda item: frames(item.driven))
     rates["bound_frames_per_s"] = min(rates.values())
-    return rates
+    return {**rates, **processor}
+
+
+def processor_seconds() -> float:
+    """s of processor time of this process with its threads, and of its children that have ended (ffmpeg)."""
+    own, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(use.ru_utime + use.ru_stime for use in (own, children))
 
 
 def frames(episode: Driven) -> int:

@@ -41,6 +41,8 @@ def test_each_case_is_a_row(
     for row in rows:
         for part in ("drive", "draw", "encode", "write", "bound"):
             assert row[f"{part}_frames_per_s"] == 3 * STEPS
+        for part in ("drive", "draw", "encode", "write"):
+            assert 0.0 <= row[f"{part}_processor_ms"] < 1e5
         assert row["frames_per_s"] == 10.0
         assert row["kilobytes_per_frame"] == round(1 / STEPS, 2)
     assert list((tmp_path / "disk").iterdir()) == []

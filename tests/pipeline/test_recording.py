@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pathlib
+import types
 from collections.abc import Mapping
 from typing import Any
 
@@ -367,6 +368,37 @@ def test_wrong_actions_are_refused(env: NavEnv, answer: np.ndarray) -> None:
     policy, episodes = NamedPolicy("own", lambda obs: answer, outside=True), drawn_episodes(env.bank, env.scenes, 3, 0)
     with pytest.raises(ValidationError, match=r"policy 'own': found actions of shape .* needed finite ones of shape"):
         driven(env, policy, episodes, 3)
+
+
+@pytest.mark.parametrize("batch", [5, 64])
+def test_a_batch_of_the_camera_holds_frames_of_several_groups(batch: int) -> None:
+    """Frames are drawn once each, in full batches but for the last one, and come back to their episodes."""
+    sizes, drawn = [7, 1, 12, 4], []
+    steps = [types.SimpleNamespace(running=np.ones(n, bool), appearance_seed=100 * k + np.arange(n), agents=None,
+                                   bodies=(), xpos=np.zeros((n, 2, 3)), xquat=np.zeros((n, 2, 4)))
+             for k, n in enumerate(sizes)]  # fmt: skip
+    episodes: list[Any] = [types.SimpleNamespace(steps=x, scene=k) for k, x in enumerate(steps)]
+
+    def draw(scene: Any, xpos: Any, xquat: Any, seed: Any, agents: Any, bodies: Any) -> dict[str, np.ndarray]:
+        drawn.append(seed)
+        return {"rgb": np.asarray(seed)}
+
+    camera = object.__new__(cameras.Camera)
+    camera.batch, camera._draw = batch, draw  # type: ignore[assignment]
+    found = list(camera.draw([episodes[:2], [], episodes[2:3], episodes[3:]]))
+    assert [episode.scene for episode, _ in found] == [0, 1, 2, 3]
+    for (episode, images), wanted in zip(found, steps, strict=True):
+        assert episode.steps is wanted
+        np.testing.assert_array_equal(np.concatenate(images["rgb"]), wanted.appearance_seed)
+    assert [len(x) for x in drawn] == [batch] * -(-sum(sizes) // batch)
+    assert list(camera.draw([])) == list(camera.draw([[]])) == []
+
+
+def test_calls_of_any_length_drive_the_same_episodes(env: NavEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+    episodes, policy = drawn_episodes(env.bank, env.scenes, 3, 1), NamedPolicy("random", BASELINES["random"])
+    found = driven(env, policy, episodes, 2)
+    monkeypatch.setattr(driving, "_STEPS_PER_CALL", 7)
+    check_same(driven(env, policy, episodes, 2), found)
 
 
 NOISE = ActionNoise(deviation=0.3, seconds=0.5)

@@ -1,6 +1,7 @@
 """Camera and LiDAR in driven episodes, drawn in batches across episodes."""
 
-from collections.abc import Iterator, Sequence
+import collections
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import jax
@@ -119,38 +120,62 @@ class Camera:
             found["lidar"] = self._lidar(scene, xpos, xquat, agents, bodies)
         return found
 
-    def draw(self, episodes: Sequence[Driven]) -> Iterator[tuple[Driven, Drawn]]:
+    def draw(self, groups: Iterable[Sequence[Driven]]) -> Iterator[tuple[Driven, Drawn]]:
         """The outputs of every step of every episode, in their order. While a batch is taken from the device, the next
-        one is drawn."""
-        lengths = [len(e.steps.running) for e in episodes]
-        ends = np.cumsum(lengths)
+        one is drawn; frames of a group that fill no batch wait for the next group."""
+        waiting: collections.deque[Driven] = collections.deque()
         parts: list[dict[str, np.ndarray]] = []
-        number = 0
-        for start, images in self._batches(episodes):
-            stop = min(start + self.batch, int(ends[-1]))
-            at = start
+        had = 0
+        for images in self._batches(groups, waiting):
+            at, stop = 0, len(images["rgb"])
             while at < stop:
-                upto = min(stop, int(ends[number]))
-                parts.append({name: x[at - start : upto - start] for name, x in images.items()})
-                at = upto
-                if at == ends[number]:
-                    yield episodes[number], {name: [part[name] for part in parts] for name in images}
-                    parts, number = [], number + 1
+                length = len(waiting[0].steps.running)
+                upto = min(stop, at + length - had)
+                parts.append({name: x[at:upto] for name, x in images.items()})
+                at, had = upto, had + upto - at
+                if had == length:
+                    yield waiting.popleft(), {name: [part[name] for part in parts] for name in images}
+                    parts, had = [], 0
 
-    def _batches(self, episodes: Sequence[Driven]) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
-        """(first frame, outputs) of batches of one size, so that one program draws all."""
-        inputs = [
-            (np.full(len(e.steps.running), e.scene), e.steps.xpos, e.steps.xquat, e.steps.appearance_seed)
-            + (e.steps.agents, e.steps.bodies)
-            for e in episodes
-        ]
-        columns = jax.tree.map(lambda *parts: np.concatenate(parts), *inputs)
-        count, drawn = len(columns[0]), None
-        for start in range(0, count, self.batch):
-            rows = np.minimum(np.arange(start, start + self.batch), count - 1)
-            following = self._draw(*jax.tree.map(lambda x, rows=rows: x[rows], columns))
+    def _batches(
+        self, groups: Iterable[Sequence[Driven]], waiting: collections.deque[Driven]
+    ) -> Iterator[dict[str, np.ndarray]]:
+        """Outputs of batches of one size, so that one program draws all; the last ones without what fills them up.
+        Adds the episodes to `waiting`."""
+        rest: Any = None
+        for group in groups:
+            if not group:
+                continue
+            waiting.extend(group)
+            inputs = [_seen(episode) for episode in group]
+            columns = jax.tree.map(lambda *x: np.concatenate(x), *([] if rest is None else [rest]), *inputs)
+            count = len(columns[0]) // self.batch * self.batch
+            drawn = None
+            for start in range(0, count, self.batch):
+                following = self._draw(*_rows(columns, slice(start, start + self.batch)))
+                if drawn is not None:
+                    yield _taken(drawn)
+                drawn = following
             if drawn is not None:
-                yield start - self.batch, {name: np.asarray(x) for name, x in drawn.items()}
-            drawn = following
-        if drawn is not None:
-            yield (count - 1) // self.batch * self.batch, {name: np.asarray(x) for name, x in drawn.items()}
+                yield _taken(drawn)
+            rest = _rows(columns, slice(count, None)) if count < len(columns[0]) else None
+        if rest is not None:
+            count = len(rest[0])
+            filled = _rows(rest, np.minimum(np.arange(self.batch), count - 1))
+            yield {name: x[:count] for name, x in _taken(self._draw(*filled)).items()}
+
+
+def _seen(episode: Driven) -> tuple[Any, ...]:
+    """What the renderer takes of each step."""
+    steps = episode.steps
+    scene = np.full(len(steps.running), episode.scene)
+    return scene, steps.xpos, steps.xquat, steps.appearance_seed, steps.agents, steps.bodies
+
+
+def _rows(columns: Any, rows: Any) -> Any:
+    return jax.tree.map(lambda x: x[rows], columns)
+
+
+def _taken(drawn: dict[str, jax.Array]) -> dict[str, np.ndarray]:
+    """From the device."""
+    return {name: np.asarray(x) for name, x in drawn.items()}

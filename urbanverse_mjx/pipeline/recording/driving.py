@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from ...envs import NavState
     from ...viewer.session import Machine
 
-#: Steps in one compiled call.
-_STEPS_PER_CALL = 20
+#: Steps in one compiled call on a CPU, where steps of episodes that have ended meanwhile cost most, and elsewhere,
+#: where what is done between two calls does.
+_STEPS_PER_CALL, _STEPS_PER_DEVICE_CALL = 5, 20
 #: Episodes whose data a privileged policy receives together: its data (the planner's are 0.6 MB an episode) have one
 #: shape for those, and the program is compiled for it.
 _EPISODES_PER_BLOCK = 256
@@ -193,7 +194,8 @@ class BatchDrive:
           first: episode that is driven; those before it are left out, which changes nothing in the others.
 
         Yields:
-          ended episodes in their order, as soon as those before them have ended.
+          ended episodes in their order, as soon as those before them have ended; a list, which may be empty, for each
+          call of the driving program.
 
         Raises:
           ValidationError: a policy outside JAX answers with something else than finite actions (num_envs, A).
@@ -220,8 +222,7 @@ class BatchDrive:
                 on_compiled()
                 on_compiled = None
             slots.take(steps)
-            if done := [self._driven(steps, episodes, i) for i, steps in slots.in_order() if i >= first]:
-                yield done
+            yield [self._driven(steps, episodes, i) for i, steps in slots.in_order() if i >= first]
             # A policy outside JAX is reset only for all its episodes together.
             if (not self._policy.outside or slots.idle.all()) and len(envs := slots.refill()):
                 fresh = self._started(episodes, known, np.maximum(slots.episode, 0))
@@ -281,7 +282,8 @@ class BatchDrive:
             nav, steps = jax.vmap(self._advance)(state.nav, obs, action, state.noise)
             return _State(nav, memory, keys, state.known, self._noise_after(state.noise)), steps
 
-        return jax.lax.scan(step, state, None, length=_STEPS_PER_CALL)
+        length = _STEPS_PER_CALL if jax.default_backend() == "cpu" else _STEPS_PER_DEVICE_CALL
+        return jax.lax.scan(step, state, None, length=length)
 
     def _first_noise(self, keys: jax.Array) -> Any:
         """Of episodes with these keys."""

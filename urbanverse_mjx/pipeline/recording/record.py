@@ -18,7 +18,7 @@ from .formats import Format, check_folder, frame_episode, image_type, open_write
 from .lidar import LidarOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from ...datasets import Episode, Feature
     from ...envs import NavEnv
@@ -26,11 +26,13 @@ if TYPE_CHECKING:
     from ...viewer.session import Machine
     from .cameras import Camera
     from .driving import Driven
-    from .encoding import Encoding, Filmed
+    from .encoding import Encoding, EpisodeWriting, Filmed
     from .readings import Readings
 
 #: Batches of the camera that are waited for before they are drawn.
 _BATCHES = 8
+#: Calls of the driving program whose episodes may wait for them.
+_CALLS_AHEAD = 8
 TASK = "drive to the goal over the pavement without touching anything"
 
 
@@ -111,6 +113,7 @@ def record(
     from ...datasets import DatasetWriter
     from ...progress import COMPILING, Progress
     from ...settings import num_threads
+    from .ahead import Ahead
     from .driving import BatchDrive, drawn_episodes
     from .encoding import EpisodeWriting
 
@@ -143,37 +146,32 @@ def record(
                 writer.add(frame_episode(filmed, columns, metadata))
             report(ended, note=v.counted(writer.num_frames, "frames"))
 
-        if first == len(episodes):
-            groups = iter(())
-        elif options.teleop:
-            from .by_hand import HandDrive
-
-            groups = HandDrive(machine, options, on_ready, until).run(episodes, first)
-        else:
-            driven = BatchDrive(machine, options.noise).run(
-                episodes, options.num_envs, lambda: report(first, note=""), first
-            )
-            groups = _filmable(driven, _BATCHES * camera.batch)
-        with EpisodeWriting(encode, write, num_threads()) as writing:
+        def counted(groups: "Iterable[list[Driven]]") -> "Iterator[list[Driven]]":
+            """What is recorded of the episodes in groups."""
+            nonlocal ended
             for group in groups:
                 results.update(episode.result for episode in group)
                 ended += len(group)
-                kept = [e for e in group if e.result == "goal" or not options.only_successes]
-                for episode, drawn in camera.draw(kept) if kept else ():
-                    writing.add(episode, drawn)
-                if options.teleop:
+                yield [e for e in group if e.result == "goal" or not options.only_successes]
+                report(ended)
+
+        with EpisodeWriting(encode, write, num_threads()) as writing:
+            if first < len(episodes) and options.teleop:
+                from .by_hand import HandDrive
+
+                for group in counted(HandDrive(machine, options, on_ready, until).run(episodes, first)):
+                    _draw(camera, [group], writing)
                     # Nothing that a person drove is at risk while the next episode is driven.
                     writing.wait()
-                report(ended)
+            elif first < len(episodes):
+                drive = BatchDrive(machine, options.noise)
+                driven = drive.run(episodes, options.num_envs, lambda: report(first, note=""), first)
+                # Driving leaves cores idle that draw meanwhile.
+                with Ahead(driven, _CALLS_AHEAD) as ahead:
+                    _draw(camera, counted(_filmable(ahead, _BATCHES * camera.batch)), writing)
     seconds = time.perf_counter() - began
-    if not writer.num_episodes and options.teleop:
-        raise v.fail(
-            "--teleop", f"{results.total()} driven episodes, none to be written", "one that is driven to its end"
-        )
     if not writer.num_episodes:
-        raise v.fail(
-            "--only-successes", f"none among {v.counted(options.num_episodes, 'episodes')}", "one", "drive more"
-        )
+        raise _nothing(options, results)
     return {
         "dataset": str(folder),
         "episodes": writer.num_episodes,
@@ -182,6 +180,20 @@ def record(
         "seconds": round(seconds, 1),
         **({"resumed": had} if options.resume else {}),
     }
+
+
+def _draw(camera: "Camera", groups: "Iterable[list[Driven]]", writing: "EpisodeWriting") -> None:
+    for episode, drawn in camera.draw(groups):
+        writing.add(episode, drawn)
+
+
+def _nothing(options: RecordOptions, results: Mapping[str, int]) -> v.ValidationError:
+    """The error of a recording without an episode."""
+    if options.teleop:
+        found = f"{sum(results.values())} driven episodes, none to be written"
+        return v.fail("--teleop", found, "one that is driven to its end")
+    found = f"none among {v.counted(options.num_episodes, 'episodes')}"
+    return v.fail("--only-successes", found, "one", "drive more")
 
 
 def _first(episodes: "EpisodeSet", records: "Sequence[Mapping[str, Any]]", options: RecordOptions) -> int:
@@ -200,7 +212,7 @@ def _first(episodes: "EpisodeSet", records: "Sequence[Mapping[str, Any]]", optio
     return found[-1] + 1 if found and found[-1] is not None else 0
 
 
-def _filmable(ended: "Iterator[list[Driven]]", frames: int) -> "Iterator[list[Driven]]":
+def _filmable(ended: "Iterable[list[Driven]]", frames: int) -> "Iterator[list[Driven]]":
     """The same episodes in groups of so many frames or more, which fill the batches of the camera."""
     group: list[Driven] = []
     for episodes in ended:
