@@ -82,7 +82,7 @@ def command_lines() -> list[list[str]]:
 def test_every_command_in_a_block_has_the_options_that_it_is_given(capsys: pytest.CaptureFixture[str]) -> None:
     known: dict[tuple[str, ...], set[str]] = {}
     for _, command, *words in command_lines():
-        nested = command in ("scene", "assets", "dataset") or words[:1] == ["batch"]
+        nested = command in ("scene", "assets", "dataset") or words[:1] in (["batch"], ["import"])
         called = (command, words[0]) if nested else (command,)
         if called not in known:
             known[called] = set(re.findall(r"--[a-z][a-z-]+", help_of(list(called), capsys)))

@@ -66,15 +66,15 @@ Object.defineProperty(navigator, "xr", {configurable: true, get: () => window.xr
 
 
 #: (36, 64, 3) what the robot's camera shows: one bright quarter, at the top left.
-PICTURE = np.full((36, 64, 3), 40, np.uint8)
-PICTURE[:18, :32] = 230, 180, 60
+IMAGE = np.full((36, 64, 3), 40, np.uint8)
+IMAGE[:18, :32] = 230, 180, 60
 
 
 @pytest.fixture(scope="module")
 def worn(small_bank: SceneBank) -> Iterator[tuple[Page, Teleop, Front, Any]]:
     """A page that runs in a thread, and a browser's tab with it, whose headset is simulated."""
     teleop, machine = Teleop(give_back_after=0.0), box_machine(small_bank)
-    machine.camera_image = lambda nav: PICTURE.copy()  # type: ignore[method-assign]
+    machine.camera_image = lambda nav: IMAGE.copy()  # type: ignore[method-assign]
     streets = Streets(machine)
     with served("127.0.0.1", 0, teleop) as (server, front):
         page = Page(server, streets, streets.scenes[0], "go_to_goal", teleop=teleop)
@@ -122,15 +122,15 @@ def test_a_browser_without_a_headset_says_so(worn: tuple[Page, Teleop, Front, An
 
 def test_a_headset_shows_the_camera_and_its_controllers_drive(worn: tuple[Page, Teleop, Front, Any]) -> None:
     page, teleop, front, tab = worn
-    assert page.picture is None
+    assert page.image is None
     tab.get_by_role("button", name="Headset").click()
     tab.get_by_role("button", name="Leave the headset").wait_for(timeout=60_000)
-    wait(lambda: page.picture is not None)
+    wait(lambda: page.image is not None)
     assert front.watched
-    assert page.picture is not None
+    assert page.image is not None
     # 2 m away and 2.4 m wide, of the 4 m that the eye sees there: 144 of 240 pixels.
     height = 81
-    sharp = np.asarray(Image.fromarray(PICTURE).resize((144, height), Image.Resampling.BILINEAR)).astype(int)
+    sharp = np.asarray(Image.fromarray(IMAGE).resize((144, height), Image.Resampling.BILINEAR)).astype(int)
 
     def off(other: np.ndarray) -> float:
         top = (240 - height) // 2
@@ -155,11 +155,11 @@ def test_a_headset_shows_the_camera_and_its_controllers_drive(worn: tuple[Page, 
     assert not teleop.held, "the trigger of a controller with A is no switch"
     hold(0.0, -1.0, a=True)
     wait(lambda: len(page.session) > 1 and bool(speeds(page)[-1, 0] > 1.9))
-    first = page.picture
+    first = page.image
     hold(0.6, 0.0)
     wait(lambda: bool(speeds(page)[-1, 1] < -0.1))
     assert speeds(page)[-1] == pytest.approx([0.0, -(0.6 - 0.15) / 0.85], abs=0.03)
-    assert page.picture is not first, "each frame is drawn for the headset"
+    assert page.image is not first, "each frame is drawn for the headset"
     wait(lambda: teleop.latency is not None)
     # Taken off: nothing is held, and the robot stands.
     tab.evaluate("window.xr.visibility = 'hidden'")

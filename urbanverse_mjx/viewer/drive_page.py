@@ -50,7 +50,7 @@ class DrivePage:
         #: State shown at the page's lower edge, see `teleop.html`.
         self.state: dict[str, Any] = {}
         #: (H, W, 3) u8 of the robot's camera in the shown frame, for a headset; None while nobody looks at it.
-        self.picture: np.ndarray | None = None
+        self.image: np.ndarray | None = None
         #: Whether a headset shows it.
         self.watched: Callable[[], bool] = lambda: False
         self.session: Session
@@ -209,7 +209,7 @@ class DrivePage:
                 with client.atomic():
                     client.camera.position, client.camera.look_at = position, target
         drawn = self._sees.value or self.watched()
-        self.picture = image = self.session.camera_image(self.index, robot) if drawn else None
+        self.image = image = self.session.camera_image(self.index, robot) if drawn else None
         self._image.visible = image is not None and self._sees.value
         if image is not None and self._sees.value:
             # Pixels are enlarged here, because browsers would blur them.

@@ -65,7 +65,7 @@ class Shown(Protocol):
     """What the page shows, see `DrivePage`."""
 
     state: dict[str, Any]
-    picture: np.ndarray | None
+    image: np.ndarray | None
     watched: Callable[[], bool]
 
 
@@ -114,7 +114,7 @@ class Front:
 
     def show(self, page: "Shown") -> None:
         """Takes state and camera image from a page, and tells it whether a headset shows them."""
-        self.state, self.camera = lambda: page.state, lambda: page.picture
+        self.state, self.camera = lambda: page.state, lambda: page.image
         page.watched = lambda: self.watched
 
     @property

@@ -131,10 +131,10 @@ async function present({session, camera, lines, hold}) {
   const screen = new Panel(gl), seen = screen.texture(), said = screen.texture();
   const paper = Object.assign(document.createElement("canvas"), {width: 1536, height: 140});
   const pen = paper.getContext("2d");
-  let picture = null, shape = 16 / 9, written = null, shown = false;
+  let image = null, shape = 16 / 9, written = null, shown = false;
 
   const socket = new WebSocket(camera);
-  socket.onmessage = async ({data}) => { picture = await createImageBitmap(data); };
+  socket.onmessage = async ({data}) => { image = await createImageBitmap(data); };
   session.addEventListener("end", () => socket.close());
   session.updateRenderState({baseLayer: new XRWebGLLayer(session, gl)});
   const space = await session.requestReferenceSpace("local");
@@ -154,11 +154,11 @@ async function present({session, camera, lines, hold}) {
     hold(controllers(session), time);
     const pose = now.getViewerPose(space), layer = session.renderState.baseLayer;
     if (!pose) return;
-    if (picture) {
-      screen.fill(seen, picture);
-      shape = picture.width / picture.height;
-      picture.close();
-      [picture, shown] = [null, true];
+    if (image) {
+      screen.fill(seen, image);
+      shape = image.width / image.height;
+      image.close();
+      [image, shown] = [null, true];
     }
     if (lines() !== written) write(written = lines());
     screen.begin(layer.framebuffer);
