@@ -8,9 +8,10 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from tests.distillation.test_perceive import CAMERA, HEIGHT, POSES, SOURCE, _frame, _Oracle
-from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.datatypes import Camera, ValidationError
 from urbanverse_mjx.distillation.perception import trajectory_error
 from urbanverse_mjx.distillation.readers import read_colmap
+from urbanverse_mjx.distillation.readers.colmap import _undistorted
 
 #: The model's own unit (m) and axes.
 UNIT, TURN = 0.137, Rotation.from_euler("xyz", [0.7, -1.9, 0.4]).as_matrix()
@@ -113,6 +114,7 @@ def _without_points(folder: pathlib.Path) -> None:
         (lambda p: (p / "images/f3.png").unlink(), "f3.png: found an unreadable image"),
         (lambda p: Image.new("RGB", (64, 36)).save(p / "images/f3.png"), "f3.png: found 64x36 pixels, needed 320x180"),
         (_without_points, "found 0 points on the ground"),
+        (lambda p: (p / "sparse/0/points3D.txt").write_text(""), "found 0 points on the ground"),
     ],
 )
 def test_what_a_model_lacks_is_named(tmp_path: pathlib.Path, spoil, said: str) -> None:
@@ -120,6 +122,40 @@ def test_what_a_model_lacks_is_named(tmp_path: pathlib.Path, spoil, said: str) -
     with pytest.raises(ValidationError, match=said):
         read_colmap(tmp_path / "model", tmp_path / "out", _Oracle(1.3), SOURCE, HEIGHT)
     assert not (tmp_path / "out" / "recording.json").exists()
+
+
+@pytest.mark.parametrize(("name", "content"), [("images", None), ("points3D", b"\xff" * 500)])
+def test_a_broken_binary_model_is_one_sentence(tmp_path: pathlib.Path, name: str, content: bytes | None) -> None:
+    """COLMAP's own exceptions are those of a missing key and of memory."""
+    import pycolmap  # before Pillow, its zlib breaks Pillow's
+
+    model = write_model(tmp_path / "model") / "sparse/0"
+    whole = pycolmap.Reconstruction(str(model))
+    for file in model.iterdir():
+        file.unlink()
+    whole.write(str(model))
+    file = model / f"{name}.bin"
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2] if content is None else content)
+    with pytest.raises(ValidationError, match="found a model that COLMAP cannot read"):
+        read_colmap(tmp_path / "model", tmp_path / "out", _Oracle(1.3), SOURCE, HEIGHT)
+
+
+def test_large_images_are_reduced_by_averaging(tmp_path: pathlib.Path) -> None:
+    """A pattern of single pixels becomes its mean; one pixel of every nine would keep its contrast."""
+    import pycolmap  # before Pillow, its zlib breaks Pillow's
+
+    rows, columns = np.mgrid[:1620, :2880]
+    pattern = np.where((rows + columns) % 2, 200, 100).astype(np.uint8)
+    pattern[:, 1440:] += 50
+    Image.fromarray(pattern).save(tmp_path / "large.png")
+    lens = pycolmap.Camera(model="PINHOLE", width=2880, height=1620, params=[1890.0, 1890.0, 1440.0, 810.0])
+    small = _undistorted(tmp_path / "large.png", lens, Camera(960, 540, 630.0, 630.0, 480.0, 270.0)).astype(int)
+    assert small.shape == (540, 960, 3)
+    assert np.abs(small[:, :478] - 150).max() < 8
+    assert np.abs(small[:, 482:] - 200).max() < 8
+    edge = small[:, 478:482].mean((0, 2))
+    assert edge[1] < 165
+    assert edge[2] > 185, "the edge stays in the middle"
 
 
 def test_two_images_are_too_few(tmp_path: pathlib.Path) -> None:

@@ -3,6 +3,8 @@
 import itertools
 import pathlib
 import re
+import struct
+from typing import Any
 
 import imageio.v3 as iio
 import numpy as np
@@ -105,7 +107,7 @@ def test_broken_input_is_one_sentence(tmp_path: pathlib.Path, make, said: str):
         sample(make(tmp_path), tmp_path / "frames")
 
 
-def _photo(path: pathlib.Path, image: np.ndarray, focal: int | None, orientation: int = 1) -> None:
+def _photo(path: pathlib.Path, image: np.ndarray, focal: Any, orientation: int = 1) -> None:
     exif = Image.Exif()
     exif[0x0112] = orientation
     if focal is not None:
@@ -119,6 +121,9 @@ def test_the_focal_length_comes_from_the_exif_data_of_all_images(tmp_path: pathl
         ("zoomed", (26, 26, 52)),
         ("unknown", (26, None, 26)),
         ("zero", (0, 0, 0)),
+        ("true length instead", (4, 4, 4)),
+        ("no number", (26, "26 mm", 26)),
+        ("two numbers", ((26, 26), 26, 26)),
     ):
         (tmp_path / name).mkdir()
         for k, focal in enumerate(focals):
@@ -128,7 +133,7 @@ def test_the_focal_length_comes_from_the_exif_data_of_all_images(tmp_path: pathl
     # 26 mm on a diagonal of 43.27 mm, of 130.7 pixels.
     assert frames.focal == pytest.approx(26.0 / 43.2666 * np.hypot(114, 64), abs=0.01)
     assert load(tmp_path / "a").focal == frames.focal
-    for name in ("zoomed", "unknown", "zero"):
+    for name in ("zoomed", "unknown", "zero", "true length instead", "no number", "two numbers"):
         assert sample(tmp_path / name, tmp_path / f"{name}_frames").focal is None
 
 
@@ -179,6 +184,13 @@ def test_an_mp4_without_its_index_is_said_to_be_cut_off(tmp_path: pathlib.Path):
     (tmp_path / "cut.mp4").write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
     with pytest.raises(ValidationError, match="an MP4 without its index"):
         sample(tmp_path / "cut.mp4", tmp_path / "frames")
+
+
+@pytest.mark.parametrize("length", [2**64 - 9, 2**63 - 20])
+def test_an_mp4_whose_first_box_has_no_possible_length_is_one_sentence(tmp_path: pathlib.Path, length: int):
+    (tmp_path / "a.mp4").write_bytes(struct.pack(">I4sQ", 1, b"ftyp", length) + bytes(50))
+    with pytest.raises(ValidationError, match="needed"):
+        sample(tmp_path / "a.mp4", tmp_path / "frames")
 
 
 def _text(path: pathlib.Path) -> pathlib.Path:

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import pathlib
 
+import imageio.v3 as iio
 import numpy as np
 import pytest
 from PIL import Image
@@ -98,3 +99,25 @@ def test_a_photograph_is_recognised_by_its_content(tmp_path: pathlib.Path) -> No
     (tmp_path / "street.jpg").rename(tmp_path / "street.mov")
     with pytest.raises(ValidationError, match=r"call the photograph street\.jpeg"):
         recognise(tmp_path / "street.mov")
+
+
+def test_a_photograph_of_a_format_without_a_known_suffix_is_to_be_converted(tmp_path: pathlib.Path) -> None:
+    Image.fromarray(_frame(POSE)[0]).save(tmp_path / "street.gif")
+    with pytest.raises(ValidationError, match=r"single GIF image.* convert the photograph to PNG"):
+        recognise(tmp_path / "street.gif")
+
+
+def test_videos_that_pillow_takes_for_an_image_are_videos(tmp_path: pathlib.Path) -> None:
+    images = [Image.fromarray(np.roll(_frame(POSE)[0], 9 * k, 1)) for k in range(6)]
+    images[0].save(tmp_path / "a.gif", save_all=True, append_images=images[1:], duration=100)
+    with (tmp_path / "a.mjpeg").open("wb") as file:
+        for image in images:
+            image.save(file, "JPEG")
+    stack = np.stack([np.asarray(image) for image in images])
+    parameters = {"fps": 25, "codec": "mpeg2video", "output_params": ["-f", "mpeg2video"]}
+    iio.imwrite(tmp_path / "stream.mp4", stack, plugin="FFMPEG", macro_block_size=2, **parameters)
+    (tmp_path / "stream.mp4").rename(tmp_path / "a.m2v")
+    for name in ("a.gif", "a.mjpeg", "a.m2v"):
+        with Image.open(tmp_path / name) as image:
+            assert image.format, "Pillow opens it"
+        assert recognise(tmp_path / name).kind == "video"

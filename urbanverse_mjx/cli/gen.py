@@ -48,7 +48,7 @@ class GenArgs:
     city: str = "unknown"
     """City of the video, for the records."""
     country: str = "unknown"
-    """Country of the video, for the records."""
+    """Country of the video (English name), for the records and the side of the traffic."""
     focal: float | None = None
     """Focal length of the lens in mm, as 35-mm equivalent (26 for the main lens of most phones; video is often
     cropped); default: that of the images' EXIF data, else estimated."""

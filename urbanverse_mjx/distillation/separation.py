@@ -107,6 +107,8 @@ def penetration(a: GraphObject, b: GraphObject) -> float:
     """
     if abs(a.center[2] - b.center[2]) >= (a.size[2] + b.size[2]) / 2:
         return 0.0
+    if np.hypot(*np.subtract(a.center[:2], b.center[:2])) >= (np.hypot(*a.size[:2]) + np.hypot(*b.size[:2])) / 2:
+        return 0.0  # the circles around them are apart: most pairs of a long street
     corners = [shapely.get_coordinates(footprint(obj))[:-1] for obj in (a, b)]
     depth = np.inf
     for angle in (a.yaw, a.yaw + np.pi / 2, b.yaw, b.yaw + np.pi / 2):

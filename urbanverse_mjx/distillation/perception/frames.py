@@ -24,6 +24,8 @@ SCHEMA = "urbanverse.frames/1"
 
 #: EXIF 2.3, section 4.6: the sub-directory of camera settings, and in it FocalLengthIn35mmFilm (mm, 0 = unknown).
 _EXIF, _FOCAL_35MM = 0x8769, 0xA405
+#: mm, 35-mm equivalents of the focal lengths that the reconstruction accepts (`MappingOptions`).
+FOCAL_RANGE = (10.0, 75.0)
 #: Ratio up to which stated focal lengths are those of one lens without zoom.
 _SAME_LENS = 1.05
 #: Share of its stated length below which a video counts as cut off, and s that have to be missing.
@@ -173,7 +175,7 @@ def photograph(
     options = options or SamplingOptions()
     try:
         with Image.open(source) as image:
-            stated = float(image.getexif().get_ifd(_EXIF).get(_FOCAL_35MM) or 0.0)
+            stated = _stated_equivalent(image)
             rgb = _scaled(np.asarray(ImageOps.exif_transpose(image).convert("RGB")), options.short_side)
     except UNREADABLE as error:
         raise v.fail(str(source), f"an unreadable image ({error})", "a whole one", "copy it again") from error
@@ -184,7 +186,7 @@ def photograph(
     _empty(folder)
     Image.fromarray(rgb if blur is None else blur(rgb)).save(folder / "000000.png")
     height, width = rgb.shape[:2]
-    focal = round(focal_pixels(stated, width, height), 3) if stated > 0 else None
+    focal = None if stated is None else round(focal_pixels(stated, width, height), 3)
     name = None if blur is None else blur.name
     frames = Frames(folder, ("000000.png",), (0.0,), width, height, (), name, focal)
     v.write_json(folder / FILE, frames.to_json())
@@ -215,14 +217,30 @@ def focal_pixels(equivalent: float, width: int, height: int) -> float:
 
 
 def _stated_focal(folder: pathlib.Path, width: int, height: int) -> float | None:
-    """pixels, the focal length by the EXIF data of a folder's images; None where an image has none, or they differ."""
+    """pixels, the focal length by the EXIF data of a folder's images; None where an image has none, they differ, or it
+    is outside `FOCAL_RANGE`: some programs write the true focal length instead of the equivalent."""
     stated = []
     for file in _images_of(folder):
         with Image.open(file) as image:
-            stated.append(float(image.getexif().get_ifd(_EXIF).get(_FOCAL_35MM) or 0.0))
-    if not stated or min(stated) <= 0.0 or max(stated) > _SAME_LENS * min(stated):
+            equivalent = _stated_equivalent(image)
+        if equivalent is None:
+            return None
+        stated.append(equivalent)
+    if not stated or max(stated) > _SAME_LENS * min(stated):
         return None
-    return round(focal_pixels(float(np.median(stated)), width, height), 3)
+    usual = float(np.median(stated))
+    if not FOCAL_RANGE[0] <= usual <= FOCAL_RANGE[1]:
+        return None
+    return round(focal_pixels(usual, width, height), 3)
+
+
+def _stated_equivalent(image: Image.Image) -> float | None:
+    """mm, 35-mm equivalent focal length by the EXIF data of an image; None where it is absent, 0 or no number."""
+    try:
+        equivalent = float(image.getexif().get_ifd(_EXIF)[_FOCAL_35MM])
+    except (KeyError, TypeError, ValueError, struct.error, *UNREADABLE):
+        return None
+    return equivalent if 0.0 < equivalent < np.inf else None
 
 
 def _images_of(folder: pathlib.Path) -> list[pathlib.Path]:
@@ -266,7 +284,7 @@ def _lacks_index(path: pathlib.Path) -> bool:
             if size == 1 and start + 16 <= end:
                 (size,) = struct.unpack(">Q", file.read(8))
             found.append(kind)
-            if size < 8:  # 0: to the end of the file
+            if size < 8 or size > end - start:  # 0: to the end of the file
                 break
             file.seek(start + size)
     return found[:1] == [b"ftyp"] and b"moov" not in found

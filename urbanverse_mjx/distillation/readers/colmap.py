@@ -80,8 +80,9 @@ def _model(root: pathlib.Path) -> Any:
         if any((root / name / f"cameras.{suffix}").is_file() for suffix in ("bin", "txt")):
             try:
                 return pycolmap.Reconstruction(str(root / name))
-            except (RuntimeError, ValueError) as error:
-                reason = str(error).strip().splitlines()[-1]
+            except (RuntimeError, ValueError, LookupError, MemoryError) as error:
+                # COLMAP finds some cut-off files only by an index or a length that cannot be.
+                reason = (str(error).strip() or type(error).__name__).splitlines()[-1]
                 raise v.fail(
                     str(root / name), f"a model that COLMAP cannot read ({reason})", "a whole model"
                 ) from error
@@ -94,7 +95,7 @@ def _model(root: pathlib.Path) -> Any:
 
 
 def _pinhole(model: Any, posed: list[Any]) -> Camera:
-    """The common camera: the mean focal length and size of the images, scaled to at most the usual short side."""
+    """The common camera: the median focal length and size of the images, scaled to at most the usual short side."""
     lenses = [model.cameras[image.camera_id] for image in posed]
     width, height = (int(np.median([getattr(lens, side) for lens in lenses])) for side in ("width", "height"))
     focal = float(np.median([lens.mean_focal_length() for lens in lenses]))
@@ -114,9 +115,15 @@ def _undistorted(path: pathlib.Path, lens: Any, camera: Camera) -> np.ndarray:
         found, needed = f"{rgb.shape[1]}x{rgb.shape[0]} pixels", f"{lens.width}x{lens.height} as its camera has"
         raise v.fail(str(path), found, needed, "use the images that were mapped")
     seen = np.asarray(lens.img_from_cam(camera.rays().reshape(-1, 3)))
+    # `cv2.remap` cannot average areas, so large images are reduced before.
+    factor = min(1.0, camera.fx / lens.mean_focal_length())
+    size = round(lens.width * factor), round(lens.height * factor)
+    if factor < 1.0:
+        rgb = cv2.resize(rgb, size, interpolation=cv2.INTER_AREA)
     # The centre of the first pixel is (0.5, 0.5) in COLMAP and (0, 0) in OpenCV.
-    columns, rows = (seen.reshape(camera.height, camera.width, 2) - 0.5).astype(np.float32).transpose(2, 0, 1)
-    return cv2.remap(rgb, columns, rows, cv2.INTER_AREA, borderMode=cv2.BORDER_REPLICATE)
+    seen = seen * [size[0] / lens.width, size[1] / lens.height] - 0.5
+    columns, rows = seen.reshape(camera.height, camera.width, 2).astype(np.float32).transpose(2, 0, 1)
+    return cv2.remap(rgb, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _structure(model: Any, posed: list[Any], camera: Camera) -> Structure:
@@ -126,7 +133,7 @@ def _structure(model: Any, posed: list[Any], camera: Camera) -> Structure:
     frame, point, pixel = [], [], []
     for number, image in enumerate(posed):
         poses[number, :3] = image.cam_from_world().inverse().matrix()
-        seen = image.get_observation_points2D()
+        seen = [p for p in image.get_observation_points2D() if p.point3D_id in row]
         frame.append(np.full(len(seen), number, np.int32))
         point.append(np.array([row[p.point3D_id] for p in seen], np.int32))
         lens = model.cameras[image.camera_id]

@@ -18,14 +18,12 @@ from ...distillation.perception import (
     reconstruct,
     sample,
 )
-from ...distillation.perception.frames import focal_pixels
+from ...distillation.perception.frames import FOCAL_RANGE, focal_pixels
 from ...distillation.perception.frames import load as load_frames
 from .predictors import make_predictor
 from .video_options import VideoOptions
 
 Report = Callable[[int, int], None]
-#: mm, 35-mm equivalents of the focal lengths that the reconstruction accepts (`MappingOptions`).
-FOCAL_RANGE = (10.0, 75.0)
 
 
 def sample_to(source: pathlib.Path, folder: pathlib.Path, options: VideoOptions, report: Report) -> None:

@@ -12,6 +12,8 @@ from ...datatypes.recording import FILE as RECORDING_FILE
 from ...datatypes.recording import UNREADABLE
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
+#: Streams of JPEG images, which begin like a single one.
+_STREAM_SUFFIXES = (".mjpeg", ".mjpg")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,17 +52,23 @@ def recognise(source: str | pathlib.Path) -> Input:
     content = _image_format(path)
     if content is not None:
         if path.suffix.lower() not in IMAGE_SUFFIXES:
-            hint = f"name the film, or call the photograph {path.stem}.{content.lower()} to make cousins of it alone"
+            known = f".{content.lower()}" in IMAGE_SUFFIXES
+            single = f"call the photograph {path.stem}.{content.lower()}" if known else "convert the photograph to PNG"
+            hint = f"name the film, or {single} to make cousins of it alone"
             raise v.fail(str(path), f"a single {content} image", "a video", hint)
         return Input("photograph", path, _key(path))
     return Input("video", path, _key(path))
 
 
 def _image_format(path: pathlib.Path) -> str | None:
-    """The format (PNG, JPEG, ...) of an image, whatever the file is called; None for other files."""
+    """The format (PNG, JPEG, ...) of an image, whatever the file is called; None for other files, and for videos whose
+    first image Pillow reads: MPEG and MJPEG streams, animated GIF."""
+    if path.suffix.lower() in _STREAM_SUFFIXES:
+        return None
     try:
         with Image.open(path) as image:
-            return image.format
+            moving = image.format == "MPEG" or (image.format == "GIF" and getattr(image, "is_animated", False))
+            return None if moving else image.format
     except UNREADABLE:
         return None
 

@@ -15,7 +15,7 @@ class VideoOptions:
       blur: detector of faces and plates, which are made unreadable before a frame is stored; None for no blurring.
       focal: mm, 35-mm equivalent focal length of the lens; None for the images' EXIF data, else an estimate.
       allow_truncated: whether a film that ends before its stated length is used as far as it goes.
-      licence, city, country: of the video, for the records.
+      licence, city, country: of the video, for the records; the country also for the side of the traffic.
     """
 
     rate: float = 2.0
