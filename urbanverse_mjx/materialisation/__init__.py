@@ -1,7 +1,7 @@
 """Converts a scene graph to layouts: chooses assets, materials and a sky, and resolves overlaps of objects."""
 
 from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
-from .plausible import check_placed, check_plausible
+from .plausible import check_placed, check_plausible, implausible_objects
 from .regional import check_city, localise
 from .shortlists import LeftOut
 
@@ -12,6 +12,7 @@ __all__ = [
     "check_labels",
     "check_placed",
     "check_plausible",
+    "implausible_objects",
     "index_of",
     "localise",
     "materialise_cousin",

@@ -34,8 +34,7 @@ def check_plausible(graph: SceneGraph) -> None:
       ValidationError: an object is several times larger than any known one of its kind, or far from all ground, or the
         ground is too large; the message names the object.
     """
-    ground = shapely.union_all([shapely.Polygon(region.polygon) for region in graph.ground])
-    low_x, low_y, high_x, high_y = ground.bounds
+    low_x, low_y, high_x, high_y = _union(graph).bounds
     extent = max(high_x - low_x, high_y - low_y)
     if extent > MAX_EXTENT:
         raise v.fail(
@@ -44,17 +43,16 @@ def check_plausible(graph: SceneGraph) -> None:
             f"at most {_metres(MAX_EXTENT)}",
             "check that lengths are in metres, or cut the street into parts",
         )
+    for error in implausible_objects(graph).values():
+        raise error
+
+
+def implausible_objects(graph: SceneGraph) -> dict[str, v.ValidationError]:
+    """Id -> what is wrong with it, of the objects that `check_plausible` refuses."""
+    ground = _union(graph)
     limits = {label: _longest(label) for label in {obj.label for obj in graph.objects}}
-    for obj in graph.objects:
-        _check_size(obj, limits[obj.label])
-        away = ground.distance(shapely.Point(obj.center[:2]))
-        if away > MAX_DISTANCE:
-            raise v.fail(
-                f"object {obj.id!r} ({obj.label})",
-                f"a place {_metres(away)} from all ground",
-                f"at most {_metres(MAX_DISTANCE)}",
-                "remove it, or check the poses of the source",
-            )
+    found = {obj.id: _problem(obj, limits[obj.label], ground) for obj in graph.objects}
+    return {name: error for name, error in found.items() if error is not None}
 
 
 def check_placed(graph: SceneGraph, cousins: Sequence[Cousin]) -> None:
@@ -87,15 +85,21 @@ def _longest(label: str) -> tuple[str, float] | None:
     return leaf, max(MAX_FRONT if leaf in FRONTS else 0.0, MAX_SIZE_RATIO * known)
 
 
-def _check_size(obj: GraphObject, limit: tuple[str, float] | None) -> None:
+def _problem(obj: GraphObject, limit: tuple[str, float] | None, ground: shapely.Geometry) -> v.ValidationError | None:
+    name = f"object {obj.id!r} ({obj.label})"
     if limit is not None and max(obj.size) > limit[1]:
         size = " x ".join(f"{side:,.3g}" if side < 1000 else f"{side:,.0f}" for side in obj.size)
-        raise v.fail(
-            f"object {obj.id!r} ({obj.label})",
-            f"a size of {size} m",
-            f"at most {_metres(limit[1])} for a {limit[0]}",
-            "check the unit and the camera height, or remove it",
-        )
+        needed = f"at most {_metres(limit[1])} for a {limit[0]}"
+        return v.fail(name, f"a size of {size} m", needed, "check the unit and the camera height, or remove it")
+    away = ground.distance(shapely.Point(obj.center[:2]))
+    if away > MAX_DISTANCE:
+        found, needed = f"a place {_metres(away)} from all ground", f"at most {_metres(MAX_DISTANCE)}"
+        return v.fail(name, found, needed, "remove it, or check the poses of the source")
+    return None
+
+
+def _union(graph: SceneGraph) -> shapely.Geometry:
+    return shapely.union_all([shapely.Polygon(region.polygon) for region in graph.ground])
 
 
 def _metres(length: float) -> str:

@@ -13,7 +13,7 @@ from ...datatypes import validation as v
 from ...process_pool import results_as_completed
 from ...progress import Progress
 from . import compiling
-from .checks import check_cousins, check_graph
+from .checks import check_cousins, check_graph, leave_out_implausible
 from .run_folder import Clock, RunFolder, key_of
 from .sources import Input, recognise
 from .video_options import VideoOptions
@@ -133,7 +133,8 @@ def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.
             else:
                 from .distilling import distil_to
 
-                check_graph(distil_to(Recording.load(recording), folder, report))
+                graph = distil_to(Recording.load(recording), folder, report)
+                check_graph(leave_out_implausible(folder, graph))
         run.finish(GRAPH, key, clock.seconds)
     report(1, 1)
     return key
