@@ -11,7 +11,7 @@ import pytest
 
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import main
-from urbanverse_mjx.datatypes import SceneBank, SceneGraph
+from urbanverse_mjx.datatypes import SceneBank, SceneGraph, SceneLayout
 from urbanverse_mjx.envs.robot import make_robot
 from urbanverse_mjx.training.config import batch_shape
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
@@ -83,12 +83,16 @@ def test_the_trainings_of_a_tutorial_are_ones_that_can_be_given(
 def test_the_streets_of_the_tutorial_compile(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = written(ROOT / "docs" / "tutorials" / "own_scene.md", tmp_path)
     monkeypatch.chdir(tmp_path)
-    (code,) = blocks(text, "python")
-    assert len([line for line in code.splitlines() if line and not line.startswith(("from", "import"))]) <= 10
-    exec(compile(code, "own_scene.md", "exec"), {})
+    short, surrounded = blocks(text, "python")
+    assert len([line for line in short.splitlines() if line and not line.startswith(("from", "import"))]) <= 10
+    for code in (short, surrounded):
+        exec(compile(code, "own_scene.md", "exec"), {})
+    (named,) = re.findall(r'own_ground_descriptor\("(.*?)"\)', surrounded)
+    layout = SceneLayout.load(tmp_path / "asphalt_street" / "layout.json")
+    assert {g.id: g.material for g in layout.ground}["road"] == named
     (command,) = re.findall(r"^urbanverse (scene compile .*)$", text, flags=re.MULTILINE)
     assert main.main(shlex.split(command)) == 0
-    for name in ("my_street", "kiosk_row"):
+    for name in ("my_street", "asphalt_street", "kiosk_row"):
         model = mujoco.MjModel.from_xml_path(str(tmp_path / name / "scene.xml"))
         names = {model.body(i).name for i in range(model.nbody)} | {model.geom(i).name for i in range(model.ngeom)}
         for obj in SceneGraph.load(tmp_path / f"{name}.json").objects:
