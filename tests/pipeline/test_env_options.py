@@ -185,6 +185,27 @@ def test_a_benchmark_names_overrides_and_keeps_what_it_fixes(
     assert not (tmp_path / "other").exists()
 
 
+@pytest.mark.usefixtures("loads")
+@pytest.mark.parametrize(
+    ("inside", "title"),
+    [("mine/checkpoints/000000000064", "mine/000000000064"), ("coco", "coco")],
+    ids=["checkpoint", "policy"],
+)
+def test_a_table_names_the_run_of_a_checkpoint(
+    inside: str, title: str, bank: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    freeze("boxes", SceneBank.load(bank), 5, seed=0).save(tmp_path / "boxes.json")
+    config = registry.get_default_config("CocoNav", "cpu").to_dict()
+    spec = types.SimpleNamespace(environment="CocoNav", env_config=config, observations={}, steps=64, versions={})
+    (tmp_path / inside).mkdir(parents=True)
+    monkeypatch.setattr("urbanverse_mjx.training.policy.latest_policy", lambda _: tmp_path / inside)
+    monkeypatch.setattr("urbanverse_mjx.training.policy.load_policy", lambda _: (BASELINES["zero"], spec))
+    options = BenchmarkOptions(policy=str(tmp_path / inside), contact="ends", pictures=False)
+    done = benchmark(str(tmp_path / "boxes.json"), tmp_path / "out", options, bank)
+    assert f"\n| {title} | " in done.page
+    assert "The rows of scenes pool the episodes" in done.page
+
+
 @pytest.mark.parametrize("frozen", [None, "direct"])
 def test_a_benchmark_is_driven_under_the_conditions_of_its_list(
     frozen: str | None, bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch

@@ -153,7 +153,8 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
     # In a separate file, because all other files are reproducible.
     v.write_json(out / "timing.json", seconds)
     how = {
-        "paper": "Means over runs ± standard error over runs.",
+        "paper": "Means over runs ± standard error over runs. The rows of scenes pool the episodes of all runs, so "
+        "their failures / 100 m and m/s, which are ratios of sums, differ from the means over runs.",
         "full": "Means over episodes ± standard error, [95 % interval], both from a bootstrap over scenes.",
     }[runs.kind]
     if privileged:
@@ -193,7 +194,13 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
     sees = any(k.startswith("pixels/") for k in spec.observations)
     env = _trained_env(options, runs, contact, sees, spec.environment, spec.env_config)
     where = {"name": str(options.policy), "privileged": False, "steps": spec.steps, "versions": spec.versions}
-    return env, act, False, folder.name, where
+    return env, act, False, _title_of(folder), where
+
+
+def _title_of(policy: pathlib.Path) -> str:
+    """The name of a policy folder in tables: RUN/STEPS for a checkpoint of a run, else that of the folder."""
+    whole = policy.resolve()
+    return f"{whole.parents[1].name}/{whole.name}" if whole.parent.name == "checkpoints" else whole.name
 
 
 def _prepare_external(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
