@@ -241,10 +241,13 @@ def test_it_stops_at_a_wall_where_c_mujoco_stops_its_own_shapes(folder: pathlib.
 def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path: pathlib.Path, capsys) -> None:
     drawing = tmp_path / "fit.png"
     assert cli.main(["robot", str(folder), "--picture", str(drawing)]) == 0
-    *lines, clearance, stability, start, last = capsys.readouterr().out.splitlines()
+    *lines, wheels, clearance, stability, start, last = capsys.readouterr().out.splitlines()
     lines = [line for line in lines if "fit.tolerance" not in line]
     assert [line.split()[0] for line in lines] == ["chassis", "bumper", "battery", "caster", "left_tyre", "right_tyre"]
     said = json.loads(last)
+    protrude = max(fit.cover.protrudes for fit in load_with_fits(folder)[1] if fit.rolls)
+    assert wheels.startswith("wheels: their spheres have the wheel's radius")
+    assert f"to {protrude:.3f} m" in wheels
     assert clearance == f"lowest part that is no foot: {said['clearance']:.3f} m above the ground"
     assert stability.endswith(f"tips over at {said['tips_at']:.1f} m/s²")
     assert start.startswith("full speed from rest on level ground, then a stop: ")

@@ -40,6 +40,13 @@ def main(argv: Sequence[str]) -> int:
     for fit in fits:
         if fit.misses:
             sys.stdout.write(f"{fit.geom or f'(a geom of {fit.body})'}: {_remedy(fit)}\n")
+    wheels = [fit.cover.protrudes for fit in fits if fit.rolls]
+    if wheels:
+        sys.stdout.write(
+            "wheels: their spheres have the wheel's radius, so that it rolls smoothly, and protrude to the sides, up "
+            f"to {max(wheels):.3f} m; this is no error of the fit, but beside obstacles the robot is wider by it where "
+            "no other part reaches as far\n"
+        )
     stands = stance(robot)
     if stands.clearance is not None:
         sys.stdout.write(f"lowest part that is no foot: {stands.clearance:.3f} m above the ground\n")
@@ -69,7 +76,10 @@ def _remedy(fit: Any) -> str:
     from ..robots.sphere_fit import MOST_SPHERES
 
     options = fit.options
-    found = f"the error is above fit.tolerance ({options.tolerance:g} m) with at most {options.spheres} spheres"
+    found = (
+        f"the error, {fit.cover.error:.3f} m, is above fit.tolerance ({options.tolerance:g} m) with at most "
+        f"{options.spheres} spheres: the robot touches obstacles up to that much too early or too late"
+    )
     if options.spheres >= MOST_SPHERES:
         return f"{found}; to come closer, make it of several smaller shapes"
     return f'{found}; to come closer, write "fit": {{"spheres": {MOST_SPHERES}}} or make it of several smaller shapes'
