@@ -113,6 +113,23 @@ def test_every_command_reads_them(kind: Any, first: list[str], capsys: pytest.Ca
     assert "which is not JSON" in capsys.readouterr().err
 
 
+def test_the_former_option_of_play_works_and_is_not_in_its_help(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given: list[Any] = []
+    monkeypatch.setattr(pipeline, "play", lambda _, options: given.append(options) or {"results": []})
+    assert play.main(["--agent", "zero", "--scenes", "all"]) == 0
+    assert play.main(["--policy", "planner"]) == 0
+    assert [(o.agent, o.policy, o.scenes) for o in given] == [("zero", None, "all"), (None, "planner", "test")]
+    capsys.readouterr()
+    with pytest.raises(SystemExit):
+        play.main(["--help"])
+    said = capsys.readouterr().out
+    assert "--policy" in said
+    assert "--agent" not in said
+    assert "{None}" not in said
+
+
 def test_people_and_a_robot_of_ones_own_in_a_page_and_a_dataset() -> None:
     """`view` has no --bank: its scene may be one; what evaluate calls --dynamic is there, too."""
     for kind, first in ((ViewArgs, []), (RecordArgs, ["--out", "x"])):

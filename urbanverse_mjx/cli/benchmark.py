@@ -30,7 +30,7 @@ class BenchmarkArgs(BenchmarkOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse benchmark`."""
-    args = tyro.cli(BenchmarkArgs, args=list(argv), prog="urbanverse benchmark")
+    args = tyro.cli(BenchmarkArgs, args=list(argv), prog="urbanverse benchmark", config=(tyro.conf.DisallowNone,))
     done = pipeline.benchmark(args.name, args.out, args, args.bank, args.quiet)
     sys.stdout.write(done.page)
     if not args.quiet:

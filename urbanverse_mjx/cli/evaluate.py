@@ -40,9 +40,9 @@ class EvaluateArgs:
     num_episodes: int = 100
     seed: int = 0
     out: pathlib.Path | None = None
-    """Folder of the report; default: evaluation in the policy's folder (of a run, runs/RUN/checkpoints/STEPS/evaluation,
-    whereas training writes runs/RUN/evaluation), runs/evaluate-NAME for scripted policies, with the settings that
-    differ from the defaults, such as evaluation-dynamic. An older report there is replaced."""
+    """Folder of the report; default: evaluation in the policy's folder, for a run runs/RUN/checkpoints/STEPS/evaluation
+    (training writes runs/RUN/evaluation), runs/evaluate-NAME for scripted policies, with the settings that differ from
+    the defaults, such as evaluation-dynamic. An older report there is replaced."""
     video: bool = True
     """Write an mp4 of three episodes drawn at random with --seed, with their results."""
     quiet: bool = False
@@ -50,7 +50,7 @@ class EvaluateArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
-    args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
+    args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate", config=(tyro.conf.DisallowNone,))
     from ..pipeline.evaluation import SCRIPTED, evaluate_policy
     from ..pipeline.training_run import bank_of
     from ..training.policy import PolicySpec, latest_policy

@@ -1,5 +1,6 @@
 """`urbanverse play`: runs one agent on some episodes and writes a video."""
 
+import argparse
 import dataclasses
 import json
 import pathlib
@@ -21,6 +22,9 @@ class PlayArgs(PlayOptions):
     policy: str | None = None
     """zero, random, go_to_goal, planner (with full knowledge of the scene), or a policy or run folder; default:
     go_to_goal."""
+    agent: tyro.conf.Suppress[str | None] = None
+    scenes: str = "test"
+    """train, test, validation, all, or scene ids separated by commas."""
     size: ImageSize = (180, 320)
     """Size of each of the two images in pixels."""
     out: pathlib.Path = pathlib.Path("rollout.mp4")
@@ -30,7 +34,12 @@ class PlayArgs(PlayOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse play`."""
-    args = tyro.cli(PlayArgs, args=list(argv), prog="urbanverse play")
+    # A former option that still works; tyro knows no option that its help does not list.
+    former = argparse.ArgumentParser(prog="urbanverse play", add_help=False, allow_abbrev=False)
+    former.add_argument("--agent")
+    agent, words = former.parse_known_args(list(argv))
+    args = tyro.cli(PlayArgs, args=words, prog="urbanverse play", config=(tyro.conf.DisallowNone,))
+    args = dataclasses.replace(args, agent=agent.agent)
     done = pipeline.play(args.out, args)
     ground, number = sum(bool(r["hit_ground"]) for r in done["results"]), len(done["results"])
     if ground and not args.quiet:

@@ -46,7 +46,7 @@ class RecordArgs(RecordOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse record`."""
-    args = tyro.cli(RecordArgs, args=list(argv), prog="urbanverse record")
+    args = tyro.cli(RecordArgs, args=list(argv), prog="urbanverse record", config=(tyro.conf.DisallowNone,))
     said = pipeline.record(args.out, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
     print(json.dumps(said))
     return 0

@@ -43,7 +43,7 @@ class TrainArgs(TrainOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse train`."""
-    args = tyro.cli(TrainArgs, args=list(argv), prog="urbanverse train")
+    args = tyro.cli(TrainArgs, args=list(argv), prog="urbanverse train", config=(tyro.conf.DisallowNone,))
     from ..training.record import RunRequest
 
     request = RunRequest(

@@ -26,6 +26,6 @@ class ViewArgs(ViewOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse view`."""
-    args = tyro.cli(ViewArgs, args=list(argv), prog="urbanverse view")
+    args = tyro.cli(ViewArgs, args=list(argv), prog="urbanverse view", config=(tyro.conf.DisallowNone,))
     pipeline.view(args.scene, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
     return 0

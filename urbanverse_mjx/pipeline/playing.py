@@ -37,6 +37,7 @@ class PlayOptions:
     dynamic: bool = False
     """With moving people and vehicles."""
     scenes: str = "test"
+    """train, test, validation, all, or scene ids separated by commas."""
     num_episodes: int = 2
     """Number of episodes; all are in the video except with --only-successes and --shown."""
     only_successes: bool = False
