@@ -64,6 +64,16 @@ def test_a_users_bank_leaves_the_shipped_one_alone(builds, tmp_path, capsys) -> 
     assert len(builds) == number + 1, "the same again is read from the cache"
 
 
+def test_a_banks_line_counts_what_stands_in_its_scenes(builds, small_bank, capsys) -> None:
+    """As `scene compile` counts one scene: not the shapes of the table, of which ground is a part."""
+    assert main(["scene", "bank", "--quiet"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    hulls = sum(len(list(row[row >= 0])) for row in small_bank.inst_hull)
+    prisms = sum(len(list(row[row >= 0])) for row in small_bank.prism_hull)
+    assert (said["hulls"], said["prisms"]) == (hulls, prisms)
+    assert min(hulls, prisms) > 0
+
+
 def test_a_wrong_bank_under_the_shipped_name_is_built_anew(builds, small_bank, tmp_path, capsys) -> None:
     path = settings.shipped_bank_path()
     small_bank.save(path)

@@ -182,5 +182,7 @@ def _join(args: JoinArgs) -> int:
 
 
 def _say_bank(path: pathlib.Path, bank: SceneBank) -> int:
-    print(json.dumps({"bank": str(path), "scenes": list(bank.scene_ids), "hulls": bank.num_hulls}))
+    # Of all scenes together, as `scene compile` counts those of one; the table of shapes holds equal ones once.
+    counts = {"hulls": int((bank.inst_hull >= 0).sum()), "prisms": int((bank.prism_hull >= 0).sum())}
+    print(json.dumps({"bank": str(path), "scenes": list(bank.scene_ids), **counts}))
     return 0
