@@ -77,6 +77,11 @@ def test_odd_sizes_leave_no_file(tmp_path: pathlib.Path) -> None:
 
 def test_the_line_over_a_frame_tells_every_outcome_apart() -> None:
     assert set(CAPTIONS) == set(OUTCOMES)
-    lines = {caption("park_edge", 1.2, 3.4, outcome) for outcome in OUTCOMES}
+    lines = {caption("park_edge", 1.2, 3.4, outcome, 0.0) for outcome in OUTCOMES}
     assert len(lines) == len(OUTCOMES)
-    assert caption("park_edge", 1.2, 3.4, "timeout") == "park_edge    1.2 s   goal  3.4 m   ends: out of time"
+    assert caption("park_edge", 1.2, 3.4, "timeout", 0.8) == "park_edge    1.2 s   goal  3.4 m   ends: out of time"
+
+
+def test_the_outcome_is_not_told_before_the_last_second() -> None:
+    assert caption("park_edge", 1.2, 3.4, "goal", 1.0) == "park_edge    1.2 s   goal  3.4 m"
+    assert caption("park_edge", 1.2, 3.4, "goal", 0.0).endswith("   ends: at the goal")

@@ -16,6 +16,8 @@ from ..simulation.rendering.cameras import FOLLOWING_FOV, following_cameras, in_
 from ..simulation.rendering.renderer import Renderer
 
 HEIGHT, WIDTH = 180, 320
+#: s at the end of an episode in which its caption names the outcome.
+OUTCOME_TIME = 1.0
 #: Caption of each of `datatypes.OUTCOMES`.
 CAPTIONS = {
     "goal": "at the goal",
@@ -41,9 +43,14 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
     return np.asarray(image)
 
 
-def caption(scene: str, seconds: float, goal_distance: float, outcome: str) -> str:
-    """Returns the caption of a frame: scene, time, distance to the goal (m), and outcome of the episode."""
-    return f"{scene}   {seconds:4.1f} s   goal {goal_distance:4.1f} m   ends: {CAPTIONS[outcome]}"
+def caption(scene: str, seconds: float, goal_distance: float, outcome: str, left: float) -> str:
+    """Returns the caption of a frame: scene, time, distance to the goal (m), and in the last second the outcome.
+
+    Args:
+      left: s until the episode ends.
+    """
+    end = f"   ends: {CAPTIONS[outcome]}" if left < OUTCOME_TIME else ""
+    return f"{scene}   {seconds:4.1f} s   goal {goal_distance:4.1f} m{end}"
 
 
 def write_video(
@@ -104,7 +111,7 @@ def write_rollout_video(
       columns: envs of the trajectory to render.
       scenes: bank row of each env.
       goals: goal (3,) m of each env.
-      outcomes: of each episode, of `datatypes.OUTCOMES`; shown in every frame of the episode.
+      outcomes: of each episode, of `datatypes.OUTCOMES`; shown in the last second of the episode.
       frames_per_second: equal to the control rate for real time.
       appearances: row of the bank's agents for each moving agent of the trajectory.
       size: height and width of each of the two images.
@@ -129,7 +136,8 @@ def write_rollout_video(
         for t in range(length):
             away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)
-            frames.append(_caption(both, caption(bank.scene_ids[scene], t / frames_per_second, away, outcome)))
+            seconds, left_over = t / frames_per_second, (length - 1 - t) / frames_per_second
+            frames.append(_caption(both, caption(bank.scene_ids[scene], seconds, away, outcome, left_over)))
         if on_progress is not None:
             on_progress(done)
     write_video(path, frames, frames_per_second, quality)
