@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import shutil
 import time
 
 import numpy as np
@@ -124,9 +125,12 @@ def test_the_report_says_it_all(street) -> None:
     assert {row["file"]: row["reason"] for row in report["refusals"]} == bad
 
 
-def test_a_second_import_reads_the_journal(street, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_import_reads_the_journal(street, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only files that the journal lost are imported again: a truncated line, a removed asset."""
     folder, cache, _, _, entries = street
+    # Other tests read what is there.
+    cache = shutil.copytree(cache, tmp_path / "cache")
+    monkeypatch.setenv("URBANVERSE_CACHE", str(cache))
     root = cache / "assets" / "imported"
     made = []
     monkeypatch.setattr(
