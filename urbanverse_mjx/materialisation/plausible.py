@@ -5,6 +5,7 @@ import collections
 from collections.abc import Sequence
 
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ..assets.categories.ontology import UnknownLabelError
 from ..assets.categories.priors import prior
@@ -85,7 +86,7 @@ def _longest(label: str) -> tuple[str, float] | None:
     return leaf, max(MAX_FRONT if leaf in FRONTS else 0.0, MAX_SIZE_RATIO * known)
 
 
-def _problem(obj: GraphObject, limit: tuple[str, float] | None, ground: shapely.Geometry) -> v.ValidationError | None:
+def _problem(obj: GraphObject, limit: tuple[str, float] | None, ground: BaseGeometry) -> v.ValidationError | None:
     name = f"object {obj.id!r} ({obj.label})"
     if limit is not None and max(obj.size) > limit[1]:
         size = " x ".join(f"{side:,.3g}" if side < 1000 else f"{side:,.0f}" for side in obj.size)
@@ -98,7 +99,7 @@ def _problem(obj: GraphObject, limit: tuple[str, float] | None, ground: shapely.
     return None
 
 
-def _union(graph: SceneGraph) -> shapely.Geometry:
+def _union(graph: SceneGraph) -> BaseGeometry:
     return shapely.union_all([shapely.Polygon(region.polygon) for region in graph.ground])
 
 
