@@ -155,7 +155,7 @@ def test_the_mass_in_a_box_follows_the_box_and_the_make() -> None:
 )
 def test_bad_held_out_rows_are_refused(line: str, said: str, tmp_path, monkeypatch) -> None:
     published()
-    head = ",".join(("leaf", "thing", *QUANTITIES, "make", "address"))
+    head = ",".join(("leaf", "object", *QUANTITIES, "make", "address"))
     (tmp_path / "held_out_masses.csv").write_text(f"{head}\n{line}\n", encoding="utf-8")
     monkeypatch.setattr(module, "asset_root", lambda: tmp_path)
     with pytest.raises(ValidationError, match=said):

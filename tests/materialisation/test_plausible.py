@@ -7,7 +7,7 @@ import pytest
 
 from urbanverse_mjx.datatypes import GroundRegion, SceneGraph, ValidationError
 from urbanverse_mjx.materialisation import check_placed, check_plausible, materialise_cousins
-from urbanverse_mjx.scene.ground import check_room
+from urbanverse_mjx.scene.ground import check_drivable
 
 from .catalogue_part import few_objects
 from .test_cousins import ROAD, WALK, obj, street
@@ -20,10 +20,10 @@ GRAPHS = [
 
 
 @pytest.mark.parametrize("path", GRAPHS, ids=lambda path: path.parent.name)
-def test_shipped_graphs_are_plausible_and_have_room(path: pathlib.Path) -> None:
+def test_shipped_graphs_are_plausible_and_drivable(path: pathlib.Path) -> None:
     graph = SceneGraph.load(path)
     check_plausible(graph)
-    check_room(graph.ground, 0.4, 10.0)
+    check_drivable(graph.ground, 0.4, 10.0)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def strip(name: str, kind: str, x: float, length: float, width: float) -> Ground
 )
 def test_ground_on_which_no_route_fits_is_refused(ground: tuple[GroundRegion, ...], enough: bool) -> None:
     if enough:
-        check_room(ground, 0.4, 4.0)
+        check_drivable(ground, 0.4, 4.0)
     else:
         with pytest.raises(ValidationError, match=r"needed a connected area with 4 m for a robot 0\.8 m wide"):
-            check_room(ground, 0.4, 4.0)
+            check_drivable(ground, 0.4, 4.0)

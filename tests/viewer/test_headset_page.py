@@ -17,7 +17,7 @@ from urbanverse_mjx.viewer.page import Page
 from urbanverse_mjx.viewer.teleop import Teleop
 
 pytestmark = pytest.mark.slow
-#: An eye of 90 degrees at the origin that looks along -z, on a canvas of the page. `window.xr` is set by the test.
+#: A view of 90 degrees at the origin that looks along -z, on a canvas of the page. `window.xr` is set by the test.
 _HEADSET = """
 window.xr = {supported: true, visibility: "visible", sources: [], pixels: null, wanted: false};
 const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -96,7 +96,7 @@ def worn(small_bank: SceneBank) -> Iterator[tuple[Page, Teleop, Front, Any]]:
 
 
 def pixels(tab: Any) -> np.ndarray:
-    """(240, 240, 3) of the eye in its next frame, the top row first."""
+    """(240, 240, 3) of the view in its next frame, the top row first."""
     tab.evaluate("window.xr.pixels = null; window.xr.wanted = true")
     tab.wait_for_function("window.xr.pixels !== null", timeout=60_000)
     return np.array(tab.evaluate("window.xr.pixels"), np.uint8).reshape(240, 240, 4)[::-1, :, :3]
@@ -128,7 +128,7 @@ def test_a_headset_shows_the_camera_and_its_controllers_drive(worn: tuple[Page, 
     wait(lambda: page.image is not None)
     assert front.watched
     assert page.image is not None
-    # 2 m away and 2.4 m wide, of the 4 m that the eye sees there: 144 of 240 pixels.
+    # 2 m away and 2.4 m wide, of the 4 m that the view shows there: 144 of 240 pixels.
     height = 81
     sharp = np.asarray(Image.fromarray(IMAGE).resize((144, height), Image.Resampling.BILINEAR)).astype(int)
 

@@ -224,8 +224,8 @@ def _outside(
             stay[obj.id] = obj
             continue
         # The stem of a tree or post, not its crown or arm, has to be outside.
-        room = solid.buffer(min(0.5 * min(obj.size[:2]), 0.3), join_style="mitre")
-        target = shapely.ops.nearest_points(room.boundary, middle)[0]
+        inner = solid.buffer(min(0.5 * min(obj.size[:2]), 0.3), join_style="mitre")
+        target = shapely.ops.nearest_points(inner.boundary, middle)[0]
         length = float(target.distance(middle))
         if length > _OPTIONS.max_move:
             gone[obj.id] = f"it stands {length:.1f} m inside {buildings[hits[0]].id!r} ({buildings[hits[0]].label})"

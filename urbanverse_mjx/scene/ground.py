@@ -75,7 +75,7 @@ def check_regions(regions: Sequence[Region]) -> None:
             )
 
 
-def check_room(regions: Sequence[Region], radius: float, length: float) -> None:
+def check_drivable(regions: Sequence[Region], radius: float, length: float) -> None:
     """Checks that a robot could drive a route on the bare ground. Objects only take away room, so no scene that can be
     compiled is refused.
 

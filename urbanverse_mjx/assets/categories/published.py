@@ -155,16 +155,16 @@ def held_out() -> tuple[HeldOut, ...]:
     rows = []
     used = {(row.leaf, row.item) for row in published()}
     for where, row in read_rows(
-        asset_root() / "held_out_masses.csv", ("leaf", "thing", *QUANTITIES, "make", "address")
+        asset_root() / "held_out_masses.csv", ("leaf", "object", *QUANTITIES, "make", "address")
     ):
         figures = _figures(row, where)
         if "mass" not in figures or not row["address"].startswith("http"):
             raise ValidationError(f"{where}: found no mass or no address, needed both.")
-        if (row["leaf"], row["thing"]) in used:
+        if (row["leaf"], row["object"]) in used:
             raise ValidationError(f"{where}: found an object of published.csv, needed one that no prior was fitted to.")
         length, width, height = (figures.get(side) for side in ("length", "width", "height"))
         box_and_mass = length, width, height, figures["mass"]
-        rows.append(HeldOut(row["leaf"], row["thing"], *box_and_mass, row["make"], row["address"]))
+        rows.append(HeldOut(row["leaf"], row["object"], *box_and_mass, row["make"], row["address"]))
     return tuple(rows)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ...datatypes import SceneGraph
 from ...datatypes import validation as v
 from ...materialisation import Cousin, check_placed, check_plausible, implausible_objects
-from ...scene.ground import check_regions, check_room
+from ...scene.ground import check_drivable, check_regions
 from ...scene.planner import RobotSize
 from .compiling import SHORT_ROUTES
 
@@ -48,10 +48,10 @@ def check_cousins(graph: SceneGraph, cousins: Sequence[Cousin]) -> None:
     """Checks that something was placed, and that the ground, which all cousins share, can be compiled.
 
     Raises:
-      ValidationError: see `check_placed`, `check_regions` and `check_room`.
+      ValidationError: see `check_placed`, `check_regions` and `check_drivable`.
     """
     check_placed(graph, cousins)
     size = RobotSize()
     ground = cousins[0].layout.ground
     check_regions(ground)
-    check_room(ground, size.radius + size.margin, SHORT_ROUTES[0])
+    check_drivable(ground, size.radius + size.margin, SHORT_ROUTES[0])
