@@ -22,6 +22,8 @@ Rows, of which `--rows` names patterns:
     long-streets-SET-SEED   the same on procedural and urbanverse160 with twice the env-steps
     teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
     student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
+    varied-teacher-SEED     the teacher with varied latency and friction
+    varied-SHADING-SEED     its student, and PPO from there, with varied sensors too: what `transfer` tests
     goes-on-BENCHMARK-POLICY  contact does not end an episode
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
@@ -84,6 +86,15 @@ STUDENT_ARMS: dict[str, tuple[str, tuple[str, ...], dict[str, object]]] = {
     "auxiliary": ("without auxiliary head", (), {"set": ("auxiliary=0.0",)}),
     "camera": ("with camera randomisation", tuple(f"randomization.{x}" for x in CAMERA), {"set": ("blur=1.0",)}),
 }
+#: Environment options of the rows varied-*: of teacher and student, and of the student alone.
+VARIED_ROBOT = ("randomization.latency=[0.0,0.2]", "randomization.friction_scale=[0.4,1.3]")
+VARIED_CAMERA = (
+    *(f"randomization.{x}" for x in CAMERA), "randomization.appearance=0.3", "randomization.exposure=1.2",
+    "randomization.white_balance=0.2", "randomization.blur=1.0", "randomization.pixel_noise=0.05",
+)  # fmt: skip
+#: Options of its training, whose images the environment varies already.
+NOT_RELIT = ("light=0.0", "pixel_noise=0.0")
+SHADINGS = ("matte", "pbr")
 BENCHMARKS = tuple(results.BENCHMARKS)
 GOES_ON = ("go_to_goal", "planner", "benchmarks/policies/coco_best", "benchmarks/policies/go2_best")
 #: Env-steps of an iteration of imitation.
@@ -266,15 +277,33 @@ def _goes_on(args: argparse.Namespace, name: str, policy: str) -> Job:
     return Job(called, words, (bank(name),), args.out / called / "timing.json", DRIVE)
 
 
+def _imitation_then_ppo(args: argparse.Namespace) -> dict[str, object]:
+    """Options of a student that goes on by PPO."""
+    own: dict[str, object] = {"steps": args.imitation, "seconds": ENDLESS, "validate_every": 80, "covered": ()}
+    own |= {"finetune_steps": args.ppo, "finetune_seconds": ENDLESS}
+    return own | {"set_finetune": ("imitation=0.0", "final_imitation=0.0")}
+
+
+def _varied(args: argparse.Namespace) -> Iterator[Job]:
+    """Students whose sensors and motion are imperfect in training, in both shadings, after their teacher."""
+    for seed in args.seeds:
+        teacher = f"varied-teacher-{seed}"
+        row = Row("teacher", "teacher, varied", seed=seed)
+        yield _teacher(args, teacher, HELD_OUT, seed, args.teacher_steps, row, env=VARIED_ROBOT)
+        for shading in SHADINGS:
+            own = _imitation_then_ppo(args) | {"set": NOT_RELIT}
+            own["set_finetune"] = (*_imitation_then_ppo(args)["set_finetune"], *NOT_RELIT)  # type: ignore[misc]
+            env = (*VARIED_ROBOT, *VARIED_CAMERA, f'vision_config.shading="{shading}"')
+            row = Row("finetuned", f"best, varied sensors, {shading}", seed=seed)
+            yield _student(args, f"varied-{shading}-{seed}", seed, own, [row], env=env, teacher=teacher)
+
+
 def _best(args: argparse.Namespace) -> Iterator[Job]:
     """The students after their teachers, and the Go2 after the student that it starts from."""
     for seed in args.seeds:
         rows = [Row("student", "student", seed=seed), Row("finetuned", "best", seed=seed)]
         rows.append(Row("covered", "best, camera covered", seed=seed))
-        own = {"steps": args.imitation, "seconds": ENDLESS, "validate_every": 80, "covered": ()}
-        own |= {"finetune_steps": args.ppo, "finetune_seconds": ENDLESS}
-        own |= {"set_finetune": ("imitation=0.0", "final_imitation=0.0")}
-        yield _student(args, f"student-{seed}", seed, own, rows)
+        yield _student(args, f"student-{seed}", seed, _imitation_then_ppo(args), rows)
     start = args.out / f"student-{args.ship}"
     own = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20, "covered": ()}
     own |= {"environment": "Go2Nav", "start": start / "finetuned"}
@@ -364,6 +393,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
                 row = dataclasses.replace(row, comparison="long_training_streets")
                 yield _teacher(args, f"long-streets-{name}-{seed}", held, seed, 2 * args.street_steps, row)
     yield from _best(args)
+    yield from _varied(args)
     yield _paper(args, "one-street", "procedural", args.ship, "one street", "procedural_000")
     yield from _one_robot(args, "Go2")
     for name in BENCHMARKS:

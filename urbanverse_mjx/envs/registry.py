@@ -16,6 +16,7 @@ from .joystick.make import make_joystick_env
 from .joystick.ppo import joystick_ppo_config
 from .navigation import NavEnv
 from .navigation.config import PRESETS, default_config, go2_nav_config
+from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import ppo_config
 from .playground import domain_randomize
@@ -143,7 +144,11 @@ def bank_loader(name: str) -> BankLoader:
 
 
 #: Keys that configs of older policies lack, and what those were trained with.
-_ADDED: dict[str, Any] = {"vision_config.light": "direct", "friction": "uniform", "randomization.wet": 0.0}
+_ADDED: dict[str, Any] = {
+    "vision_config.light": "direct",
+    "friction": "uniform",
+    **{f"randomization.{name}": OFF[name] for name in ("wet", "latency", *CAMERA_NOISE)},
+}
 
 
 def _complete(config: ConfigDict, key: str) -> None:

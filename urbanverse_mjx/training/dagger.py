@@ -33,7 +33,7 @@ def default_dagger_config() -> ConfigDict:
       auxiliary: weight of the predicted map in the loss.
       mirror: half of the envs have mirrored observations. light, pixel_noise: share by which brightness, contrast and
         colour of a sequence differ, and standard deviation of each pixel, both of the full range. blur: the strongest
-        blur of a sequence (`sequences.blurred`).
+        blur of a sequence (`camera_noise.blurred`).
     """
     return imitation_config()
 

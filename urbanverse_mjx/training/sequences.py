@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import optax
 
+from ..envs.navigation.camera_noise import blurred
 from .devices import ALONE, Devices
 from .map_networks import MAP_SHAPE
 from .networks import PIXELS
@@ -39,20 +40,6 @@ def mirrored_view(obs: Mapping[str, jax.Array], mirrored: jax.Array) -> dict[str
     }
 
 
-def blurred(x: jax.Array, strength: jax.Array) -> jax.Array:
-    """Blends images (T, n, H, W, 3) of a float type with their binomial blur over 3 x 3 pixels; strength: (n,) in [0,
-    1], 1 = only the blurred image."""
-    soft = x
-    for axis in (2, 3):
-        first, last = jnp.take(soft, jnp.array([0]), axis), jnp.take(soft, jnp.array([-1]), axis)
-        wide = jnp.concatenate([first, soft, last], axis)
-        size = soft.shape[axis]
-        parts = [jax.lax.slice_in_dim(wide, k, k + size, axis=axis) for k in range(3)]
-        soft = 0.25 * parts[0] + 0.5 * parts[1] + 0.25 * parts[2]
-    share = strength.astype(x.dtype)[:, None, None, None]
-    return x + share * (soft - x)
-
-
 def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float, blur: float = 0.0) -> jax.Array:
     """Augments images (T, n, H, W, 3) u8 by random exposure, contrast, colour and sharpness for each of the n
     sequences.
@@ -60,7 +47,7 @@ def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float, blur: f
     Args:
       light: largest relative change of brightness and colour.
       noise: standard deviation of each pixel as a share of the full range.
-      blur: largest strength of `blurred`.
+      blur: largest strength of `camera_noise.blurred`.
     """
     if light == 0.0 and noise == 0.0 and blur == 0.0:
         return pixels

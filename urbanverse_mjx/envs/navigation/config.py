@@ -48,6 +48,11 @@ def _paper() -> ConfigDict:
                 "clutter": 0,
                 "starts": 0.0,
                 "wet": 0.0,
+                "latency": (0.0, 0.0),
+                "exposure": 0.0,
+                "white_balance": 0.0,
+                "blur": 0.0,
+                "pixel_noise": 0.0,
             },
             # clean, static or dynamic, the scenario types of UrbanSim (see scenarios.py); `crowd` applies to dynamic
             # only.

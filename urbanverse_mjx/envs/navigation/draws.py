@@ -1,12 +1,13 @@
-"""Domain randomisation of each episode: friction, mass, appearance and the camera's mount."""
+"""Domain randomisation of each episode: friction, mass, appearance, latency, and the camera's mount and noise."""
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Int, Key
+from jaxtyping import Array, Float, Int, Key
 from ml_collections import ConfigDict
 
 from ...datatypes import CameraMount, SimState, ValidationError
 from ...geometry import rotations
+from .camera_noise import CameraNoise
 
 #: Values of `config.randomization` that disable it.
 OFF = {
@@ -19,9 +20,16 @@ OFF = {
     "clutter": 0,
     "starts": 0.0,
     "wet": 0.0,
+    "latency": (0.0, 0.0),
+    "exposure": 0.0,
+    "white_balance": 0.0,
+    "blur": 0.0,
+    "pixel_noise": 0.0,
 }
 #: Numbers folded into a key, so that these draws do not change any others.
-_FRICTION, _MASS, _APPEARANCE, _WET = 101, 102, 103, 104
+_FRICTION, _MASS, _APPEARANCE, _WET, _LATENCY, _CAMERA, _PIXELS = 101, 102, 103, 104, 105, 106, 107
+#: Fields of `config.randomization` of the camera's noise -> largest value.
+CAMERA_NOISE = {"exposure": 8.0, "white_balance": 0.9, "blur": 1.0, "pixel_noise": 1.0}
 #: Factor of friction on a wet street: that of wet ground materials (`assets/appearances/grounds/weathering.py`).
 WET_FRICTION = 0.72
 
@@ -36,6 +44,13 @@ class Randomization:
     * camera_position: m, largest offset of the camera along each axis; camera_angle: degrees, largest rotation about
       each axis; camera_fovy: largest relative change of its field of view. All are uniform and constant within an
       episode.
+    * exposure: EV, largest difference of the exposure in either direction; white_balance: largest relative change of
+      each colour channel's light; blur: strongest blur, 1 = a binomial blur over 3 x 3 pixels; pixel_noise: largest
+      standard deviation of the noise of each pixel, as a share of the full range. All are uniform and constant within
+      an episode; the noise itself is another in every image. See `camera_noise.through_camera`.
+    * latency: (least, greatest) s, of at most a control step, from an image to the moment at which the command that
+      follows from it is obeyed; until then the one before it is. Uniform and constant within an episode. The engine
+      gets one command a control step: the mean of both, weighted by their times.
     * clutter: number of movable objects beside the route, see `clutter.Clutter`.
     * wet: share of the episodes in rain, in which the friction of all contacts is multiplied by `WET_FRICTION` besides;
       the image does not change.
@@ -43,11 +58,11 @@ class Randomization:
       `starts.RandomStarts`.
 
     Raises:
-      ValidationError: a range is not (least, greatest) above 0, a share is outside [0, 1), or a distance or angle is
-        negative.
+      ValidationError: a range is not (least, greatest) above 0, a share is outside [0, 1), a distance or angle is
+        negative, or the latency is longer than a control step.
     """
 
-    def __init__(self, config: ConfigDict) -> None:
+    def __init__(self, config: ConfigDict, control_step: float = float("inf")) -> None:
         for name in ("friction_scale", "mass_scale"):
             low, high = config[name]
             if not 0.0 < low <= high:
@@ -75,6 +90,20 @@ class Randomization:
         self._wet = float(config.get("wet", 0.0))
         if not 0.0 <= self._wet <= 1.0:
             raise ValidationError(f"config.randomization.wet: found {self._wet}, needed a share from 0 (off) to 1.")
+        self._noise = {name: float(config.get(name, 0.0)) for name in CAMERA_NOISE}
+        for name, limit in CAMERA_NOISE.items():
+            if not 0.0 <= self._noise[name] <= limit:
+                raise ValidationError(
+                    f"config.randomization.{name}: found {self._noise[name]}, needed 0 (off) to {limit:g}."
+                )
+        self.varies_images = any(self._noise.values())
+        self._latency = tuple(float(x) for x in config.get("latency", (0.0, 0.0)))
+        if not 0.0 <= self._latency[0] <= self._latency[1] <= control_step:
+            raise ValidationError(
+                f"config.randomization.latency: found {self._latency} s, needed (least, greatest) from 0 to a control "
+                f"step of {control_step:g} s."
+            )
+        self.varies_latency = self._latency[1] > 0.0
         self._friction, self._mass = tuple(config.friction_scale), tuple(config.mass_scale)
         self.varies_appearance = config.appearance > 0.0
 
@@ -92,8 +121,8 @@ class Randomization:
         return sim._replace(**new)
 
     def appearance_seed(self, key: Key[Array, ""]) -> Int[Array, ""]:
-        """() i32 above 0, seed of an episode's appearance and camera mount; 0 if neither varies."""
-        if not (self.varies_appearance or self.varies_camera):
+        """() i32 above 0, seed of an episode's appearance, camera and latency; 0 if none of them varies."""
+        if not (self.varies_appearance or self.varies_camera or self.varies_images or self.varies_latency):
             return jnp.int32(0)
         return jax.random.randint(jax.random.fold_in(key, _APPEARANCE), (), 1, 2**30, jnp.int32)
 
@@ -105,3 +134,30 @@ class Randomization:
         draws = jax.random.uniform(jax.random.key(appearance_seed), (7,), jnp.float32, -1.0, 1.0)
         rotation = rotations.from_rotation_vector(jnp.deg2rad(angle) * draws[3:6])
         return CameraMount(position * draws[:3], rotation, 1.0 + fovy * draws[6])
+
+    def camera_noise(self, appearance_seed: Int[Array, ""]) -> CameraNoise | None:
+        """The noise of an episode's camera; None if it has none."""
+        if not self.varies_images:
+            return None
+        key = jax.random.fold_in(jax.random.key(appearance_seed), _CAMERA)
+        draws = jax.random.uniform(key, (6,), jnp.float32)
+        both = 2.0 * draws[:4] - 1.0
+        return CameraNoise(
+            exposure=self._noise["exposure"] * both[0],
+            white_balance=1.0 + self._noise["white_balance"] * both[1:],
+            blur=self._noise["blur"] * draws[4],
+            noise=self._noise["pixel_noise"] * draws[5],
+        )
+
+    @staticmethod
+    def image_key(appearance_seed: Int[Array, ""], step: Int[Array, ""]) -> Key[Array, ""]:
+        """Key of the noise of the image of a control step."""
+        return jax.random.fold_in(jax.random.fold_in(jax.random.key(appearance_seed), _PIXELS), step)
+
+    def latency(self, appearance_seed: Int[Array, ""]) -> Float[Array, ""] | None:
+        """() s, latency of an episode; None if there is none."""
+        if not self.varies_latency:
+            return None
+        key = jax.random.fold_in(jax.random.key(appearance_seed), _LATENCY)
+        low, high = self._latency
+        return jax.random.uniform(key, (), jnp.float32, low, high)

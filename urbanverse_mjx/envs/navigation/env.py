@@ -15,6 +15,7 @@ from .. import finite
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
 from . import terms
+from .camera_noise import through_camera
 from .clutter import Clutter
 from .draws import Randomization
 from .dynamic import PEOPLE_METRICS, DynamicStreet, slot_appearances
@@ -100,7 +101,7 @@ class NavEnv(StagedBase[NavState]):
         self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
         #: Weights of training episodes; None if all are equally likely.
         self.learnability = Learnability(bank, self.scenes) if self._schedule.learnable else None
-        self._randomization = Randomization(config.randomization)
+        self._randomization = Randomization(config.randomization, float(config.ctrl_dt))
         self._episodes = {
             name: jnp.asarray(getattr(bank, name))
             for name in ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
@@ -210,7 +211,7 @@ class NavEnv(StagedBase[NavState]):
         nav, given = finite.repaired(nav)
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
         crowd, agents = (None, None) if self.dynamic is None else self.dynamic.advance(nav, self._root)
-        sim = self.engine.step(nav.sim, self._control(action), agents)
+        sim = self.engine.step(nav.sim, self._obeyed(nav, action), agents)
         sound = given & finite.is_sound((sim, crowd))
         sim, crowd = finite.choose(sound, (sim, crowd), (nav.sim, nav.crowd))
         quaternion, velocity = sim.xquat[self._root], jnp.where(sound, sim.qvel[:2], 0.0)
@@ -338,6 +339,14 @@ class NavEnv(StagedBase[NavState]):
         speed = terms.to_body(nav.sim.qvel[:2], rotations.yaw_of(nav.sim.xquat[self._root]))
         return jnp.concatenate([speed, nav.sim.qvel[5:6], nav.last_action]).astype(jnp.float32)
 
+    def _obeyed(self, nav: NavState, action: jax.Array) -> jax.Array:
+        """The command that the engine gets in a control step, of which latency leaves a share to the action before."""
+        command, latency = self._control(action), self._randomization.latency(nav.appearance_seed)
+        if latency is None:
+            return command
+        share = latency / self.dt
+        return share * self._control(nav.last_action) + (1.0 - share) * command
+
     def _control(self, action: jax.Array) -> jax.Array:
         robot = self.robot
         if self._joint_range is not None:
@@ -401,9 +410,13 @@ class NavEnv(StagedBase[NavState]):
         sim, seed = nav.sim, nav.appearance_seed if self._randomization.varies_appearance else 0
         mount = self._randomization.camera_mount(nav.appearance_seed)
         frame = self.renderer(sim.scene, sim.xpos, sim.xquat, seed, self.agents_of(nav), sim.bodies, mount)
+        rgb, camera = frame["rgb"], self._randomization.camera_noise(nav.appearance_seed)
+        if camera is not None:
+            key = self._randomization.image_key(nav.appearance_seed, nav.steps)
+            rgb = through_camera(rgb, camera, key)
         if not self._config.vision_config.depth:
-            return frame["rgb"]
+            return rgb
         # The renderer writes 0 where no ray hits, which becomes the largest depth.
         metres = jnp.where(frame["depth"] > 0.0, frame["depth"], jnp.inf)
         depth = jnp.clip(metres * 10.0, 0.0, 255.0).astype(jnp.uint8)
-        return jnp.concatenate([frame["rgb"], depth[..., None]], axis=-1)
+        return jnp.concatenate([rgb, depth[..., None]], axis=-1)
