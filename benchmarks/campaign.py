@@ -24,6 +24,7 @@ Rows, of which `--rows` names patterns:
     student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
     varied-teacher-SEED     the teacher with varied latency and friction
     varied-SHADING-SEED     its student, and PPO from there, with varied sensors too: what `transfer` tests
+    varied-go2              the varied pbr student of `--ship` imitates the same teacher on the Go2
     goes-on-BENCHMARK-POLICY  contact does not end an episode
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
@@ -284,6 +285,12 @@ def _imitation_then_ppo(args: argparse.Namespace) -> dict[str, object]:
     return own | {"set_finetune": ("imitation=0.0", "final_imitation=0.0")}
 
 
+def _to_go2(args: argparse.Namespace, start: pathlib.Path) -> dict[str, object]:
+    """Options of a student on the Go2 that begins with the parameters of COCO's in the folder `start`."""
+    own: dict[str, object] = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20, "covered": ()}
+    return own | {"environment": "Go2Nav", "start": start / "finetuned"}
+
+
 def _varied(args: argparse.Namespace) -> Iterator[Job]:
     """Students whose sensors and motion are imperfect in training, in both shadings, after their teacher."""
     for seed in args.seeds:
@@ -296,6 +303,13 @@ def _varied(args: argparse.Namespace) -> Iterator[Job]:
             env = (*VARIED_ROBOT, *VARIED_CAMERA, f'vision_config.shading="{shading}"')
             row = Row("finetuned", f"best, varied sensors, {shading}", seed=seed)
             yield _student(args, f"varied-{shading}-{seed}", seed, own, [row], env=env, teacher=teacher)
+    start = args.out / f"varied-pbr-{args.ship}"
+    own = _to_go2(args, start)
+    own["set"] = NOT_RELIT
+    row = Row("student", "go2_best, varied sensors, pbr", "Go2", args.ship)
+    env = (*VARIED_ROBOT, *VARIED_CAMERA, 'vision_config.shading="pbr"')
+    teacher = f"varied-teacher-{args.ship}"
+    yield _student(args, "varied-go2", args.ship, own, [row], start / "result.json", env=env, teacher=teacher)
 
 
 def _best(args: argparse.Namespace) -> Iterator[Job]:
@@ -305,9 +319,14 @@ def _best(args: argparse.Namespace) -> Iterator[Job]:
         rows.append(Row("covered", "best, camera covered", seed=seed))
         yield _student(args, f"student-{seed}", seed, _imitation_then_ppo(args), rows)
     start = args.out / f"student-{args.ship}"
-    own = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20, "covered": ()}
-    own |= {"environment": "Go2Nav", "start": start / "finetuned"}
-    yield _student(args, "go2", args.ship, own, [Row("student", "go2_best", "Go2", args.ship)], start / "result.json")
+    yield _student(
+        args,
+        "go2",
+        args.ship,
+        _to_go2(args, start),
+        [Row("student", "go2_best", "Go2", args.ship)],
+        start / "result.json",
+    )
     row = Row("teacher", "teacher", "Go2", args.ship)
     yield _teacher(args, "go2-teacher", HELD_OUT, args.ship, args.teacher_steps, row, "Go2Nav")
 

@@ -12,6 +12,8 @@ import pytest
 
 from benchmarks import campaign, generalise, scaling
 from benchmarks.campaign import Campaign, Job
+from benchmarks.lib.unseen import parsed_options
+from urbanverse_mjx.envs import registry
 
 
 def _args(tmp_path: pathlib.Path, *more: str) -> argparse.Namespace:
@@ -248,7 +250,10 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
             own = {"benchmarks.halves": job.gives.parent, "benchmarks.street_tuning": job.gives.parents[2]}
             wanted = own.get(job.command[1], tmp_path / "out" / job.name)
             assert parsed[-1].out == wanted
-    assert len(parsed) == 3 * (1 + 2 + 3 + 2 + 1) + 3 + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2 + 3 * 10
+    assert (
+        len(parsed)
+        == 3 * (1 + 2 + 3 + 2 + 1) + 3 + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2 + 3 * 10 + 3 * 3 + 1
+    )
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
@@ -281,6 +286,14 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
     assert go2.start.name == "finetuned"
     assert go2.holdout == [8, 9]
     assert go2.covered
+    varied = {args.out.name: args for args in parsed if args.out.name.startswith("varied-")}
+    assert varied["varied-go2"].start == varied["varied-pbr-1"].out / "finetuned"
+    assert {args.teacher.name for args in varied.values() if args.seed == 1 and args.teacher} == {"varied-teacher-1"}
+    for name in ("varied-matte-2", "varied-pbr-2", "varied-go2"):
+        drawn = parsed_options(varied[name].env)
+        assert drawn["vision_config.shading"] == ("matte" if "matte" in name else "pbr")
+        config = registry.get_default_config(varied[name].environment, "fast")
+        assert registry.with_overrides(config, drawn).randomization.pixel_noise > 0.0, "the environment knows them"
 
 
 def test_results_become_rows_of_scores(
