@@ -13,8 +13,10 @@ Rows, of which `--rows` names patterns:
 
     teacher-SEED            privileged teacher on procedural and places
     student-SEED            its student, and PPO from there: the rows `student` and `best`
+    matte-SEED              the same in another shading
     go2                     COCO's student of `--ship` imitates the same teacher on the Go2
     go2-teacher             a teacher on the Go2
+    ideal-teacher-SEED, ideal-student-SEED, ideal-go2, ideal-go2-teacher  with sensors and motion that do not vary
     paper-SET-SEED          preset `paper` on procedural or urbanverse160, equal steps
     one-street              preset `paper` on a single street
     go2-paper-SET, go2-one-street  the same on the Go2
@@ -22,9 +24,6 @@ Rows, of which `--rows` names patterns:
     long-streets-SET-SEED   the same on procedural and urbanverse160 with twice the env-steps
     teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
     student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
-    varied-teacher-SEED     the teacher with varied latency and friction
-    varied-SHADING-SEED     its student, and PPO from there, with varied sensors too: what `transfer` tests
-    varied-go2              the varied pbr student of `--ship` imitates the same teacher on the Go2
     goes-on-BENCHMARK-POLICY  contact does not end an episode
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
@@ -87,15 +86,12 @@ STUDENT_ARMS: dict[str, tuple[str, tuple[str, ...], dict[str, object]]] = {
     "auxiliary": ("without auxiliary head", (), {"set": ("auxiliary=0.0",)}),
     "camera": ("with camera randomisation", tuple(f"randomization.{x}" for x in CAMERA), {"set": ("blur=1.0",)}),
 }
-#: Environment options of the rows varied-*: of teacher and student, and of the student alone.
-VARIED_ROBOT = ("randomization.latency=[0.0,0.2]", "randomization.friction_scale=[0.4,1.3]")
-VARIED_CAMERA = (
-    *(f"randomization.{x}" for x in CAMERA), "randomization.appearance=0.3", "randomization.exposure=1.2",
-    "randomization.white_balance=0.2", "randomization.blur=1.0", "randomization.pixel_noise=0.05",
-)  # fmt: skip
-#: Options of its training, whose images the environment varies already.
+#: Fields of `randomization` that the teacher, who has no camera, meets too.
+OF_ROBOT = ("latency", "friction_scale")
+#: Options of a training whose images the environment varies already.
 NOT_RELIT = ("light=0.0", "pixel_noise=0.0")
-SHADINGS = ("matte", "pbr")
+#: Prefix of rows whose sensors and motion do not vary -> end of their names in the table.
+RECIPES = {"": "", "ideal-": ", ideal sensors"}
 BENCHMARKS = tuple(results.BENCHMARKS)
 GOES_ON = ("go_to_goal", "planner", "benchmarks/policies/coco_best", "benchmarks/policies/go2_best")
 #: Env-steps of an iteration of imitation.
@@ -180,6 +176,27 @@ def _conditions() -> tuple[str, ...]:
 
     found = Protocol.load(settings.protocol_root() / "craftbench.json").conditions
     return tuple(f"{key}={json.dumps(value)}" for key, value in found.items())
+
+
+@functools.cache
+def _varied(camera: bool) -> tuple[str, ...]:
+    """Environment options in which the preset `best` differs from `fast`, of which the rows are made: those of the
+    robot, and with `camera` of its images too."""
+    from urbanverse_mjx.envs.navigation.config import default_config
+
+    best, fast = (default_config(name) for name in ("best", "fast"))
+    found = {
+        f"randomization.{name}": value
+        for name, value in best.randomization.items()
+        if value != fast.randomization[name] and (camera or name in OF_ROBOT)
+    }
+    return tuple(f"{name}={json.dumps(value)}" for name, value in found.items())
+
+
+def _shading() -> str:
+    from urbanverse_mjx.envs.navigation.config import default_config
+
+    return f"vision_config.shading={json.dumps(default_config('best').vision_config.shading)}"
 
 
 def _generalise(
@@ -278,57 +295,37 @@ def _goes_on(args: argparse.Namespace, name: str, policy: str) -> Job:
     return Job(called, words, (bank(name),), args.out / called / "timing.json", DRIVE)
 
 
-def _imitation_then_ppo(args: argparse.Namespace) -> dict[str, object]:
-    """Options of a student that goes on by PPO."""
+def _imitation_then_ppo(args: argparse.Namespace, relit: tuple[str, ...]) -> dict[str, object]:
+    """Options of a student that goes on by PPO; relit: options of both about their images."""
     own: dict[str, object] = {"steps": args.imitation, "seconds": ENDLESS, "validate_every": 80, "covered": ()}
-    own |= {"finetune_steps": args.ppo, "finetune_seconds": ENDLESS}
-    return own | {"set_finetune": ("imitation=0.0", "final_imitation=0.0")}
-
-
-def _to_go2(args: argparse.Namespace, start: pathlib.Path) -> dict[str, object]:
-    """Options of a student on the Go2 that begins with the parameters of COCO's in the folder `start`."""
-    own: dict[str, object] = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20, "covered": ()}
-    return own | {"environment": "Go2Nav", "start": start / "finetuned"}
-
-
-def _varied(args: argparse.Namespace) -> Iterator[Job]:
-    """Students whose sensors and motion are imperfect in training, in both shadings, after their teacher."""
-    for seed in args.seeds:
-        teacher = f"varied-teacher-{seed}"
-        row = Row("teacher", "teacher, varied", seed=seed)
-        yield _teacher(args, teacher, HELD_OUT, seed, args.teacher_steps, row, env=VARIED_ROBOT)
-        for shading in SHADINGS:
-            own = _imitation_then_ppo(args) | {"set": NOT_RELIT}
-            own["set_finetune"] = (*_imitation_then_ppo(args)["set_finetune"], *NOT_RELIT)  # type: ignore[misc]
-            env = (*VARIED_ROBOT, *VARIED_CAMERA, f'vision_config.shading="{shading}"')
-            row = Row("finetuned", f"best, varied sensors, {shading}", seed=seed)
-            yield _student(args, f"varied-{shading}-{seed}", seed, own, [row], env=env, teacher=teacher)
-    start = args.out / f"varied-pbr-{args.ship}"
-    own = _to_go2(args, start)
-    own["set"] = NOT_RELIT
-    row = Row("student", "go2_best, varied sensors, pbr", "Go2", args.ship)
-    env = (*VARIED_ROBOT, *VARIED_CAMERA, 'vision_config.shading="pbr"')
-    teacher = f"varied-teacher-{args.ship}"
-    yield _student(args, "varied-go2", args.ship, own, [row], start / "result.json", env=env, teacher=teacher)
+    own |= {"finetune_steps": args.ppo, "finetune_seconds": ENDLESS, "set": relit}
+    return own | {"set_finetune": ("imitation=0.0", "final_imitation=0.0", *relit)}
 
 
 def _best(args: argparse.Namespace) -> Iterator[Job]:
     """The students after their teachers, and the Go2 after the student that it starts from."""
-    for seed in args.seeds:
-        rows = [Row("student", "student", seed=seed), Row("finetuned", "best", seed=seed)]
-        rows.append(Row("covered", "best, camera covered", seed=seed))
-        yield _student(args, f"student-{seed}", seed, _imitation_then_ppo(args), rows)
-    start = args.out / f"student-{args.ship}"
-    yield _student(
-        args,
-        "go2",
-        args.ship,
-        _to_go2(args, start),
-        [Row("student", "go2_best", "Go2", args.ship)],
-        start / "result.json",
-    )
-    row = Row("teacher", "teacher", "Go2", args.ship)
-    yield _teacher(args, "go2-teacher", HELD_OUT, args.ship, args.teacher_steps, row, "Go2Nav")
+    for prefix, ending in RECIPES.items():
+        varied = not prefix
+        env = (*_varied(camera=True), _shading()) if varied else ()
+        relit = NOT_RELIT if varied else ()
+        for seed in args.seeds:
+            teacher = f"{prefix}teacher-{seed}"
+            agents = {"student": "student", "finetuned": "best", "covered": "best, camera covered"}
+            rows = [Row(agent, f"{policy}{ending}", seed=seed) for agent, policy in agents.items()]
+            own = _imitation_then_ppo(args, relit)
+            yield _student(args, f"{prefix}student-{seed}", seed, own, rows, env=env, teacher=teacher)
+            if varied:
+                rows = [Row("finetuned", "best, matte", seed=seed)]
+                yield _student(args, f"matte-{seed}", seed, own, rows, env=_varied(camera=True), teacher=teacher)
+        start = args.out / f"{prefix}student-{args.ship}"
+        own = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20, "covered": (), "set": relit}
+        own |= {"environment": "Go2Nav", "start": start / "finetuned"}
+        row = Row("student", f"go2_best{ending}", "Go2", args.ship)
+        name, teacher = f"{prefix}go2", f"{prefix}teacher-{args.ship}"
+        yield _student(args, name, args.ship, own, [row], start / "result.json", env=env, teacher=teacher)
+        row = Row("teacher", f"teacher{ending}", "Go2", args.ship)
+        env = _varied(camera=False) if varied else ()
+        yield _teacher(args, f"{name}-teacher", HELD_OUT, args.ship, args.teacher_steps, row, "Go2Nav", env)
 
 
 def _arms(args: argparse.Namespace) -> Iterator[Job]:
@@ -398,9 +395,10 @@ def _imitation(args: argparse.Namespace) -> Iterator[Job]:
 
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
     """All jobs that train or score, whatever `--rows` says, in the order in which they should begin."""
-    for seed in args.seeds:
-        row = Row("teacher", "teacher", seed=seed)
-        yield _teacher(args, f"teacher-{seed}", HELD_OUT, seed, args.teacher_steps, row)
+    for prefix, ending in RECIPES.items():
+        for seed in args.seeds:
+            row, env = Row("teacher", f"teacher{ending}", seed=seed), () if prefix else _varied(camera=False)
+            yield _teacher(args, f"{prefix}teacher-{seed}", HELD_OUT, seed, args.teacher_steps, row, env=env)
     for seed in args.seeds:
         for streets, policy in PAPER_ROWS.items():
             yield _paper(args, f"paper-{streets}-{seed}", streets, seed, policy)
@@ -412,7 +410,6 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
                 row = dataclasses.replace(row, comparison="long_training_streets")
                 yield _teacher(args, f"long-streets-{name}-{seed}", held, seed, 2 * args.street_steps, row)
     yield from _best(args)
-    yield from _varied(args)
     yield _paper(args, "one-street", "procedural", args.ship, "one street", "procedural_000")
     yield from _one_robot(args, "Go2")
     for name in BENCHMARKS:

@@ -45,8 +45,10 @@ from urbanverse_mjx.datatypes import validation as v
 
 POLICY = pathlib.Path(__file__).with_name("policies") / "coco_best"
 STREETS = (
-    "12_courtyard_plaza_central_fountain", "09_cbd_t_intersection_construction_sites", "07_narrow_alley_outdoor_dining"
-)  # fmt: skip
+    "07_narrow_alley_outdoor_dining",
+    "08_commercial_street_bike_lane_dual_sidewalks",
+    "09_cbd_t_intersection_construction_sites",
+)
 COUSINS, SEEDS = 5, (0, 1)
 #: Arms of `tune` -> their name in the table.
 ARMS = {"before": "before", "film": "cousins of the film", "own": "cousins of its own graph"}

@@ -54,6 +54,8 @@ POLICIES = (
     ("go_to_goal", "coco"), ("coco_paper", "coco"), ("coco_best", "coco"), ("go_to_goal", "go2"), ("go2_best", "go2"),
 )  # fmt: skip
 SINGLE = (("coco_best", "coco"), ("go2_best", "go2"))
+#: Policies that are not shipped any more, of which the tables have rows.
+FORMER = (("coco_best, ideal sensors", "coco"),)
 ROBOTS = {"CocoNav": "coco", "Go2Nav": "go2"}
 EPISODES, HORIZON, RADIUS, PERIOD = 20, 60.0, 1.0, 0.2  # per place; s; m; s
 SHIPPED = pathlib.Path(__file__).with_name("policies")
@@ -479,7 +481,7 @@ def rows_of(out: pathlib.Path, tested: TestedPolicy, shift: str, places: Sequenc
 def add(out: pathlib.Path, folder: pathlib.Path = results.SCORES) -> int:
     """Writes the rows of both tables that are there into transfer.csv; returns their number."""
     count = 0
-    for name, robot in POLICIES:
+    for name, robot in (*POLICIES, *FORMER):
         for shift in all_shifts():
             rows = rows_of(out, TestedPolicy(name, "", robot), shift, place_names())
             about = {"policy": name, "robot": robot, "shift": shift}

@@ -73,13 +73,13 @@ def text(rows: Rows) -> str:
     titles = {"coco": "COCO", "go2": "Go2"}
     together = [
         [name, titles[robot], *_cells(rows[name, robot, "all"])]
-        for name, robot in transfer.POLICIES
+        for name, robot in sorted((*transfer.POLICIES, *transfer.FORMER), key=lambda tested: tested[1])
         if (name, robot, "all") in rows
     ]
     alone = [
         [shift, name, *_cells(rows[name, robot, shift])]
         for shift in transfer.s.ALONE
-        for name, robot in transfer.SINGLE
+        for name, robot in (*transfer.FORMER, *transfer.SINGLE)
         if (name, robot, shift) in rows
     ]
     parts = []

@@ -14,6 +14,7 @@ from benchmarks import campaign, generalise, scaling
 from benchmarks.campaign import Campaign, Job
 from benchmarks.lib.unseen import parsed_options
 from urbanverse_mjx.envs import registry
+from urbanverse_mjx.training.config import default_ppo_config
 
 
 def _args(tmp_path: pathlib.Path, *more: str) -> argparse.Namespace:
@@ -233,7 +234,9 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
     assert len({job.name for job in jobs}) == len(jobs)
 
 
-def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argparse.Namespace]:
+    """What the scripts of all rows find in their command lines."""
     from benchmarks import comparison, halves, imitation, missions, several_gpus, street_tuning, transfer
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
@@ -250,10 +253,12 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
             own = {"benchmarks.halves": job.gives.parent, "benchmarks.street_tuning": job.gives.parents[2]}
             wanted = own.get(job.command[1], tmp_path / "out" / job.name)
             assert parsed[-1].out == wanted
-    assert (
-        len(parsed)
-        == 3 * (1 + 2 + 3 + 2 + 1) + 3 + 3 + 3 * 4 + 2 * 5 + 3 * (12 + 2) + 4 + 2 * 3 + 2 * 2 + 3 * 10 + 3 * 3 + 1
-    )
+    return parsed
+
+
+def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
+    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (12 + 2) + 10
+    assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
@@ -286,14 +291,30 @@ def test_commands_have_options_that_their_scripts_know(tmp_path: pathlib.Path, m
     assert go2.start.name == "finetuned"
     assert go2.holdout == [8, 9]
     assert go2.covered
-    varied = {args.out.name: args for args in parsed if args.out.name.startswith("varied-")}
-    assert varied["varied-go2"].start == varied["varied-pbr-1"].out / "finetuned"
-    assert {args.teacher.name for args in varied.values() if args.seed == 1 and args.teacher} == {"varied-teacher-1"}
-    for name in ("varied-matte-2", "varied-pbr-2", "varied-go2"):
-        drawn = parsed_options(varied[name].env)
-        assert drawn["vision_config.shading"] == ("matte" if "matte" in name else "pbr")
-        config = registry.get_default_config(varied[name].environment, "fast")
-        assert registry.with_overrides(config, drawn).randomization.pixel_noise > 0.0, "the environment knows them"
+
+
+def test_students_are_trained_as_by_the_preset_and_without_its_variation(parsed: list[argparse.Namespace]) -> None:
+    trained = {args.out.name: args for args in parsed}
+    best = registry.get_default_config("CocoNav", "best")
+    for name in ("student-2", "matte-2", "go2", "teacher-2", "ideal-student-2", "ideal-go2"):
+        args = trained[name]
+        fast = registry.get_default_config(args.environment, "fast")
+        config = registry.with_overrides(fast, parsed_options(args.env))
+        if name.startswith("ideal-"):
+            assert config.randomization == fast.randomization, name
+            assert not args.set
+            continue
+        assert config.randomization.latency == best.randomization.latency, name
+        if name == "teacher-2":
+            assert config.randomization.pixel_noise == 0.0
+            continue
+        assert config.randomization == best.randomization, name
+        assert config.vision_config.shading == ("matte" if name == "matte-2" else best.vision_config.shading)
+        own = default_ppo_config("best")
+        assert parsed_options(args.set) == {"light": own.light, "pixel_noise": own.pixel_noise}
+    for prefix in ("", "ideal-"):
+        assert trained[f"{prefix}go2"].start == trained[f"{prefix}student-1"].out / "finetuned"
+        assert trained[f"{prefix}student-2"].teacher.name == f"{prefix}teacher-2"
 
 
 def test_results_become_rows_of_scores(

@@ -83,9 +83,11 @@ def test_a_seed_that_differs_widens_the_interval() -> None:
 def test_a_missing_scene_is_refused_by_name(tmp_path: pathlib.Path) -> None:
     shutil.copy(results.SCORES / "totals.csv", tmp_path)
     rows = (results.SCORES / "by_scene.csv").read_text(encoding="utf-8").splitlines(keepends=True)
-    gone = next(i for i, row in enumerate(rows) if row.startswith("student,COCO,2,"))
+    gone = next(i for i, row in enumerate(rows) if row.startswith('"student, ideal sensors",COCO,2,'))
     (tmp_path / "by_scene.csv").write_text("".join(rows[:gone] + rows[gone + 1 :]), encoding="utf-8")
-    with pytest.raises(SystemExit, match=r"student, craftbench: found no row for seed and scene \('2', '01_"):
+    with pytest.raises(
+        SystemExit, match=r"student, ideal sensors, craftbench: found no row for seed and scene \('2', '01_"
+    ):
         results.read(tmp_path)
 
 
@@ -99,17 +101,17 @@ def test_added_rows_stand_in_place_of_those_of_the_same_policy_robot_and_seed(tm
         shutil.copy(results.SCORES / name, tmp_path)
     before = (tmp_path / "by_scene.csv").read_text(encoding="utf-8").splitlines()
     scenes = {
-        name: [row.split(",")[5] for row in before if row.startswith(f"student,COCO,1,20971520,{name},")]
+        name: [row.split(",")[5] for row in before if row.startswith("student,COCO,0,") and f",{name}," in row]
         for name in results.BENCHMARKS
     }
     score = {"SR": 12.5, "RC": 50.0, "hit_episodes": 87.5}
     body = {"steps": 7, "student": {name: {"by_scene": dict.fromkeys(ids, score)} for name, ids in scenes.items()}}
     (tmp_path / "result.json").write_text(json.dumps(body))
-    results.add(tmp_path, tmp_path / "result.json", "student", "student", "COCO", 1)
+    results.add(tmp_path, tmp_path / "result.json", "student", "student", "COCO", 0)
     after = (tmp_path / "by_scene.csv").read_text(encoding="utf-8").splitlines()
-    others = [row for row in before if not row.startswith("student,COCO,1,")]
+    others = [row for row in before if not row.startswith("student,COCO,0,")]
     assert len(after) == len(before)
     assert after[: len(others)] == others
-    assert after[-1] == f"student,COCO,1,7,autobench,{max(scenes['autobench'])},12.5,50.0,87.5"
+    assert after[-1] == f"student,COCO,0,7,autobench,{max(scenes['autobench'])},12.5,50.0,87.5"
     with pytest.raises(SystemExit, match=r"found no agent 'teacher', needed one of \['student'\]"):
         results.add(tmp_path, tmp_path / "result.json", "teacher", "teacher", "COCO", 1)

@@ -149,9 +149,11 @@ def finetune_config() -> ConfigDict:
 
 
 def _finetune_without_labels() -> ConfigDict:
-    """`finetune_config` as a part of another config, with no weight of a teacher's labels."""
+    """`finetune_config` as a part of another config, with no weight of a teacher's labels, and for images that the
+    environment varies."""
     config = finetune_config()
     config.imitation = config.final_imitation = 0.0
+    config.light = config.pixel_noise = 0.0
     del config.num_envs, config.seed
     return config
 
@@ -174,6 +176,7 @@ def _best() -> ConfigDict:
     `training.teacher_student.TeacherStudent`."""
     config, teacher = imitation_config(), _fast()
     config.num_timesteps, config.num_checkpoints = 68_000_000, 10
+    config.light = config.pixel_noise = 0.0  # the environment varies the images
     config.shares = {"teacher": 12.0, "imitation": 26.0, "finetune": 30.0}
     config.validation_episodes = 256
     for name in ("num_timesteps", "num_envs", "num_checkpoints", "minibatch", "seed"):
