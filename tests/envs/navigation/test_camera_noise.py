@@ -107,24 +107,24 @@ def test_each_episode_has_a_camera_and_keeps_it(small_bank: SceneBank) -> None:
 
 
 def test_a_command_is_obeyed_after_its_latency(small_bank: SceneBank) -> None:
-    """The robot of the tests obeys at once, so its way in a step says what it was told."""
+    """The robot of the tests obeys at once, so its path in a step says what it was told."""
     waits = {"randomization": OFF, "randomization.latency": (0.06, 0.06), "action_mode": "velocity"}
     env, plain = (unicycle_env(small_bank, {**waits, **x}) for x in ({}, {"randomization.latency": (0.0, 0.0)}))
     key = jax.random.key(0)
     start = jax.jit(env.begin)(key)
     full = jnp.array([1.0, 0.0])
-    way = []
+    path = []
     for one in (env, plain):
         state, advance = start, jax.jit(one.advance)
         for _ in range(3):
             state = advance(state, full)[0]
-            way.append(float(state.driven))
+            path.append(float(state.driven))
     step = plain.dt * plain.robot.max_speed
-    np.testing.assert_allclose(way[3:], [step, 2 * step, 3 * step], rtol=1e-4)
+    np.testing.assert_allclose(path[3:], [step, 2 * step, 3 * step], rtol=1e-4)
     # An action of zero in this mode is half the speed; it holds for the first 0.06 s.
     share = 0.06 / plain.dt
     first = step * (1.0 - 0.5 * share)
-    np.testing.assert_allclose(way[:3], [first, first + step, first + 2 * step], rtol=1e-4)
+    np.testing.assert_allclose(path[:3], [first, first + step, first + 2 * step], rtol=1e-4)
 
     env, drawn = unicycle_env(small_bank, {"randomization.latency": (0.05, 0.2)}), None
     drawn = jax.jit(jax.vmap(env.begin))(jax.random.split(key, 500)).appearance_seed
