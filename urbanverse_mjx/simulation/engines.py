@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .jax_engine import JaxEngine
     from .warp_engine import WarpEngine
 
-IMPLS = ("auto", "jax", "warp")
+IMPLS = ("auto", "jax", "warp", "warp-fused")
 
 
 def make_engine(
@@ -32,7 +32,9 @@ def make_engine(
 
     Args:
       bank, robot: what to simulate.
-      impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), or "auto": "warp" on CUDA, else "jax".
+      impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), "warp-fused" (the same physics in one launch
+        per control step, for robots of at most 32 velocities without movable objects), or "auto": "warp" on CUDA, else
+        "jax".
       control_dt: s, one control step.
       physics_dt: s, one physics step, default the robot's.
       num_slots: least number of object hulls streamed per control step, increased if the bank's streets need more; 0 =
@@ -52,11 +54,11 @@ def make_engine(
         robot = with_timestep(robot, physics_dt)
     same: dict[str, Any] = {"control_dt": control_dt, "num_slots": num_slots, "agents": agents, "movable": movable}
     same["friction"] = friction
-    if choose_impl(impl) == "warp":
+    if choose_impl(impl) != "jax":
         # Warp takes a second to import and prints a message, so it is imported on first use.
         from .warp_engine import WarpEngine
 
-        return WarpEngine(bank, robot, **same, **sizes)
+        return WarpEngine(bank, robot, **same, fused=impl == "warp-fused", **sizes)
     from .jax_engine import JaxEngine
 
     return JaxEngine(bank, robot, **same, **sizes)

@@ -24,6 +24,7 @@ from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, 
 from . import bodies_input
 from .batch import WorldBatch
 from .bodies_input import STATE
+from .fused import FusedBatch, build_program
 from .model import DeviceModel, build_robot_model
 
 __all__ = ["WarpEngine"]
@@ -92,10 +93,12 @@ class WarpEngine(EngineBase):
       agents: shapes of moving agents, whose motion is passed to `step`; None = none.
       movable: sizes for objects that can be pushed, which are passed to `init`; None = none.
       friction: of `engine_base.FRICTIONS`, see `make_engine`.
+      fused: whether all physics steps of a control step are one launch, see docs/decisions/fused_step.md, instead of
+        MuJoCo Warp's kernels.
 
     Raises:
-      ValidationError: the control period is not a multiple of the time step, there are too many or no slots, or the
-        bank's grids have a shorter reach than the robot in one control step.
+      ValidationError: the control period is not a multiple of the time step, there are too many or no slots, the
+        bank's grids have a shorter reach than the robot in one control step, or the step of this robot is not fused.
     """
 
     def __init__(
@@ -112,19 +115,25 @@ class WarpEngine(EngineBase):
         agents: AgentShapes | None = None,
         movable: body_slots.Sizes | None = None,
         friction: str = "uniform",
+        fused: bool = False,
     ) -> None:
         super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable, friction)
         self.bank = bank
         self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), self.num_pairs)
+        self._solver = v.integer(iterations, "engine.iterations", 1), v.integer(line_steps, "engine.line_steps", 1)
         self._robot_model = build_robot_model(
             self.physics,
-            v.integer(iterations, "engine.iterations", 1),
-            v.integer(line_steps, "engine.line_steps", 1),
+            *self._solver,
             0 if self.movable is None else self.movable.awake,
             None if self.movable is None else self.body_table,
         )
         self.graphs = graphs
-        self._devices: DeviceStore[DeviceModel, WorldBatch] = DeviceStore()
+        room = self.num_contacts + self.num_agent_contacts
+        number = 0 if self.agents is None else len(self.agents.radius)
+        self._program = (
+            build_program(self._robot_model, self.num_slots + self.num_prism_slots, room, number) if fused else None
+        )
+        self._devices: DeviceStore[DeviceModel, WorldBatch | FusedBatch] = DeviceStore()
         number = register(self)
         model = self.physics.model
         sizes = (model.nq, model.nv, model.nbody, len(robot.foot_geoms))
@@ -212,10 +221,16 @@ class WarpEngine(EngineBase):
             batch = self._batch(scene.device, scene.shape[0], outputs[9].shape[1])
             batch.control_step(inputs, outputs, self.num_substeps)
 
-    def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch:
+    def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch | FusedBatch:
         shared, batches = self._devices.get_or_make(
             device, lambda: DeviceModel(self.bank, self._robot_model, self.reach, self.materials)
         )
+        program = self._program
+        if program is not None:
+            slots = (self.num_slots, self.num_prism_slots)
+            return batches.get_or_make(
+                total, lambda: FusedBatch(shared, program, total, *slots, self.agents, *self._solver)
+            )
         room = self.num_contacts + self.num_agent_contacts + self.num_body_contacts
         sizes = (self.num_slots, self.num_prism_slots, room)
         return batches.get_or_make(
