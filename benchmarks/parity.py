@@ -33,6 +33,7 @@ from urbanverse_mjx.simulation.parity import c_mujoco
 from urbanverse_mjx.work_folder import work_folder
 
 CONTROL_DT = 0.2
+ENGINES = ("warp", "warp-fused", "jax")
 TOLERANCES = {"before_contact_max_mm": 1.0, "onset_max_steps": 1, "after_1s_median_mm": 5.0, "after_1s_max_mm": 50.0}
 NEVER = ("hit_flags_differ", "objects_differ", "ends_differ")
 #: Figures that are reported with the drive and time of their maximum.
@@ -73,7 +74,7 @@ class Suite:
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.parity", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("--impl", choices=("warp", "jax", "all"), default="all")
+    parser.add_argument("--impl", choices=(*ENGINES, "all"), default="all")
     parser.add_argument("--graphs", type=pathlib.Path, nargs="+", help="scene graphs (default: the shipped streets)")
     parser.add_argument("--robot", choices=("differential", "ackermann"), default="differential")
     parser.add_argument("--drives", type=int, default=60, help="in the scene graphs; 0 leaves them out")
@@ -161,7 +162,7 @@ def measure(arguments: argparse.Namespace) -> dict[str, Any]:
             suite.save(arguments.keep / name)
         return {"benchmark": "parity", "robot": robot.name, "kept": str(arguments.keep), "engines": {}, "broken": []}
     result: dict[str, Any] = {"benchmark": "parity", "robot": robot.name, "engines": {}}
-    for impl in ("warp", "jax") if arguments.impl == "all" else (arguments.impl,):
+    for impl in ENGINES if arguments.impl == "all" else (arguments.impl,):
         result["engines"][impl] = {}
         for name, suite in suites.items():
             engine = make_engine(suite.bank, robot, impl=impl, control_dt=CONTROL_DT)

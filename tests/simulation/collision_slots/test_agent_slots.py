@@ -179,7 +179,7 @@ def test_distances_in_warp_are_those_in_jax() -> None:
         np.testing.assert_allclose(found.numpy()[:, :3], routes[:, a], atol=2e-4)
 
 
-@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused"])
 def test_runs_into_agents_are_those_of_c_mujoco(impl: str) -> None:
     """Onset within one physics step; 1 mm before it; 1 s after it 5 mm in the median and 50 mm at most (design 3)."""
     reference_places, touched, _ = in_c_mujoco()

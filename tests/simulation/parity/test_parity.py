@@ -56,6 +56,8 @@ def report_of(impl: str, drive: str, scenes: int, count: int) -> c_mujoco.Parity
         pytest.param("jax", "ackermann", marks=pytest.mark.slow),
         ("warp", "differential"),
         pytest.param("warp", "ackermann", marks=pytest.mark.slow),
+        ("warp-fused", "differential"),
+        ("warp-fused", "ackermann"),
     ],
 )
 def test_drives_are_those_of_c_mujoco(impl: str, drive: str) -> None:
@@ -64,7 +66,7 @@ def test_drives_are_those_of_c_mujoco(impl: str, drive: str) -> None:
     assert (~np.isnan(report.after)).sum() >= 10
 
 
-@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused"])
 def test_heavy_robots_on_slippery_ground_are_those_of_c_mujoco(impl: str) -> None:
     """Mass and friction of the env, not of the bank: the same drives, another path, in all engines alike."""
     robot, bank, drives, light = driven("differential", 3, 14)
@@ -100,7 +102,7 @@ def driven_on_materials() -> tuple[c_mujoco.Trace, c_mujoco.Trace]:
     return c_mujoco.drive_reference(models, robot, drives, CONTROL_DT), uniform
 
 
-@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused"])
 def test_friction_of_materials_is_that_of_c_mujoco(impl: str) -> None:
     """Roads, crossings and pavements with coefficients below and above the tyres'."""
     robot, bank, drives, _ = driven("differential", 3, 14)
@@ -144,7 +146,7 @@ def test_an_unknown_friction_is_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("impl", ["jax", "warp"])
+@pytest.mark.parametrize("impl", ["jax", "warp", "warp-fused"])
 def test_sixty_drives_in_twenty_scenes_at_once(impl: str) -> None:
     report = report_of(impl, "differential", scenes=20, count=60)
     assert report.hit.sum() >= 25
@@ -201,7 +203,7 @@ def test_compare_finds_what_differs() -> None:
     assert report.after[0] == 0.0
 
 
-@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused"])
 def test_seams_between_prisms_are_not_felt(impl: str) -> None:
     """20 m at 1.5 m/s over the seams of the box street, one of them askew, engine and C MuJoCo.
 

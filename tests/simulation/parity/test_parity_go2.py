@@ -56,7 +56,7 @@ def make_stand() -> tuple[float, ...]:
     return stand_pose()
 
 
-@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused"])
 def test_steps_are_those_of_c_mujoco(impl: str) -> None:
     bank, drives, expected = _walks()
     engine = make_engine(bank, make_go2(), impl=impl, control_dt=CONTROL_DT, num_slots=0)

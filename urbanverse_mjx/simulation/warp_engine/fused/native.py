@@ -57,10 +57,17 @@ CUDA_CALLABLE inline int append(bool wanted, int& count) { return wanted ? count
 
 #endif
 
+// Before a loop that NVRTC shall not write out: each env runs this program once, so its length counts.
+#if defined(__CUDA_ARCH__)
+#define ROLLED _Pragma("unroll 1")
+#else
+#define ROLLED
+#endif
+
 #if defined(URBANVERSE_BACKWARDS)  // tests: independent iterations may run in any order
 #define EACH(i, n) sync(); for (int i = (n) - 1; i >= 0; --i)
 #else
-#define EACH(i, n) sync(); for (int i = lane(); i < (n); i += LANES)
+#define EACH(i, n) sync(); ROLLED for (int i = lane(); i < (n); i += LANES)
 #endif
 """
 
@@ -89,6 +96,14 @@ CUDA_CALLABLE inline float bound(float x, float low, float high) { return x < lo
 CUDA_CALLABLE inline float larger(float a, float b) { return a > b ? a : b; }
 CUDA_CALLABLE inline float lesser(float a, float b) { return a < b ? a : b; }
 CUDA_CALLABLE inline float magnitude(float a) { return a < 0.0f ? -a : a; }
+CUDA_CALLABLE inline void sine_cosine(float x, float& s, float& c)
+{
+#if defined(__CUDA_ARCH__)
+    sincosf(x, &s, &c);
+#else
+    s = sinf(x), c = cosf(x);
+#endif
+}
 CUDA_CALLABLE inline V3 unit(V3 a)
 {
     const float length = sqrtf(dot(a, a));
@@ -111,8 +126,9 @@ CUDA_CALLABLE inline Quaternion unit(Quaternion q)
 }
 CUDA_CALLABLE inline Quaternion about(V3 axis, float angle)
 {
-    const float s = sinf(0.5f * angle);
-    return { cosf(0.5f * angle), s * axis.x, s * axis.y, s * axis.z };
+    float s, c;
+    sine_cosine(0.5f * angle, s, c);
+    return { c, s * axis.x, s * axis.y, s * axis.z };
 }
 CUDA_CALLABLE inline void matrix(float* m, Quaternion q)
 {
@@ -202,7 +218,7 @@ struct Settings { int slots, least, substeps, recorded, iterations, line_steps; 
 _DYNAMICS = """
 CUDA_CALLABLE inline void place_bodies(Work& k, const Robot& r)
 {
-    for (int level = 1; level < LEVELS; ++level) {
+    ROLLED for (int level = 1; level < LEVELS; ++level) {
         EACH(n, LEVEL_START[level + 1] - LEVEL_START[level]) {
             const int b = LEVEL_BODY[LEVEL_START[level] + n], p = BODY_PARENT[b], type = BODY_JOINT[b];
             V3 place;
@@ -284,7 +300,7 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
         }
         put(k.dof[i], out);
     }
-    for (int level = 1; level < LEVELS; ++level) {
+    ROLLED for (int level = 1; level < LEVELS; ++level) {
         EACH(n, LEVEL_START[level + 1] - LEVEL_START[level]) {
             const int b = LEVEL_BODY[LEVEL_START[level] + n], p = BODY_PARENT[b], first = BODY_DOF[b];
             V6 v = v6(k.velocity[p]), a = v6(k.acceleration[p]);
@@ -309,7 +325,7 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
             put(out + 10, inertia_times(out, a) + cross_force(v, inertia_times(out, v)));
         }
     }
-    for (int b = NB - 1; b > 0; --b)
+    ROLLED for (int b = NB - 1; b > 0; --b)
         if (BODY_PARENT[b] > 0) {
             EACH(n, SWEPT) k.swept[BODY_PARENT[b]][n] += k.swept[b][n];
         }
@@ -339,13 +355,13 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
 // hessian = L^T D L in place, from the leaves on: what a tree of joints leaves zero stays zero. L is not divided by D.
 CUDA_CALLABLE inline void factorise(Work& k)
 {
-    for (int d = NV - 1; d >= 0; --d) {
+    ROLLED for (int d = NV - 1; d >= 0; --d) {
         sync();
         const float inverse = 1.0f / k.hessian[d][d];
         EACH(n, DOF_DEPTH[d]) {
             const int i = DOF_ABOVE[d][n];
             const float share = k.hessian[d][i] * inverse;
-            for (int m = 0; m <= n; ++m) {
+            ROLLED for (int m = 0; m <= n; ++m) {
                 const int j = DOF_ABOVE[d][m];
                 k.hessian[i][j] -= share * k.hessian[d][j];
             }
@@ -357,13 +373,13 @@ CUDA_CALLABLE inline void factorise(Work& k)
 // x = hessian^-1 x, factorised before.
 CUDA_CALLABLE inline void solve(Work& k, float* x)
 {
-    for (int d = NV - 1; d >= 0; --d) {
+    ROLLED for (int d = NV - 1; d >= 0; --d) {
         sync();
         const float share = k.inverse[d] * x[d];
         EACH(n, DOF_DEPTH[d]) x[DOF_ABOVE[d][n]] -= k.hessian[d][DOF_ABOVE[d][n]] * share;
     }
     EACH(i, NV) x[i] *= k.inverse[i];
-    for (int d = 0; d < NV; ++d) {
+    ROLLED for (int d = 0; d < NV; ++d) {
         sync();
         const float value = x[d];
         EACH(n, DOF_BELOW_COUNT[d]) {
@@ -418,7 +434,9 @@ CUDA_CALLABLE inline float hull_distance(const Hulls& t, int hull, V3 point, flo
 // From an upright prism to a point; see `agents.prism_distance`.
 CUDA_CALLABLE inline float prism_distance(V3 offset, float turn, float radius, float half, float height, V3& normal)
 {
-    const float c = cosf(turn), s = sinf(turn), along = bound(c * offset.x + s * offset.y, -half, half);
+    float s, c;
+    sine_cosine(turn, s, c);
+    const float along = bound(c * offset.x + s * offset.y, -half, half);
     float x = offset.x - along * c, y = offset.y - along * s;
     const float rho = sqrtf(x * x + y * y);
     if (rho < ON_AXIS) x = -s, y = c;
@@ -446,7 +464,7 @@ CUDA_CALLABLE inline void test_candidates(
     Work& k, const Robot& r, const Hulls& hulls, const Env& e, const Settings& set, int number, int agents_from, int& count)
 {
     sync();
-    for (int base = 0; base < number; base += LANES) {
+    ROLLED for (int base = 0; base < number; base += LANES) {
         const int n = base + lane();
         Contact out;
         out.distance = 1.0f;
@@ -456,7 +474,7 @@ CUDA_CALLABLE inline void test_candidates(
             const float radius = r.sphere_radius[s];
             V3 normal;
             float other;
-            if (c < agents_from) {
+            if (NUM_AGENTS == 0 || c < agents_from) {
                 const V3 local = turned_back(k.turn[c], centre - v3(k.place[c]));
                 out.distance = hull_distance(hulls, k.hull[c], local, radius, normal) - radius;
                 normal = turned(k.turn[c], normal);
@@ -488,23 +506,22 @@ CUDA_CALLABLE inline int find_contacts(
 {
     int count = 0, listed = 0;
     const int pairs = (occupied + NUM_AGENTS) * NS;
-    for (int base = 0; base < pairs; base += LANES) {
+    ROLLED for (int base = 0; base < pairs; base += LANES) {
         const int pair = base + lane(), c = pair / NS, s = pair % NS;
         bool near = false;
         if (pair < occupied * NS) {
             const V3 local = turned_back(k.turn[c], v3(k.sphere[s]) - v3(k.place[c]));
             near = outside_box(local, k.box[c]) < r.sphere_radius[s];
-        } else if (pair < pairs) {
+        } else if (NUM_AGENTS > 0 && pair < pairs) {
             near = e.agent_present[c - occupied] != 0;
         }
         const int place = append(near, listed);
         if (near) k.candidate[place] = pair;
-        if (listed > CANDIDATES - LANES) {
+        if (listed > CANDIDATES - LANES || (base + LANES >= pairs && listed > 0)) {
             test_candidates(k, r, hulls, e, set, listed, occupied, count);
             listed = 0;
         }
     }
-    if (listed > 0) test_candidates(k, r, hulls, e, set, listed, occupied, count);
     return count;
 }
 """
@@ -524,8 +541,10 @@ CUDA_CALLABLE inline void impedance(const float* solref, const float* p, float d
     else if (x >= 1.0f) i = top;
     else if (power == 1.0f) i = low + x * (top - low);
     else {
-        const float y = x <= mid ? powf(x, power) / powf(mid, power - 1.0f)
-                                 : 1.0f - powf(1.0f - x, power) / powf(1.0f - mid, power - 1.0f);
+        // MuJoCo's own power is 2.
+        const float u = x <= mid ? x : 1.0f - x, v = x <= mid ? mid : 1.0f - mid;
+        const float part = SQUARES ? u * u / v : powf(u, power) / powf(v, power - 1.0f);
+        const float y = x <= mid ? part : 1.0f - part;
         i = bound(low + y * (top - low), lesser(low, top), larger(low, top));
     }
 }
@@ -535,8 +554,8 @@ CUDA_CALLABLE inline float stiffness(float weight, float impedance)
     return 1.0f / larger(weight * (1.0f - impedance) / impedance, MINIMUM);
 }
 
-// Jacobians and references of contacts and limits; `rest` is minus the reference. Returns whether anything pushes.
-CUDA_CALLABLE inline bool make_rows(Work& k, const Robot& r, V3 com, int contacts)
+// Jacobians and references of contacts and limits; `rest` is minus the reference.
+CUDA_CALLABLE inline void make_rows(Work& k, const Robot& r, V3 com, int contacts)
 {
     EACH(n, contacts * NV) {
         const int c = n / NV, i = n % NV;
@@ -569,7 +588,6 @@ CUDA_CALLABLE inline bool make_rows(Work& k, const Robot& r, V3 com, int contact
         k.rest[c][1] = damp * v[1];
         k.rest[c][2] = damp * v[2];
     }
-    float limits = 0.0f;
     EACH(n, NUM_LIMITS) {
         const float q = k.qpos[LIMIT_QPOS[n]], below = q - r.limit_range[n][0], above = r.limit_range[n][1] - q;
         const float depth = lesser(below, above), sign = below < above ? 1.0f : -1.0f;
@@ -578,11 +596,7 @@ CUDA_CALLABLE inline bool make_rows(Work& k, const Robot& r, V3 com, int contact
         k.limit_sign[n] = sign;
         k.limit_stiffness[n] = depth < 0.0f ? stiffness(r.limit_weight[n], imp) : 0.0f;
         k.limit_rest[n] = stiff * imp * depth + damp * sign * k.qvel[LIMIT_DOF[n]];
-        if (depth < 0.0f) limits += 1.0f;
     }
-    if (NUM_LIMITS > 0) limits = total(limits);
-    sync();
-    return contacts > 0 || limits > 0.0f;
 }
 
 // The rows of a pyramid: normal +- friction times a tangent; a slippery sphere has the normal alone.
@@ -643,7 +657,7 @@ CUDA_CALLABLE inline float pushed(const Work& k, int contacts, int i)
 CUDA_CALLABLE inline void slope(const Work& k, int contacts, float step, float& first, float& second)
 {
     first = 0.0f, second = 0.0f;
-    for (int c = lane(); c < contacts; c += LANES) {
+    ROLLED for (int c = lane(); c < contacts; c += LANES) {
         float x[4], p[4];
         const int rows = pyramid(k, c, k.rest[c], x);
         pyramid(k, c, k.along[c], p);
@@ -652,7 +666,7 @@ CUDA_CALLABLE inline void slope(const Work& k, int contacts, float step, float& 
             if (at < 0.0f) first += k.stiffness[c] * at * p[n], second += k.stiffness[c] * p[n] * p[n];
         }
     }
-    for (int n = lane(); n < NUM_LIMITS; n += LANES) {
+    ROLLED for (int n = lane(); n < NUM_LIMITS; n += LANES) {
         const float at = k.limit_rest[n] + step * k.limit_along[n];
         if (at < 0.0f) {
             first += k.limit_stiffness[n] * at * k.limit_along[n];
@@ -667,7 +681,7 @@ CUDA_CALLABLE inline float line_search(const Work& k, int contacts, float slope_
 {
     float low = 0.0f, high = -1.0f, step = 1.0f;
     const float enough = LINE_TOLERANCE * magnitude(begin);
-    for (int n = 0; n < steps; ++n) {
+    ROLLED for (int n = 0; n < steps; ++n) {
         float first, second;
         slope(k, contacts, step, first, second);
         first += slope_mass + step * curve_mass;
@@ -681,7 +695,8 @@ CUDA_CALLABLE inline float line_search(const Work& k, int contacts, float slope_
     return step;
 }
 
-// acc = the acceleration of least cost, with the forces there; from `warm` on. Returns the iterations.
+// acc = the acceleration of least cost, with the forces there; from `warm` on, in one iteration where nothing pushes.
+// Returns the iterations.
 CUDA_CALLABLE inline int minimise(Work& k, const Robot& r, int contacts, const Settings& set)
 {
     EACH(i, NV) {
@@ -703,7 +718,7 @@ CUDA_CALLABLE inline int minimise(Work& k, const Robot& r, int contacts, const S
     }
     int iteration = 0;
     push(k, contacts);
-    while (iteration < set.iterations) {
+    ROLLED while (iteration < set.iterations) {
         float square = 0.0f;
         EACH(i, NV) {
             const float out = k.momentum[i] - k.smooth[i] - pushed(k, contacts, i);
@@ -846,7 +861,7 @@ CUDA_CALLABLE inline void control_step(Work& k, const Robot& r, const Hulls& hul
         k.agent_turn[a] = e.agent_heading[a];
     }
     int occupied = 0;
-    for (int base = 0; base < set.slots; base += LANES) {
+    ROLLED for (int base = 0; base < set.slots; base += LANES) {
         const int c = base + lane(), hull = c < set.slots ? e.slot_hull[c] : NONE, n = append(hull >= 0, occupied);
         if (hull >= 0) {
             k.hull[n] = hull;
@@ -868,19 +883,13 @@ CUDA_CALLABLE inline void control_step(Work& k, const Robot& r, const Hulls& hul
         for (int i = 0; i < 3; ++i) k.middle[0][i] = 0.0f;
     }
     Touch t = { 0.0f, 0.0f, NONE, 0, 0, 0, NONE };
-    for (int step = 0; step < set.substeps; ++step) {
+    ROLLED for (int step = 0;; ++step) {
         place_bodies(k, r);
+        if (step == set.substeps) break;
         const V3 com = smooth_dynamics(k, r, e.mass_scale);
         const int found = find_contacts(k, r, hulls, e, set, occupied), contacts = found < ROOM ? found : ROOM;
-        if (make_rows(k, r, com, contacts)) {
-            minimise(k, r, contacts, set);
-        } else {
-            EACH(n, NUM_LIMITS) k.limit_force[n] = 0.0f;
-            EACH(n, ENTRIES) k.hessian[ENTRY_ROW[n]][ENTRY_COLUMN[n]] = k.mass[ENTRY_ROW[n]][ENTRY_COLUMN[n]];
-            EACH(i, NV) k.acc[i] = k.smooth[i];
-            factorise(k);
-            solve(k, k.acc);
-        }
+        make_rows(k, r, com, contacts);
+        minimise(k, r, contacts, set);
         const int before = t.count;
         note(k, t, found);
         integrate(k, r, contacts);
@@ -893,7 +902,6 @@ CUDA_CALLABLE inline void control_step(Work& k, const Robot& r, const Hulls& hul
             if (lane() == 0) e.hit[step] = t.count - before;
         }
     }
-    place_bodies(k, r);
     EACH(i, NQ) e.qpos_out[i] = k.qpos[i] + (i == ROOT_QPOS ? origin.x : i == ROOT_QPOS + 1 ? origin.y : 0.0f);
     EACH(i, NV) {
         e.qvel_out[i] = k.qvel[i];

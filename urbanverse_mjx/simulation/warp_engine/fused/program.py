@@ -125,6 +125,7 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
         "ENTRIES": len(entries),
         "ROOT_QPOS": robot.root,
         "DAMPED": int(model.dof_damping.any()),
+        "SQUARES": int(np.all(spheres.solimp[:, 4] == 2.0) and np.all(limits.solimp[:, 4] == 2.0)),
         "FIRST_AGENT": agent_slots.FIRST_OWNER,
         "FIXED": _FIXED,
         "FREE": _FREE,
