@@ -174,7 +174,7 @@ def main(argv: list[str] | None = None) -> int:
         bank, robot = load_bank(arguments), ROBOTS[arguments.robot]()
         for number in map(int, arguments.num_envs.split(",")):
             row = measure(arguments, bank, robot, number)
-            print(json.dumps(row if arguments.json else row, indent=None if arguments.json else 2), flush=True)
+            print(json.dumps(row, indent=None if arguments.json else 2), flush=True)
     except ValidationError as error:
         print(f"physics: {error}", file=sys.stderr)
         return 2

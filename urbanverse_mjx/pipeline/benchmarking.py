@@ -29,8 +29,8 @@ class BenchmarkOptions:
     """paper: 5 runs over ten scenes; full: every frozen episode of every scene, intervals over scenes."""
     contact: Literal["both", "ends", "goes_on"] = "both"
     """Whether contact ends an episode, or is counted while the episode continues."""
-    impl: Literal["auto", "jax", "warp"] = "auto"
-    """Engine: warp on CUDA, else jax."""
+    impl: Literal["auto", "jax", "warp", "warp-fused"] = "auto"
+    """Engine; auto: warp on CUDA, else jax."""
     env_name: str | None = None
     """Environment whose robot is driven, e.g. Go2Nav; default: that of the policy, else CocoNav."""
     preset: str = "paper"

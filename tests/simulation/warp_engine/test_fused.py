@@ -1,6 +1,6 @@
 """The fused step: MuJoCo Warp's results, independent iterations, no races between lanes, refusals.
 
-Parity with C MuJoCo is tested beside the other engines (`tests/simulation/parity`, `collision_slots/test_agent_slots.py`).
+Parity with C MuJoCo is tested beside the other engines: `tests/simulation/parity`, `collision_slots/test_agent_slots`.
 """
 
 import pathlib
@@ -67,7 +67,7 @@ def test_record_ends_where_the_step_ends(engine: WarpEngine, small_bank: SceneBa
     state, ctrl = starts(engine, small_bank)
     record_step = jax.jit(jax.vmap(engine.step_and_record))
     hits = 0
-    for _ in range(12):
+    for _ in range(20):
         after, record = record_step(state, ctrl)
         state = batched(state, ctrl)
         assert_equal(after, state)
@@ -97,14 +97,16 @@ def test_envs_are_independent_and_nans_stay_where_they_are(
 def test_iterations_of_a_loop_are_independent(
     engine: WarpEngine, small_bank: SceneBank, batched: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Loops that lanes divide give the same bits backwards: no iteration reads what another one writes."""
+    """Loops that lanes divide give the same backwards, but for the order of sums: none reads what another one writes."""
     state, ctrl = starts(engine, small_bank)
-    expected = roll(batched, state, ctrl, 10)
+    expected = roll(batched, state, ctrl, 20)
     assert np.asarray(expected.contacts.hit).any()
     monkeypatch.setattr(batch, "make_step", lambda source: kernel.make_step(source, "#define URBANVERSE_BACKWARDS\n"))
     backwards = WarpEngine(small_bank, engine.robot, control_dt=CONTROL_DT, fused=True)
-    found = roll(jax.jit(jax.vmap(backwards.step)), state, ctrl, 10)
-    assert_equal(found, expected)
+    found = roll(jax.jit(jax.vmap(backwards.step)), state, ctrl, 20)
+    np.testing.assert_array_equal(found.contacts.hit_object, expected.contacts.hit_object)
+    np.testing.assert_allclose(found.qpos, expected.qpos, atol=1e-4)
+    np.testing.assert_allclose(found.qvel, expected.qvel, atol=1e-3)
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
@@ -165,5 +167,5 @@ def test_it_is_chosen_by_name_and_refuses_movable_objects() -> None:
     assert engine._program is not None
     from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
 
-    with pytest.raises(ValidationError, match="engine.movable.*impl='warp'"):
+    with pytest.raises(ValidationError, match=r"engine\.movable.*impl='warp'"):
         make_engine(bank, make_coco(), impl="warp-fused", control_dt=CONTROL_DT, movable=Sizes(bodies=2, awake=1))

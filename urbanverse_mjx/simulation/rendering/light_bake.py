@@ -23,11 +23,11 @@ from scipy import ndimage
 from ... import settings as process
 from ...datatypes import SceneBank, ValidationError, array_file
 from ...progress import Progress
+from ..threads import run_all
 from .light_kernels import AROUND_RAYS, DARKEST, PATTERN, RANGE, SKY_RAYS, bake_grid, bake_ground
 from .scenes import scene_sun, sky_ambient, slot_boxes
 from .street_kernels import Street, Views
 from .street_light_native import CELL, CELL_BYTES, TEXEL, THOUSAND
-from .threads import run_all
 
 #: Version of the baked light: part of the keys in the cache, to be raised with every change of its values.
 VERSION = 1

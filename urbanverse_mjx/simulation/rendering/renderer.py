@@ -19,11 +19,11 @@ from ...datatypes import AgentMotion, Bodies, CameraMount, RobotSpec, SceneBank,
 from ...geometry import rotations
 from ...precision import full_precision
 from .. import host_memory
+from ..threads import run_all
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from .model import RenderModel, RobotCamera, build_render_model
 from .settings import AGENT_LABEL, COVERAGE, LIGHTS, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Scan, Settings
 from .street_batch import StreetBatch, Streets
-from .threads import run_all
 
 #: m, and 1 - cos of half the angle, from which an object counts as moved from its pose in the bank.
 _MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6

@@ -11,6 +11,7 @@ import warp as wp
 from ... import settings as process
 from ...datatypes import SceneBank
 from ...geometry import rotations
+from ..threads import run_all
 from . import street_coverage, street_draw
 from .light_bake import Baker, light_tables
 from .meshes import RenderMeshes
@@ -22,7 +23,6 @@ from .street_kernels import Street, Views, place
 from .street_light import SHADE, place_shades
 from .street_shade import Skies
 from .street_tree import Trees, as_floats, build_trees, joined
-from .threads import run_all
 
 #: Triangles in a leaf at most.
 _LEAF_SIZE = 4

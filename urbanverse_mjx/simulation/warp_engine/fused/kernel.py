@@ -43,7 +43,8 @@ _ENV = """
         reinterpret_cast<const float*>(hulls.half.data)
     };
     const urbanverse::Settings set = {
-        static_cast<int>(slots.hull.shape[1]), slots.least, substeps, static_cast<int>(hit.shape[1]), iterations, line_steps
+        static_cast<int>(slots.hull.shape[1]), slots.least, substeps, static_cast<int>(hit.shape[1]), iterations,
+        line_steps
     };
 #if defined(__CUDA_ARCH__)
     __shared__ urbanverse::Work work;
@@ -70,7 +71,7 @@ class Agents:
 
 @functools.cache
 def make_step(source: str, before: str = "") -> Any:
-    """The kernel of a program, to be launched with dim (n,) and blocks of `native.LANES`.
+    """The kernel of a program, to be launched with dim (n,) and blocks of `native.LANES`, for worlds from `first` on.
 
     Args:
       source: see `program.RobotProgram`.
@@ -119,6 +120,7 @@ def make_step(source: str, before: str = "") -> Any:
         launch_bounds=native.LANES,
     )
     def step(
+        first: int,
         robot: wp.array[float],
         hulls: contact.Hulls,
         slots: contact.Slots,
@@ -147,7 +149,7 @@ def make_step(source: str, before: str = "") -> Any:
     ):
         w, _ = wp.tid()
         advance(
-            w, robot, hulls, slots, nearby, agents, substeps, iterations, line_steps, centre, qpos, qvel, warm,
+            first + w, robot, hulls, slots, nearby, agents, substeps, iterations, line_steps, centre, qpos, qvel, warm,
             ctrl, friction, mass, qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, foot, path, hit,
         )  # fmt: skip
 
