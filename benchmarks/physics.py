@@ -19,6 +19,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from benchmarks.lib import report, timing
@@ -68,8 +69,6 @@ def starts(bank: SceneBank, robot: RobotSpec, number: int, seed: int = 0) -> tup
     scene = np.arange(number, dtype=np.int32) % bank.num_scenes
     row = rng.integers(0, np.asarray(bank.num_episodes)[scene])
     pose = bank.episode_start[scene, row]
-    import mujoco
-
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     qpos = np.tile(model.key_qpos[0] if model.nkey else model.qpos0, (number, 1)).astype(np.float32)
     qpos[:, :3] = pose[:, :3]
@@ -118,10 +117,10 @@ def measure(arguments: argparse.Namespace, bank: SceneBank, robot: RobotSpec, nu
     row: dict[str, Any] = {"benchmark": "physics", "robot": robot.name, "num_envs": number, "scenes": bank.num_scenes}
     row |= {"machine": report.machine(), "engines": {}}
     calls, after, engines = {}, {}, []
+    # A graph hides its launches.
+    options: dict[str, Any] = {"graphs": False} if arguments.launches else {}
     for impl in arguments.impl.split(","):
-        engine = make_engine(
-            bank, robot, impl=impl, control_dt=arguments.control_dt, **({"graphs": False} if arguments.launches else {})
-        )
+        engine = make_engine(bank, robot, impl=impl, control_dt=arguments.control_dt, **options)
         engines.append(engine)
         state = jax.jit(jax.vmap(engine.init))(scene, qpos, jnp.zeros((number, engine.physics.model.nv)))
         if arguments.launches:

@@ -48,6 +48,8 @@ inline float total(float x)
     return sum;
 }
 
+inline void total(float& x, float& y, float& z) { x = total(x), y = total(y), z = total(z); }
+
 inline int append(bool wanted, int& count)
 {
     flags[lane()] = wanted;

@@ -97,7 +97,7 @@ def test_envs_are_independent_and_nans_stay_where_they_are(
 def test_iterations_of_a_loop_are_independent(
     engine: WarpEngine, small_bank: SceneBank, batched: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Loops that lanes divide give the same backwards, but for the order of sums: none reads what another one writes."""
+    """Loops that lanes divide give the same backwards, but for the order of sums: no iteration needs another one."""
     state, ctrl = starts(engine, small_bank)
     expected = roll(batched, state, ctrl, 20)
     assert np.asarray(expected.contacts.hit).any()

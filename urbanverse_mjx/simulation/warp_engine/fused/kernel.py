@@ -1,7 +1,7 @@
 """The kernel of the fused step: one warp of the GPU, or one call on a CPU, takes an env through a control step."""
 
 # Warp's types in annotations are values; Warp itself checks them.
-# pyright: reportGeneralTypeIssues=false, reportInvalidTypeForm=false, reportReturnType=false
+# pyright: reportAssignmentType=false, reportGeneralTypeIssues=false, reportInvalidTypeForm=false, reportReturnType=false
 
 import functools
 from typing import Any

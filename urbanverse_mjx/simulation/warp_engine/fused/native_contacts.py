@@ -99,6 +99,9 @@ CUDA_CALLABLE inline void test_candidates(
                 other = AGENT_FRICTION;
             }
             out.sphere = s;
+            out.foot = SPHERE_FOOT[s];
+            out.slippery = SPHERE_SLIPPERY[s];
+            out.moved_by = BODY_MASK[SPHERE_BODY[s]];
             out.inward = -1.0f * normal;
             out.position = centre + (radius + 0.5f * out.distance) * out.inward;
             out.friction = friction_of(r, s, other, set, e.friction_scale);

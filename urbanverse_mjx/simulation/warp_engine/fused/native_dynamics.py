@@ -6,7 +6,8 @@ constexpr int CANDIDATES = 2 * 32 + LANES;
 constexpr int NONE = -1, GROUND = -1;
 
 struct Contact {
-    int sphere, owner;
+    int sphere, owner, foot, slippery;
+    unsigned moved_by;  // a bit for each velocity
     float distance, friction;
     V3 position, inward;
 };
@@ -23,6 +24,7 @@ struct Work {
     Contact contact[ROOM];
     float rows[ROOM][3][NV], residual[ROOM][3], change[ROOM][3], stiffness[ROOM], weight[ROOM][5], force[ROOM][3];
     int active[ROOM];
+    unsigned coupled[ROOM];  // of a contact that pushes: the velocities that move it
     float limit_sign[NL], limit_residual[NL], limit_change[NL], limit_stiffness[NL], limit_force[NL];
     int limit_active[NL];
     // Slots that hold a hull.
@@ -162,15 +164,22 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
             }
             put(k.velocity[b], v);
             put(k.acceleration[b], a);
-            float* out = k.composite[b];
-            place_inertia(out, k.xmat[b], r.body_inertia[b], v3(k.middle[b]) - com, r.body_mass[b], mass_scale);
-            put(out + 10, inertia_times(out, a) + cross_force(v, inertia_times(out, v)));
         }
     }
-    ROLLED for (int b = NB - 1; b > 0; --b)
-        if (BODY_PARENT[b] > 0) {
-            EACH(n, COMPOSITE) k.composite[BODY_PARENT[b]][n] += k.composite[b][n];
+    EACH(b, NB) {
+        float* out = k.composite[b];
+        const V6 v = v6(k.velocity[b]);
+        place_inertia(out, k.xmat[b], r.body_inertia[b], v3(k.middle[b]) - com, r.body_mass[b], mass_scale);
+        put(out + 10, inertia_times(out, v6(k.acceleration[b])) + cross_force(v, inertia_times(out, v)));
+    }
+    ROLLED for (int level = LEVELS - 2; level > 0; --level) {
+        EACH(n, (LEVEL_START[level + 1] - LEVEL_START[level]) * COMPOSITE) {
+            const int b = LEVEL_BODY[LEVEL_START[level] + n / COMPOSITE];
+            float sum = k.composite[b][n % COMPOSITE];
+            for (int c = CHILD_START[b]; c < CHILD_START[b + 1]; ++c) sum += k.composite[CHILD[c]][n % COMPOSITE];
+            k.composite[b][n % COMPOSITE] = sum;
         }
+    }
     EACH(i, NV) {
         const float* sum = k.composite[DOF_BODY[i]];
         const V6 own = v6(k.dof[i]);
@@ -195,38 +204,71 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
 }
 
 // hessian = L^T D L in place, from the leaves on: what a tree of joints leaves zero stays zero. L is not divided by D.
+// Velocities of equal depth do not touch each other, so that lanes take whole depths at once.
 CUDA_CALLABLE inline void factorise(Work& k)
 {
-    ROLLED for (int d = NV - 1; d >= 0; --d) {
-        sync();
-        const float inverse = 1.0f / k.hessian[d][d];
-        EACH(n, DOF_DEPTH[d]) {
-            const int i = DOF_ABOVE[d][n];
-            const float share = k.hessian[d][i] * inverse;
-            ROLLED for (int m = 0; m <= n; ++m) {
-                const int j = DOF_ABOVE[d][m];
-                k.hessian[i][j] -= share * k.hessian[d][j];
+    if (LANES == 1) {
+        for (int d = NV - 1; d >= 0; --d) {
+            const float inverse = 1.0f / k.hessian[d][d];
+            for (int n = 0; n < DOF_DEPTH[d]; ++n) {
+                const int i = DOF_ABOVE[d][n];
+                const float share = k.hessian[d][i] * inverse;
+                for (int m = 0; m <= n; ++m) k.hessian[i][DOF_ABOVE[d][m]] -= share * k.hessian[d][DOF_ABOVE[d][m]];
             }
+            k.inverse[d] = inverse;
         }
-        if (lane() == 0) k.inverse[d] = inverse;
+        return;
+    }
+    ROLLED for (int depth = DEPTHS - 1; depth >= 0; --depth) {
+        const int first = DEPTH_START[depth], last = DEPTH_START[depth + 1];
+        EACH(n, last - first) {
+            const int d = DEPTH_DOF[first + n];
+            k.inverse[d] = 1.0f / k.hessian[d][d];
+        }
+        EACH(e, DEPTH_ENTRIES[depth]) {
+            const int i = ENTRY_ROW[e], j = ENTRY_COLUMN[e];
+            float sum = k.hessian[i][j];
+            for (int n = first; n < last; ++n) {
+                const int d = DEPTH_DOF[n];
+                if (DOF_MASK[d] >> i & 1u) sum -= k.hessian[d][i] * k.inverse[d] * k.hessian[d][j];
+            }
+            k.hessian[i][j] = sum;
+        }
     }
 }
 
 // x = hessian^-1 x, factorised before.
 CUDA_CALLABLE inline void solve(Work& k, float* x)
 {
-    ROLLED for (int d = NV - 1; d >= 0; --d) {
-        sync();
-        const float share = k.inverse[d] * x[d];
-        EACH(n, DOF_DEPTH[d]) x[DOF_ABOVE[d][n]] -= k.hessian[d][DOF_ABOVE[d][n]] * share;
+    if (LANES == 1) {
+        for (int d = NV - 1; d >= 0; --d) {
+            const float share = k.inverse[d] * x[d];
+            for (int n = 0; n < DOF_DEPTH[d]; ++n) x[DOF_ABOVE[d][n]] -= k.hessian[d][DOF_ABOVE[d][n]] * share;
+        }
+        for (int d = 0; d < NV; ++d) {
+            float sum = x[d];
+            for (int n = 0; n < DOF_DEPTH[d]; ++n) sum -= k.hessian[d][DOF_ABOVE[d][n]] * x[DOF_ABOVE[d][n]];
+            x[d] = sum * k.inverse[d];
+        }
+        return;
     }
-    EACH(i, NV) x[i] *= k.inverse[i];
-    ROLLED for (int d = 0; d < NV; ++d) {
-        sync();
-        const float value = x[d];
-        EACH(n, DOF_BELOW_COUNT[d]) {
-            const int i = DOF_BELOW[d][n];
-            x[i] -= k.hessian[i][d] * k.inverse[i] * value;
+    ROLLED for (int depth = DEPTHS - 1; depth > 0; --depth) {
+        EACH(i, NV) {
+            float value = x[i];
+            bool changed = false;
+            for (int n = DEPTH_START[depth]; n < DEPTH_START[depth + 1]; ++n) {
+                const int d = DEPTH_DOF[n];
+                if (DOF_MASK[d] >> i & 1u) value -= k.hessian[d][i] * k.inverse[d] * x[d], changed = true;
+            }
+            if (changed) x[i] = value;
+        }
+    }
+    ROLLED for (int depth = 0; depth < DEPTHS; ++depth) {
+        EACH(n, DEPTH_START[depth + 1] - DEPTH_START[depth]) {
+            const int d = DEPTH_DOF[DEPTH_START[depth] + n];
+            float sum = x[d];
+            for (int m = 0; m < DOF_DEPTH[d]; ++m) sum -= k.hessian[d][DOF_ABOVE[d][m]] * x[DOF_ABOVE[d][m]];
+            x[d] = sum * k.inverse[d];
         }
     }
     sync();

@@ -14,6 +14,16 @@ CUDA_CALLABLE inline float total(float x)
     return x;
 }
 
+// Three sums at once, which wait for each other's shuffles only once.
+CUDA_CALLABLE inline void total(float& x, float& y, float& z)
+{
+    for (int distance = 16; distance > 0; distance /= 2) {
+        x += __shfl_xor_sync(0xffffffffu, x, distance);
+        y += __shfl_xor_sync(0xffffffffu, y, distance);
+        z += __shfl_xor_sync(0xffffffffu, z, distance);
+    }
+}
+
 // The place of this lane's entry in a list of which `count` are taken; in the order of the lanes.
 CUDA_CALLABLE inline int append(bool wanted, int& count)
 {
@@ -34,6 +44,7 @@ constexpr int LANES = 1;
 CUDA_CALLABLE inline int lane() { return 0; }
 CUDA_CALLABLE inline void sync() {}
 CUDA_CALLABLE inline float total(float x) { return x; }
+CUDA_CALLABLE inline void total(float&, float&, float&) {}
 CUDA_CALLABLE inline int append(bool wanted, int& count) { return wanted ? count++ : count; }
 
 #endif

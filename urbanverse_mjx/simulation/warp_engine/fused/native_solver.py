@@ -38,7 +38,7 @@ CUDA_CALLABLE inline void make_rows(Work& k, const Robot& r, V3 com, int contact
         const Contact& at = k.contact[c];
         V3 moved = { 0.0f, 0.0f, 0.0f };
         V3 y = { 0.0f, 0.0f, 0.0f }, z = y;
-        if (BODY_MASK[SPHERE_BODY[at.sphere]] >> i & 1u) {
+        if (at.moved_by >> i & 1u) {
             const V6 own = v6(k.dof[i]);
             moved = own.l + cross(own.a, at.position - com);
             y = at.inward.y > -0.5f && at.inward.y < 0.5f ? V3{ 0.0f, 1.0f, 0.0f } : V3{ 0.0f, 0.0f, 1.0f };
@@ -59,7 +59,7 @@ CUDA_CALLABLE inline void make_rows(Work& k, const Robot& r, V3 com, int contact
         impedance(r.sphere_solref[s], r.sphere_solimp[s], r.timestep, at.distance, stiff, damp, imp);
         float weight = r.sphere_weight[s];
         const float square = at.friction * at.friction;
-        if (!SPHERE_SLIPPERY[s]) weight = (weight + square * weight) * 2.0f * square;
+        if (!at.slippery) weight = (weight + square * weight) * 2.0f * square;
         k.stiffness[c] = stiffness(weight, imp);
         k.residual[c][0] = stiff * imp * at.distance + damp * v[0];
         k.residual[c][1] = damp * v[1];
@@ -76,16 +76,15 @@ CUDA_CALLABLE inline void make_rows(Work& k, const Robot& r, V3 com, int contact
     }
 }
 
-// The rows of a pyramid: normal +- friction times a tangent; a slippery sphere has the normal alone.
-CUDA_CALLABLE inline int pyramid(const Work& k, int c, const float* x, float* out)
+// The rows of a pyramid: normal +- friction times a tangent. A slippery sphere has the normal alone; the others are
+// `filled`.
+CUDA_CALLABLE inline void pyramid(const Contact& at, const float* x, float filled, float* out)
 {
-    if (SPHERE_SLIPPERY[k.contact[c].sphere]) {
-        out[0] = x[0];
-        return 1;
-    }
-    const float mu = k.contact[c].friction;
-    out[0] = x[0] + mu * x[1], out[1] = x[0] - mu * x[1], out[2] = x[0] + mu * x[2], out[3] = x[0] - mu * x[2];
-    return 4;
+    const float mu = at.friction, n = x[0], y = mu * x[1], z = mu * x[2];
+    out[0] = at.slippery ? n : n + y;
+    out[1] = at.slippery ? filled : n - y;
+    out[2] = at.slippery ? filled : n + z;
+    out[3] = at.slippery ? filled : n - z;
 }
 
 // Forces of all rows where J acc - reference is `residual`, and with weights how they change with it. Returns, to each
@@ -94,12 +93,16 @@ CUDA_CALLABLE inline float push(Work& k, int contacts)
 {
     float changed = 0.0f;
     EACH(c, contacts) {
-        float x[4], f[4] = { 0.0f, 0.0f, 0.0f, 0.0f }, w[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
-        const int rows = pyramid(k, c, k.residual[c], x);
+        float x[4], f[4], w[4];
+        pyramid(k.contact[c], k.residual[c], 1.0f, x);
         int active = 0;
-        for (int n = 0; n < rows; ++n)
-            if (x[n] < 0.0f) active |= 1 << n, w[n] = k.stiffness[c], f[n] = -w[n] * x[n];
-        const float mu = rows == 1 ? 0.0f : k.contact[c].friction;
+        for (int n = 0; n < 4; ++n) {
+            const bool pushes = x[n] < 0.0f;
+            active |= pushes << n;
+            w[n] = pushes ? k.stiffness[c] : 0.0f;
+            f[n] = -w[n] * x[n];
+        }
+        const float mu = k.contact[c].slippery ? 0.0f : k.contact[c].friction;
         k.force[c][0] = f[0] + f[1] + f[2] + f[3];
         k.force[c][1] = mu * (f[0] - f[1]);
         k.force[c][2] = mu * (f[2] - f[3]);
@@ -110,6 +113,7 @@ CUDA_CALLABLE inline float push(Work& k, int contacts)
         k.weight[c][4] = mu * mu * (w[2] + w[3]);
         if (active != k.active[c]) changed += 1.0f;
         k.active[c] = active;
+        k.coupled[c] = active ? k.contact[c].moved_by : 0u;
     }
     EACH(n, NUM_LIMITS) {
         const int active = k.limit_residual[n] < 0.0f && k.limit_stiffness[n] > 0.0f;
@@ -136,9 +140,9 @@ CUDA_CALLABLE inline void slope(const Work& k, int contacts, float step, float& 
     first = 0.0f, second = 0.0f;
     ROLLED for (int c = lane(); c < contacts; c += LANES) {
         float x[4], p[4];
-        const int rows = pyramid(k, c, k.residual[c], x);
-        pyramid(k, c, k.change[c], p);
-        for (int n = 0; n < rows; ++n) {
+        pyramid(k.contact[c], k.residual[c], 1.0f, x);
+        pyramid(k.contact[c], k.change[c], 0.0f, p);
+        for (int n = 0; n < 4; ++n) {
             const float at = x[n] + step * p[n];
             if (at < 0.0f) first += k.stiffness[c] * at * p[n], second += k.stiffness[c] * p[n] * p[n];
         }
@@ -150,7 +154,8 @@ CUDA_CALLABLE inline void slope(const Work& k, int contacts, float step, float& 
             second += k.limit_stiffness[n] * k.limit_change[n] * k.limit_change[n];
         }
     }
-    first = total(first), second = total(second);
+    float none = 0.0f;
+    total(first, second, none);
 }
 
 // How far along the search the cost is least.
@@ -210,7 +215,7 @@ CUDA_CALLABLE inline int minimise(Work& k, const Robot& r, int contacts, const S
             const int i = ENTRY_ROW[e], j = ENTRY_COLUMN[e];
             float sum = k.mass[i][j];
             for (int c = 0; c < contacts; ++c)
-                if (k.active[c] && BODY_MASK[SPHERE_BODY[k.contact[c].sphere]] >> i & 1u) {
+                if (k.coupled[c] >> i & 1u) {
                     const float* w = k.weight[c];
                     const float a = k.rows[c][0][i], b = k.rows[c][1][i], d = k.rows[c][2][i];
                     sum += (w[0] * a + w[1] * b + w[2] * d) * k.rows[c][0][j] + (w[1] * a + w[3] * b) * k.rows[c][1][j]
@@ -231,7 +236,7 @@ CUDA_CALLABLE inline int minimise(Work& k, const Robot& r, int contacts, const S
             curve_mass += k.search[i] * sum;
             begin += k.search[i] * k.gradient[i];
         }
-        slope_mass = total(slope_mass), curve_mass = total(curve_mass), begin = total(begin);
+        total(slope_mass, curve_mass, begin);
         EACH(n, contacts * 3) {
             const int c = n / 3, row = n % 3;
             float sum = 0.0f;

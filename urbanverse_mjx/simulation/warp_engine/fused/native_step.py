@@ -12,7 +12,7 @@ CUDA_CALLABLE inline void note(Work& k, Touch& t, int found)
     const int contacts = found < ROOM ? found : ROOM;
     EACH(f, NUM_FEET) {
         for (int c = 0; c < contacts; ++c)
-            if (SPHERE_FOOT[k.contact[c].sphere] == f) k.foot[f] += k.force[c][0];
+            if (k.contact[c].foot == f) k.foot[f] += k.force[c][0];
     }
     bool touched = false;
     float strength = -1.0f;
@@ -20,7 +20,7 @@ CUDA_CALLABLE inline void note(Work& k, Touch& t, int found)
     for (int c = 0; c < contacts; ++c) {
         const int owner = k.contact[c].owner;
         const float force = k.force[c][0];
-        if (owner == GROUND && SPHERE_FOOT[k.contact[c].sphere] >= 0) continue;
+        if (owner == GROUND && k.contact[c].foot >= 0) continue;
         touched = true;
         if (owner == GROUND) t.ground = 1;
         if (owner <= FIRST_AGENT && (force > t.agent_force || t.agent < 0))

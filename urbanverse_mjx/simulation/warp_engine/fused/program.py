@@ -95,8 +95,12 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
     check_fusible(robot)
     model, spheres, limits = robot.model, robot.physics.spheres, robot.physics.limits
     above = [_above(model, i) for i in range(model.nv)]
-    below = [[k for k in range(model.nv) if i in above[k]] for i in range(model.nv)]
-    entries = [(i, j) for i in range(model.nv) for j in (*above[i], i)]
+    by_depth = sorted(range(model.nv), key=lambda i: len(above[i]))
+    depths = np.array([len(above[i]) for i in by_depth])
+    entries = [(i, j) for i in by_depth for j in (*above[i], i)]
+    steps = np.arange(depths.max() + 2)
+    children = [np.flatnonzero(model.body_parentid == b).tolist() for b in range(model.nbody)]
+    children[0].remove(0)
     depth = [0] * model.nbody
     for b in range(1, model.nbody):
         depth[b] = depth[model.body_parentid[b]] + 1
@@ -122,6 +126,7 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
         "SLOTS": -(-slots // _SLOTS_STEP) * _SLOTS_STEP,
         "ROOM": contacts,
         "LEVELS": max(depth) + 1,
+        "DEPTHS": int(depths.max()) + 1,
         "ENTRIES": len(entries),
         "ROOT_QPOS": robot.root,
         "DAMPED": int(model.dof_damping.any()),
@@ -147,13 +152,17 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
         "BODY_QPOS": [0 if j < 0 else model.jnt_qposadr[j] for j in joint],
         "BODY_DOF": [0 if j < 0 else model.jnt_dofadr[j] for j in joint],
         "BODY_MASK": np.array([_mask(model, above, b) for b in range(model.nbody)], np.uint32),
+        "CHILD": [c for b in children for c in b],
+        "CHILD_START": np.cumsum([0, *map(len, children)]),
         "LEVEL_BODY": order,
         "LEVEL_START": np.searchsorted(sorted(depth), np.arange(max(depth) + 2)),
         "DOF_BODY": model.dof_bodyid,
         "DOF_DEPTH": [len(a) for a in above],
         "DOF_ABOVE": _padded(above),
-        "DOF_BELOW_COUNT": [len(b) for b in below],
-        "DOF_BELOW": _padded(below),
+        "DOF_MASK": np.array([sum(1 << j for j in a) for a in above], np.uint32),
+        "DEPTH_DOF": by_depth,
+        "DEPTH_START": np.searchsorted(depths, steps),
+        "DEPTH_ENTRIES": np.searchsorted([len(above[i]) for i, _ in entries], steps),
         "DOF_LIMIT": limit_of,
         "ENTRY_ROW": [i for i, _ in entries],
         "ENTRY_COLUMN": [j for _, j in entries],
