@@ -40,11 +40,11 @@ def robot_model(robot: RobotSpec) -> RobotModel:
     return build_robot_model(make_physics_model(robot), 8, 10)
 
 
-def test_results_are_those_of_mujoco_warp(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
+def assert_as_mujoco_warp(engine: WarpEngine, bank: SceneBank, batched: Any, number: int) -> None:
     """Two seconds of drives into objects: contacts, forces, slots and the state that the next step begins with."""
-    general = WarpEngine(small_bank, engine.robot, control_dt=CONTROL_DT)
+    general = WarpEngine(bank, engine.robot, control_dt=CONTROL_DT)
     step = jax.jit(jax.vmap(general.step))
-    state, ctrl = starts(engine, small_bank)
+    state, ctrl = starts(engine, bank, number=number)
     touched = 0
     for _ in range(20):
         # From the same state every time: differences do not grow.
@@ -61,6 +61,18 @@ def test_results_are_those_of_mujoco_warp(engine: WarpEngine, small_bank: SceneB
         np.testing.assert_allclose(state.xquat, expected.xquat, atol=2e-4)
         touched += int(state.contacts.hit.sum())
     assert touched > 5
+
+
+def test_results_are_those_of_mujoco_warp(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
+    assert_as_mujoco_warp(engine, small_bank, batched, NUM_ENVS)
+
+
+@pytest.mark.gpu
+def test_a_warp_of_lanes_computes_what_one_does(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
+    """On CUDA, the step in 32 lanes against MuJoCo Warp's kernels there."""
+    assert_as_mujoco_warp(engine, small_bank, batched, 24)
+    ((shared, _),) = engine._devices.values()
+    assert shared.device.is_cuda
 
 
 def test_record_ends_where_the_step_ends(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
