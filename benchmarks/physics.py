@@ -4,8 +4,9 @@
 
 drives COCO from the bank's own start poses towards their goals, so that many robots stand at objects, and times every
 engine over the same control steps, called in turn. One JSON line a number of envs holds, per engine, milliseconds of a
-control step, physics steps/s, and seconds until the first step was done (compilation included), and between the engines
-how far apart the robots are after the first control step and whether they report the same hits. `--launches` counts the
+control step (of wall time, and of all processor cores together, which other programs disturb less), physics steps/s,
+and seconds until the first step was done (compilation included), and between the engines how far apart the robots are
+after the first control step and whether they report the same hits. `--launches` counts the
 kernels that a physics step launches instead, by name.
 """
 
@@ -15,6 +16,7 @@ import json
 import pathlib
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -111,6 +113,20 @@ def launches(engine: Any, state: Any, ctrl: Any) -> dict[str, int]:
     return dict((found[1] - found[0]).most_common())
 
 
+def time_in_turn(calls: dict[str, Callable[[], Any]], repeats: int) -> dict[str, tuple[timing.Sample, timing.Sample]]:
+    """Wall and processor times of several calls in turn, each called once before."""
+    for call in calls.values():
+        jax.block_until_ready(call())
+    seconds: dict[str, list[tuple[float, float]]] = {name: [] for name in calls}
+    for _ in range(repeats):
+        for name, call in calls.items():
+            wall, processor = time.perf_counter(), time.process_time()
+            jax.block_until_ready(call())
+            seconds[name].append((time.perf_counter() - wall, time.process_time() - processor))
+    columns = {name: tuple(zip(*rows, strict=True)) for name, rows in seconds.items()}
+    return {name: (timing.Sample(walls), timing.Sample(own)) for name, (walls, own) in columns.items()}
+
+
 def measure(arguments: argparse.Namespace, bank: SceneBank, robot: RobotSpec, number: int) -> dict[str, Any]:
     """The figures of all engines for one number of envs."""
     scene, qpos, ctrl = starts(bank, robot, number)
@@ -145,12 +161,13 @@ def measure(arguments: argparse.Namespace, bank: SceneBank, robot: RobotSpec, nu
         calls[impl] = lambda run=run, state=state: run(state)
     if arguments.launches:
         return row
-    for impl, sample in timing.time_in_turn(calls, arguments.repeats).items():
-        each = sample.median / arguments.steps
+    for impl, (wall, processor) in time_in_turn(calls, arguments.repeats).items():
+        each = wall.median / arguments.steps
         substeps = engines[0].num_substeps
         row["engines"][impl] |= {
             "control_step_ms": round(1e3 * each, 4),
-            "spread": round(sample.spread, 3),
+            "spread": round(wall.spread, 3),
+            "processor_ms": round(1e3 * processor.median / arguments.steps, 4),
             "physics_steps_per_s": round(number * substeps / each),
         }
     first_, *others = after.items()

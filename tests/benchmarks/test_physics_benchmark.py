@@ -25,6 +25,7 @@ def test_engines_are_timed_on_the_same_states(bank: str, capsys: pytest.CaptureF
     for figures in (general, fused):
         rate = 4 * 20 / (1e-3 * figures["control_step_ms"])
         assert figures["physics_steps_per_s"] == pytest.approx(rate, rel=0.01)
+        assert figures["processor_ms"] > 0
     between = row["warp-fused against warp"]
     assert between["times_as_fast"] == pytest.approx(general["control_step_ms"] / fused["control_step_ms"], abs=0.01)
     assert between["apart_mm_max"] < 0.2
