@@ -88,19 +88,21 @@ def launches(engine: Any, state: Any, ctrl: Any) -> dict[str, int]:
     import warp as wp
 
     found: list[collections.Counter[str]] = []
-    original = wp.launch
     count = collections.Counter[str]()
+    originals = {name: getattr(wp, name) for name in ("launch", "launch_tiled")}
 
-    def counted(kernel: Any, *args: Any, **kwargs: Any) -> Any:
-        count[getattr(kernel, "key", str(kernel))] += 1
-        return original(kernel, *args, **kwargs)
+    def counted(original: Any) -> Any:
+        def launch(kernel: Any, *args: Any, **kwargs: Any) -> Any:
+            count[getattr(kernel, "key", str(kernel))] += 1
+            return original(kernel, *args, **kwargs)
 
-    from warp._src import context
+        return launch
 
     step = jax.vmap(engine.step)
-    context.launch = wp.launch = counted
     whole = engine.num_substeps
     try:
+        for name, original in originals.items():
+            setattr(wp, name, counted(original))
         for substeps in (1, 2):
             engine.num_substeps = substeps
             jax.block_until_ready(step(state, ctrl))
@@ -108,7 +110,8 @@ def launches(engine: Any, state: Any, ctrl: Any) -> dict[str, int]:
             jax.block_until_ready(step(state, ctrl))
             found.append(collections.Counter(count))
     finally:
-        context.launch = wp.launch = original
+        for name, original in originals.items():
+            setattr(wp, name, original)
         engine.num_substeps = whole
     return dict((found[1] - found[0]).most_common())
 
