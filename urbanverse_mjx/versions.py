@@ -102,12 +102,13 @@ CODE: Mapping[str, Code] = {
         _below("distillation", "perception_model", "fit_trust", "perception", "readers", "train_perception"),
     ),
     "report": Code(
-        1,
+        2,
         (
-            *_below("pipeline.generation", "records", "report", "report_map", "report_images"),
+            "datasets.video",
+            *_below("pipeline.generation", "records", "report"),
             *_below("viz", "graphs", "images"),
         ),
-        ("cousins", "rendering"),
+        ("rendering", "scenes"),
     ),
     # Stages of a run; the code that they call has its own versions.
     "generation": Code(

@@ -12,6 +12,7 @@ from ...datatypes import Recording, SceneGraph
 from ...datatypes import validation as v
 from ...process_pool import results_as_completed
 from ...progress import Progress
+from ...work_folder import work_folder
 from . import compiling
 from .checks import check_cousins, check_graph, leave_out_implausible
 from .run_folder import Clock, RunFolder, key_of
@@ -214,15 +215,17 @@ def _report(
     recording: pathlib.Path | None,
     before: str,
 ) -> None:
-    """Stage of `report.html` and its images in `report/`."""
+    """Stage of `report.html`."""
     key = key_of("report", stage="report", before=before, pictures=options.pictures)
     report = progress.task("report")
-    if not run.done(REPORT, key, "report.html", REPORT):
+    if not run.done(REPORT, key, "report.html"):
         from .report import write_report
 
         clock = Clock()
-        with run.replacing(REPORT) as folder:
-            html = write_report(run.path, folder, given, recording, options.pictures, run.seconds, report)
+        with work_folder("urbanverse-report-") as scratch:
+            html = write_report(run.path, scratch, given, recording, options.pictures, run.seconds, report)
+        # Reports were once a page with a folder of images.
+        shutil.rmtree(run.path / REPORT, ignore_errors=True)
         v.write_atomically(run.path / "report.html", lambda p: p.write_text(html, encoding="utf-8"))
         run.finish(REPORT, key, clock.seconds)
     report(1, 1)
