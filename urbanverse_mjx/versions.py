@@ -87,7 +87,7 @@ CODE: Mapping[str, Code] = {
     "cards": Code(2, _below("viz", "graphs", "images", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.
     "perception": Code(
-        3,
+        4,
         (
             *("distillation.perception", "distillation.perception_model", "assets.importing.vision"),
             *_below("pipeline.generation", "listing", "perceiving", "predictors", "video_options"),
@@ -112,7 +112,9 @@ CODE: Mapping[str, Code] = {
     ),
     # Stages of a run; the code that they call has its own versions.
     "generation": Code(
-        2, _below("pipeline.generation", "checks", "stages"), ("bank", "distillation", "perception", "report")
+        2,
+        _below("pipeline.generation", "checks", "embeddings", "stages"),
+        ("bank", "distillation", "perception", "report"),
     ),
     # Scenes of the library.
     "library": Code(1, ("pipeline.library.building",), ("bank",)),

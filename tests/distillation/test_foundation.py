@@ -1,6 +1,8 @@
-"""Foundation models behind `Predictor`: processing of their outputs, tested on synthetic outputs; no model is run."""
+"""Foundation models behind `Predictor`. Real weights are not at hand: models of the real architectures with a few
+random numbers are run where torch and transformers are installed, and skipped elsewhere."""
 
-import contextlib
+import base64
+import io
 import pathlib
 import sys
 import types
@@ -8,16 +10,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
+from tests.support import small_models
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.importing.vision import VisionError
-from urbanverse_mjx.datatypes import KIND_INDEX, ValidationError
+from urbanverse_mjx.datatypes import KIND_INDEX, Camera, RecordingWriter, Source, ValidationError
 from urbanverse_mjx.datatypes.recording import SKY
-from urbanverse_mjx.distillation.perception.foundation import FoundationPredictor, boxes, grounds, loading
-from urbanverse_mjx.distillation.perception.foundation.loading import Loaded
+from urbanverse_mjx.distillation.perception.foundation import boxes, detectors, grounds, loading
 from urbanverse_mjx.pipeline.generation import listing
 from urbanverse_mjx.pipeline.generation.predictors import make_predictor
 from urbanverse_mjx.pipeline.generation.video_options import VideoOptions
+from urbanverse_mjx.settings import VisionEndpoint
 
 H, W = 40, 80
 
@@ -72,116 +76,102 @@ def test_grounds_of_two_label_sets() -> None:
         grounds.surface_codes({0: "cat", 1: "sky"})
 
 
-class Tensor:
-    """As much of torch's as is used."""
+# Models of the real architectures, with a few random numbers ----------------------------------------------------------
 
-    def __init__(self, values: Any) -> None:
-        self.values = np.asarray(values)
-
-    def __getitem__(self, index: Any) -> "Tensor":
-        return Tensor(self.values[index])
-
-    def float(self) -> "Tensor":
-        return Tensor(self.values.astype(np.float32))
-
-    def cpu(self) -> "Tensor":
-        return self
-
-    def numpy(self) -> np.ndarray:
-        return self.values
-
-    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
-        return self.values
+LABELS = [*list(ontology.categories())[:66], "car", "tree", "bench", "house"]
+RGB = np.random.default_rng(0).integers(0, 256, (60, 90, 3)).astype(np.uint8)
 
 
-class Inputs(dict):
-    def to(self, device: str) -> "Inputs":
-        assert device == "cpu"
-        return self
+@pytest.fixture(scope="module")
+def models(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    return small_models.write(tmp_path_factory.mktemp("models"), "owlv2", "sam2", "sam3", "mask2former", "depth")
 
 
-class Detector:
-    """Takes 70 words in two lists; detects the 66th in the left half of the image."""
-
-    asked: tuple[str, ...] = ()
-
-    def __call__(self, text: list[list[str]], images: Any, return_tensors: str) -> Inputs:
-        assert images.size == (W, H)
-        return Inputs(words=text[0])
-
-    def answer(self, words: list[str]) -> Any:
-        self.asked += tuple(words)
-        logits = np.full((1, 2, len(words)), logit(0.01))
-        if "a photo of a word 65" in words:
-            logits[0, 0, words.index("a photo of a word 65")] = logit(0.7)
-        share = [[[0.25, 0.25, 0.5, 0.5], [0.5, 0.5, 1.0, 1.0]]]
-        return types.SimpleNamespace(logits=Tensor(logits), pred_boxes=Tensor(share))
+@pytest.fixture
+def every_score(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Random models are sure of nothing."""
+    monkeypatch.setattr(detectors, "OWLV2_SCORE", 0.0)
+    monkeypatch.setattr(detectors, "SAM3_SCORE", 0.0)
 
 
-class Segmenter:
-    def __call__(self, images: Any, input_boxes: list, return_tensors: str) -> Inputs:
-        np.testing.assert_allclose(input_boxes, [[[0, 0, 40, 40]]])
-        return Inputs(original_sizes=[(H, W)], marker=1)
-
-    def post_process_masks(self, masks: Any, sizes: list) -> list:
-        assert sizes == [(H, W)]
-        full = np.zeros((1, 1, H, W), bool)
-        full[0, 0, 10:40, 5:35] = True
-        return [Tensor(full)]
+def calls_of(module: Any) -> list[int]:
+    """A list that grows with every call of a part of a model."""
+    calls: list[int] = []
+    module.register_forward_hook(lambda *_: calls.append(1))
+    return calls
 
 
-class Ground:
-    def __call__(self, images: Any, return_tensors: str) -> Inputs:
-        return Inputs()
-
-    def post_process_semantic_segmentation(self, answer: Any, target_sizes: list) -> list:
-        assert target_sizes == [(H, W)]
-        return [Tensor(np.where(np.arange(H)[:, None] < 10, 1, 0) * np.ones((1, W), int))]
-
-
-class Depth:
-    def __call__(self, images: Any, return_tensors: str) -> Inputs:
-        return Inputs()
-
-
-def foundation(monkeypatch: pytest.MonkeyPatch, words: int = 70) -> tuple[FoundationPredictor, Detector]:
-    torch: Any = types.SimpleNamespace(inference_mode=contextlib.nullcontext)
-    monkeypatch.setitem(sys.modules, "torch", torch)
-    detector = Detector()
-    masks = types.SimpleNamespace(pred_masks=Tensor(np.zeros(1)))
-    depth = types.SimpleNamespace(predicted_depth=Tensor(np.full((1, 5, 9), 7.5)))
-    predictor = FoundationPredictor(
-        labels=tuple(f"word {k}" for k in range(words)),
-        detector=Loaded(detector.answer, detector, "cpu"),
-        segmenter=Loaded(lambda original_sizes, marker, multimask_output: masks, Segmenter(), "cpu"),
-        ground=Loaded(lambda: None, Ground(), "cpu"),
-        depth=Loaded(lambda: depth, Depth(), "cpu"),
-        codes=grounds.surface_codes({0: "road", 1: "sky"}),
-    )
-    return predictor, detector
+def test_owlv2_gives_what_its_own_forward_pass_gives(models: pathlib.Path) -> None:
+    """The encoders are called one by one here, words 64 at a time; the whole model gives the same to the same words."""
+    torch = pytest.importorskip("torch")
+    found = detectors.Owlv2Detector.load(LABELS, models)
+    image = Image.fromarray(RGB)
+    texts = [[f"a photo of a {label}" for label in LABELS]]
+    inputs = found.owlv2.processor(text=texts, images=image, return_tensors="pt")
+    with torch.inference_mode():
+        answer = found.owlv2.model(**inputs)
+    scores, corners = found.outputs(image)
+    assert scores.shape == (16, len(LABELS))
+    assert np.ptp(scores, axis=1).max() > 0.5  # words differ
+    np.testing.assert_allclose(scores, answer.logits[0].numpy(), rtol=1e-3, atol=1e-3)
+    np.testing.assert_allclose(corners, answer.pred_boxes[0].numpy(), atol=1e-5)
 
 
-def test_four_answers_become_one_observation(monkeypatch: pytest.MonkeyPatch) -> None:
-    predictor, detector = foundation(monkeypatch)
-    observation = predictor(np.zeros((H, W, 3), np.uint8), 60.0)
-    assert len(detector.asked) == 70
-    (obj,) = observation.detections
-    assert (obj.label, obj.score) == ("word 65", pytest.approx(0.7))
-    assert (observation.masks[10:40, 5:35] == 0).all()
-    assert (observation.masks == 0).sum() == 30 * 30
-    assert (observation.surfaces[:10] == SKY).all()
-    assert observation.surfaces[20, 60] == KIND_INDEX["road"]
-    assert observation.surfaces[20, 20] == 0
+@pytest.mark.usefixtures("every_score")
+def test_each_image_is_encoded_once_for_all_labels(models: pathlib.Path) -> None:
+    owl = detectors.Owlv2Detector.load(LABELS, models)
+    sam = detectors.Sam3Detector.load(LABELS[:5], models)
+    parts = [owl.owlv2.model.owlv2, owl.sam2.model, sam.sam3.model]
+    images = [calls_of(p) for p in (parts[0].vision_model, parts[1].vision_encoder, parts[2].vision_encoder)]
+    texts = [calls_of(p) for p in (parts[0].text_model, parts[2].text_encoder)]
+    for detector in (owl, sam):
+        detector(Image.fromarray(RGB))
+        detector(Image.fromarray(RGB[::-1].copy()))
+    assert [len(c) for c in images] == [2, 2, 2]
+    assert [len(c) for c in texts] == [0, 0]
+
+
+@pytest.mark.usefixtures("every_score")
+def test_sam3_finds_what_its_own_forward_pass_finds(models: pathlib.Path) -> None:
+    torch = pytest.importorskip("torch")
+    found = detectors.Sam3Detector.load(["car"], models)
+    image = Image.fromarray(RGB)
+    inputs = found.sam3.processor(images=image, text="car", return_tensors="pt")
+    with torch.inference_mode():
+        answer = found.sam3.model(**inputs)
+    (theirs,) = found.sam3.processor.post_process_instance_segmentation(answer, threshold=0.0, target_sizes=[(60, 90)])
+    ours = found(image)
+    assert len(ours.boxes.box) >= 1
+    assert ours.masks.shape == (len(ours.boxes.box), 60, 90)
+    all_masks = np.asarray(theirs["masks"]).astype(bool)
+    for box, score, mask in zip(ours.boxes.box, ours.boxes.score, ours.masks, strict=True):
+        row = int(np.abs(theirs["boxes"].numpy() - box).sum(1).argmin())
+        np.testing.assert_allclose(theirs["boxes"][row].numpy(), box, atol=1e-3)
+        assert score == pytest.approx(float(theirs["scores"][row]), abs=1e-5)
+        assert (mask == all_masks[row]).all()
+
+
+@pytest.mark.usefixtures("every_score")
+@pytest.mark.parametrize("detector", ["owlv2", "sam3"])
+def test_all_models_make_an_observation_that_a_recording_holds(
+    models: pathlib.Path, tmp_path: pathlib.Path, detector: str
+) -> None:
+    """Detector, segmenter, ground and depth, loaded as by `--models`, from an image to a recording and back."""
+    options = VideoOptions(perception="foundation", models=str(models), detector=detector)
+    observation = make_predictor(options)(RGB, 60.0)
+    assert observation.masks.shape == observation.surfaces.shape == (60, 90)
+    assert observation.masks.max() == len(observation.detections) - 1
+    assert {d.label for d in observation.detections} <= set(ontology.categories())
+    known = {0, SKY, *(KIND_INDEX[k] for k in ("road", "sidewalk", "ground"))}
+    assert set(np.unique(observation.surfaces).tolist()) <= known
+    assert (observation.surfaces[observation.masks >= 0] == 0).all()
     assert observation.depth is not None
-    np.testing.assert_allclose(observation.depth, 7.5)
-    assert observation.depth.shape == (H, W)
-
-
-def test_nothing_found_asks_for_no_masks(monkeypatch: pytest.MonkeyPatch) -> None:
-    predictor, _ = foundation(monkeypatch, words=3)
-    observation = predictor(np.zeros((H, W, 3), np.uint8), 60.0)
-    assert observation.detections == ()
-    assert (observation.masks == -1).all()
+    assert observation.depth.dtype == np.float32
+    assert 0.0 < observation.depth.min() <= observation.depth.max() < small_models.MAX_DEPTH
+    writer = RecordingWriter(tmp_path, "seen", Source("v", "l", "c", "c"), Camera.from_fov(90, 60, 1.0))
+    parts = (observation.depth, observation.masks, observation.surfaces, np.eye(4), observation.detections)
+    writer.add(0.0, RGB, *parts)
+    assert (writer.close().masks(0) == observation.masks).all()
 
 
 def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
@@ -200,13 +190,13 @@ def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.Monke
     monkeypatch.setitem(sys.modules, "torch", types.SimpleNamespace())  # type: ignore[arg-type]
     monkeypatch.setitem(sys.modules, "transformers", library)
     (tmp_path / "owlv2").mkdir()
-    for models, name in ((None, loading.DETECTOR.hub), (tmp_path, str(tmp_path / "owlv2"))):
+    for models, name in ((None, loading.OWLV2.hub), (tmp_path, str(tmp_path / "owlv2"))):
         with pytest.raises(ValidationError, match="found no weights under") as error:
-            loading.load(loading.DETECTOR, models)
+            loading.load(loading.OWLV2, models)
         assert asked[-1] == name
         assert "\n" not in str(error.value)
     with pytest.raises(ValidationError, match="needed a newer version"):
-        loading.load(loading.SEGMENTER, None)
+        loading.load(loading.SAM2, None)
     with pytest.raises(ValidationError, match="one of eye, foundation"):
         make_predictor(VideoOptions(perception="magic"))
 
@@ -218,25 +208,79 @@ def chat(text: str) -> dict:
 def test_an_endpoints_list_becomes_leaves() -> None:
     answer = chat('```json\n{"categories": ["park bench", "bench", "qqq zzz", "car"]}\n```')
     assert listing.leaves_of(answer) == ["bench", "car"]
-    for text in ("no JSON", '{"things": []}', '{"categories": ["qqq zzz"]}', '{"categories": 3}'):
+    assert listing.leaves_of(chat('{"categories": ["qqq zzz"]}')) == []
+    for text in ("no JSON", '{"things": []}', '{"categories": 3}'):
         with pytest.raises(VisionError):
             listing.leaves_of(chat(text))
 
 
-def test_the_endpoint_is_shown_frames_from_all_of_the_tour(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
-) -> None:
+ENDPOINT = VisionEndpoint("https://x", "m")
+
+
+@pytest.fixture
+def asked(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> tuple[list[pathlib.Path], list[Any]]:
+    """40 frames, and the requests that an endpoint gets, whose answers name a tree and, once, a car."""
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "frames").mkdir()
     for k in range(40):
-        (tmp_path / f"{k:06d}.png").write_bytes(f"picture {k}".encode())
-    sent = []
-    monkeypatch.setattr(listing, "post", lambda endpoint, body: sent.append(body) or chat('{"categories": ["tree"]}'))
-    endpoint: Any = types.SimpleNamespace(model="m", url="https://x", key="")
-    assert listing.list_categories(endpoint, sorted(tmp_path.iterdir())) == ["tree"]
-    (body,) = sent
-    text, *shown = body["messages"][0]["content"]
-    assert len(shown) == listing.FRAMES
-    assert len({p["image_url"]["url"] for p in shown}) == listing.FRAMES
-    assert all(leaf in text["text"] for leaf in list(ontology.categories())[:20])
+        Image.fromarray(np.full((90, 1000, 3), 5 * k, np.uint8)).save(tmp_path / "frames" / f"{k:06d}.png")
+    sent: list[Any] = []
+
+    def answer(endpoint: VisionEndpoint, body: Any) -> Any:
+        sent.append(body)
+        return chat('{"categories": ["car", "tree"]}' if len(sent) == 2 else '{"categories": ["tree"]}')
+
+    monkeypatch.setattr(listing, "post", answer)
+    return sorted((tmp_path / "frames").iterdir()), sent
+
+
+def levels(bodies: list[Any]) -> list[int]:
+    """The grey level of each image that was sent, and the size that they have."""
+    found = []
+    for body in bodies:
+        for part in body["messages"][0]["content"][1:]:
+            raw = base64.b64decode(part["image_url"]["url"].partition(",")[2])
+            with Image.open(io.BytesIO(raw)) as image:
+                assert image.size == (listing.SIDE, round(90 * listing.SIDE / 1000))
+                found.append(round(float(np.asarray(image).mean()) / 5))
+    return found
+
+
+def test_the_endpoint_sees_every_third_frame_once(asked: tuple[list[pathlib.Path], list[Any]]) -> None:
+    images, sent = asked
+    said: list[str] = []
+    assert listing.list_categories(ENDPOINT, images, said.append) == ["tree", "car"]
+    assert levels(sent) == list(range(1, 40, 3))
+    assert len(sent) == 2
+    assert "m at https://x: 2 requests with 13 images" in said[0]
+    text = sent[0]["messages"][0]["content"][0]["text"]
+    assert all(leaf in text for leaf in list(ontology.categories())[:20])
+
+
+def test_the_cost_is_said_before_anything_is_sent(asked: tuple[list[pathlib.Path], list[Any]]) -> None:
+    images, sent = asked
+
+    def stop(sentence: str) -> None:
+        raise KeyboardInterrupt(sentence)
+
+    with pytest.raises(KeyboardInterrupt, match=r"2 requests with 13 images, .* MB, about [0-9,]+ tokens"):
+        listing.list_categories(ENDPOINT, images, stop)
+    assert sent == []
+
+
+def test_answers_are_kept(asked: tuple[list[pathlib.Path], list[Any]], tmp_path: pathlib.Path) -> None:
+    images, sent = asked
+    said: list[str] = []
+    first = listing.list_categories(ENDPOINT, images, said.append)
+    assert listing.list_categories(ENDPOINT, images, said.append) == first
+    assert len(sent) == 2
+    assert said[1] == "m: nothing to send; 2 answers are in the cache."
+    (one, _) = sorted((tmp_path / "cache" / "vision").iterdir())
+    one.write_text("{")  # cut off
+    listing.list_categories(ENDPOINT, images, said.append)
+    assert len(sent) == 3
+    listing.list_categories(VisionEndpoint("https://x", "other"), images[:3], said.append)
+    assert len(sent) == 4
 
 
 def test_unblurred_frames_are_never_sent(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:

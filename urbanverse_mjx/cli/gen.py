@@ -40,9 +40,15 @@ class GenArgs:
     """Detector of faces and number plates, which are blurred before a frame is stored: "haar", or "module:function" of
     your own; without it, no frame is sent to an endpoint."""
     perception: Literal["eye", "foundation"] = "eye"
-    """Perception model: "eye", the built-in network, or "foundation": OWLv2, SAM 2, Mask2Former and a depth model."""
+    """Perception model: "eye", the built-in network, or "foundation": a detector, Mask2Former and a depth model."""
+    detector: Literal["owlv2", "sam3"] = "owlv2"
+    """Detector of --perception foundation: OWLv2 with SAM 2, or SAM 3."""
     models: pathlib.Path | None = None
-    """Folder of the foundation models' weights (owlv2, sam2, mask2former, depth); default: from the hub."""
+    """Folder of weights: owlv2, sam2, sam3, mask2former and depth for --perception foundation, clip and dinov2 for
+    --retrieval neural; default: from the hub."""
+    retrieval: Literal["built-in", "neural"] = "built-in"
+    """Choice of assets: "built-in", by letters and words of labels and a descriptor of 61 numbers, or "neural", by
+    CLIP's vectors of labels and DINOv2's of crops and thumbnails."""
     licence: str = "unknown"
     """Licence of the video, for the records."""
     city: str = "unknown"
@@ -152,9 +158,10 @@ def _gen(args: GenArgs) -> int:
         None if args.models is None else str(args.models),
         args.allow_truncated,
         args.focal,
+        args.detector,
     )
     options = pipeline.GenerationOptions(
-        args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, video
+        args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, video, args.retrieval
     )
     print(json.dumps(pipeline.generate(args.source, args.out, options, args.quiet)))
     return 0

@@ -3,10 +3,12 @@
 from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
 from .plausible import check_placed, check_plausible, implausible_objects
 from .regional import check_city, localise
-from .shortlists import LeftOut
+from .shortlists import BUILT_IN, Embeddings, LeftOut
 
 __all__ = [
+    "BUILT_IN",
     "Cousin",
+    "Embeddings",
     "LeftOut",
     "check_city",
     "check_labels",

@@ -18,6 +18,7 @@ from .. import versions
 from ..assets import AssetIndex, load_hulls, nearest_leaves
 from ..assets.categories.ontology import category_of
 from ..assets.categories.priors import prior
+from ..assets.categories.semantics import TextEmbedder
 from ..assets.records import regional as regional_records
 from ..assets.records.store import catalogue_hash, recorded_content
 from ..assets.selection.matching import Matcher
@@ -34,7 +35,7 @@ from ..datatypes import (
 )
 from ..datatypes import validation as v
 from . import choice, clearance, clearing, ground_inpainting, kerbs, overlap, shortlists, standing, surroundings
-from .shortlists import Candidate, LeftOut
+from .shortlists import BUILT_IN, Candidate, Embeddings, LeftOut
 
 #: Part of the hashes of layouts.
 VERSION = f"cousins {versions.CODE['cousins'].version}"
@@ -77,6 +78,7 @@ def materialise_cousins(
     kerb: float = kerbs.KERB,
     objects: ObjectLibrary | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
+    embeddings: Embeddings = BUILT_IN,
 ) -> list[Cousin]:
     """Makes the first `count` cousins of a graph. The result is deterministic, and a larger count only appends layouts.
 
@@ -87,12 +89,14 @@ def materialise_cousins(
       kerb: m, height of sidewalks whose step to the road the graph does not show; 0 leaves them level.
       objects: the catalogue; default: the packaged one.
       hulls_of: function that returns the collision hulls of a record.
+      embeddings: neural embeddings of labels and crops; by default assets are chosen by letters, words and
+        descriptors.
 
     Raises:
       ValidationError: seed, count or kerb is out of range.
     """
     v.integer(count, "cousins", 1, MAX_COUSINS)
-    return _materialise(graph, range(count), seed, kerb, objects, hulls_of)
+    return _materialise(graph, range(count), seed, kerb, objects, hulls_of, embeddings)
 
 
 def materialise_cousin(
@@ -141,6 +145,7 @@ def _materialise(
     kerb: float,
     objects: ObjectLibrary | None,
     hulls_of: Callable[[AssetRecord], HullSet],
+    embeddings: Embeddings = BUILT_IN,
 ) -> list[Cousin]:
     """Makes cousins by number; steps that do not depend on the cousin are done once."""
     count = numbers[-1] + 1
@@ -151,7 +156,7 @@ def _materialise(
     flat = graph
     if kerb:
         flat, raised = kerbs.raise_sidewalks(graph, kerb)
-    leaves, nowhere = _leaves(flat.objects, _matcher(objects))
+    leaves, nowhere = _leaves(flat.objects, _matcher(objects), embeddings.text)
     nowhere += clearing.found_twice([obj for obj in flat.objects if obj.label in leaves])
     gone = {entry.id for entry in nowhere}
     if not COMPOSED.match(graph.source.video):
@@ -161,7 +166,7 @@ def _materialise(
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
-        found = shortlists.shortlist(series, _matcher(objects), objects)
+        found = shortlists.shortlist(series, _matcher(objects), objects, embeddings)
         one_each = shortlists.one_each(found, count, seed, f"{graph.id}/{series.key}")
         drawn |= {obj.id: one_each for obj in series.graph_objects}
         others |= {obj.id: found for obj in series.graph_objects}
@@ -223,13 +228,15 @@ def _catalogue_hash(objects: ObjectLibrary) -> str:
     return recorded_content(objects.table) or catalogue_hash(objects.table)
 
 
-def _leaves(graph_objects: Sequence[GraphObject], matcher: Matcher) -> tuple[dict[str, str], list[LeftOut]]:
+def _leaves(
+    graph_objects: Sequence[GraphObject], matcher: Matcher, text: TextEmbedder | None = None
+) -> tuple[dict[str, str], list[LeftOut]]:
     """Maps labels to leaves; also returns the objects whose label has none."""
     leaves: dict[str, str] = {}
     reasons: dict[str, str] = {}
     for label in dict.fromkeys(obj.label for obj in graph_objects):
         try:
-            leaves[label] = shortlists.leaf_for(label, matcher)
+            leaves[label] = shortlists.leaf_for(label, matcher, text)
         except ValidationError as error:
             reasons[label] = str(error)
     return leaves, [LeftOut(t.id, t.label, reasons[t.label]) for t in graph_objects if t.label in reasons]

@@ -5,12 +5,15 @@ for k cousins, preferring different base shapes.
 """
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from ..assets.categories.ontology import UnknownLabelError, category_of
 from ..assets.categories.priors import prior
-from ..assets.categories.semantics import rank_leaves
+from ..assets.categories.semantics import TextEmbedder, rank_leaves
 from ..assets.selection.matching import Match, Matcher
+from ..assets.selection.neural import ImageEmbedder
 from ..assets.selection.search import ObjectLibrary
 from ..datatypes import AssetRecord, GraphObject, ValidationError
 from . import choice
@@ -32,6 +35,26 @@ MAX_SIDE_RATIO, MAX_DESCRIPTOR_DIFFERENCE = 1.15, 12.0
 GROUND_LEAVES = frozenset({"road", "sidewalk"})
 #: Least score of a leaf (`semantics.rank_leaves`); labels below it only share some letters with the leaf.
 MIN_SCORE = 0.35
+
+
+@dataclasses.dataclass(frozen=True)
+class Embeddings:
+    """Neural embeddings for the first and the third step, where their weights are at hand.
+
+    Attributes:
+      text: of labels; None for letters and words.
+      image: of crops and thumbnails; None for the built-in descriptor alone.
+      crops: object id -> (H, W, 3) uint8, the object on a plain background; objects without one keep the order of
+        their descriptors.
+    """
+
+    text: TextEmbedder | None = None
+    image: ImageEmbedder | None = None
+    crops: Mapping[str, np.ndarray] = dataclasses.field(default_factory=dict)
+
+
+#: Letters, words and descriptors, without weights.
+BUILT_IN = Embeddings()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,29 +123,42 @@ def _alike(a: GraphObject, b: GraphObject) -> bool:
     )
 
 
-def leaf_for(label: str, matcher: Matcher) -> str:
+def leaf_for(label: str, matcher: Matcher, text: TextEmbedder | None = None) -> str:
     """The leaf from which the assets for a label are taken.
+
+    Args:
+      text: embedding of labels; None for letters and words.
 
     Raises:
       ValidationError: no leaf matches the label, or the label denotes ground; the message states which.
     """
     try:
-        nearest, score = rank_leaves(label, 1)[0]
+        nearest, score = rank_leaves(label, 1, text)[0]
     except UnknownLabelError as error:
         raise ValidationError(f"no leaf of the ontology is called anything like {label!r}") from error
     if nearest in GROUND_LEAVES:
         raise ValidationError(f"{label!r} is ground, which regions hold")
     if score < MIN_SCORE:
         raise ValidationError(f"no leaf of the ontology is called anything like {label!r}, the nearest is {nearest!r}")
-    return matcher.leaves(label)[0]
+    return matcher.leaves(label, text)[0]
 
 
-def shortlist(series: Series, matcher: Matcher, objects: ObjectLibrary) -> list[Candidate]:
+def shortlist(
+    series: Series, matcher: Matcher, objects: ObjectLibrary, embeddings: Embeddings = BUILT_IN
+) -> list[Candidate]:
     """Assets that fit the label and box of a series and have the same affordances, best first, at least one."""
     obj = series.graph_objects[0]
     matches = matcher.match(
-        obj.label, obj.size, obj.descriptor, count=DEPTH, slack=DISTORTION_SLACK, turn_gain=TURN_GAIN
-    )  # fmt: skip
+        obj.label,
+        obj.size,
+        obj.descriptor,
+        count=DEPTH,
+        text=embeddings.text,
+        slack=DISTORTION_SLACK,
+        turn_gain=TURN_GAIN,
+    )
+    if embeddings.image is not None and obj.id in embeddings.crops:
+        matches = matcher.rerank(matches, embeddings.crops[obj.id], embeddings.image)
     records = objects.records([m.uid for m in matches])
     wanted = affordances(records[0])
     along, across, up = obj.size

@@ -3,7 +3,9 @@
 1. Semantic: the label's leaves (`semantics.rank_leaves`); a leaf without shapes gets a substitute.
 2. Geometric: of their records, the 1,000 whose boxes need the least distortion to fit the object's box.
 3. Appearance: of those the ones most similar to the crop, by the built-in descriptor (`descriptors`) computed from the
-   records' parameters, or by DINOv2 over thumbnails (`neural.ImageEmbedder`).
+   records' parameters; `Matcher.rerank` orders the best of them by DINOv2 over thumbnails (`neural.ImageEmbedder`).
+
+Without weights the first step compares letters and words (TF-IDF) instead of CLIP's vectors, and there is no `rerank`.
 """
 
 import dataclasses
@@ -61,6 +63,7 @@ class Matcher:
         # Records of the catalogue are made from base shapes of the index; imported assets are their own base shapes.
         self._index = index or AssetIndex((*load_index().records, *self._objects.imported()))
         self._of_leaf: dict[str, _Leaf] = {}
+        self._thumbnails: dict[tuple[ImageEmbedder, str], NDArray] = {}
 
     def match(
         self,
@@ -117,10 +120,18 @@ class Matcher:
         return matches
 
     def rerank(self, matches: Sequence[Match], crop: np.ndarray, embedder: ImageEmbedder) -> list[Match]:
-        """Sorts matches by a neural image embedding of the crop and of their thumbnails, which are drawn if missing."""
-        thumbnails = self._objects.load_thumbnails([m.uid for m in matches])
-        vectors = embedder([crop, *(thumbnails[m.uid] for m in matches)])
-        appearance_distance = 1.0 - vectors[1:] @ vectors[0]
+        """Sorts matches by a neural image embedding of the crop and of their thumbnails.
+
+        Thumbnails are drawn if missing; each is encoded once by an embedder.
+
+        Args:
+          crop: (H, W, 3) uint8, the object on a plain background like that of the thumbnails.
+        """
+        missing = [uid for uid in dict.fromkeys(m.uid for m in matches) if (embedder, uid) not in self._thumbnails]
+        images = self._objects.load_thumbnails(missing)
+        vectors = embedder([crop, *(images[uid] for uid in missing)])
+        self._thumbnails |= {(embedder, uid): x for uid, x in zip(missing, vectors[1:], strict=True)}
+        appearance_distance = 1.0 - np.stack([self._thumbnails[embedder, m.uid] for m in matches]) @ vectors[0]
         order = np.argsort(appearance_distance, kind="stable")
         return [dataclasses.replace(matches[k], appearance_distance=float(appearance_distance[k])) for k in order]
 

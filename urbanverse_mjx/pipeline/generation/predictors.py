@@ -38,4 +38,5 @@ def make_predictor(video: VideoOptions, frames: pathlib.Path | None = None) -> P
             )
         images = sorted(p for p in frames.iterdir() if p.suffix == ".png")
         labels = list_categories(endpoint, images)
-    return FoundationPredictor.load(labels, None if video.models is None else pathlib.Path(video.models))
+    models = None if video.models is None else pathlib.Path(video.models)
+    return FoundationPredictor.load(labels, models, video.detector)

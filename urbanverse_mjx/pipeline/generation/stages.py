@@ -15,6 +15,7 @@ from ...progress import Progress
 from ...work_folder import work_folder
 from . import compiling
 from .checks import check_cousins, check_graph, leave_out_implausible
+from .embeddings import check_packages, load_embeddings
 from .run_folder import Clock, RunFolder, key_of
 from .sources import Input, recognise
 from .video_options import VideoOptions
@@ -34,6 +35,7 @@ class GenerationOptions:
       usd: whether to write each scene as USD too.
       pictures: whether the report has rendered images.
       workers: number of compiling processes; None for one per core.
+      retrieval: how assets are chosen: "built-in", by words and descriptors, or "neural", by CLIP and DINOv2.
       video: metadata of a video or folder of frames, and options of its perception.
     """
 
@@ -44,6 +46,7 @@ class GenerationOptions:
     pictures: bool = True
     workers: int | None = None
     video: VideoOptions = dataclasses.field(default_factory=VideoOptions)
+    retrieval: str = "built-in"
 
 
 def generate(
@@ -67,6 +70,7 @@ def generate(
     """
     options = options or GenerationOptions()
     v.integer(options.cousins, "--cousins", 1, 64)
+    check_packages(options.retrieval)
     given = recognise(os.fspath(source))
     with RunFolder.open(out, str(given.path)) as run, Progress(quiet) as progress:
         recording, key = _recording(run, progress, options.video, given)
@@ -143,7 +147,9 @@ def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.
 
 def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, before: str) -> str:
     """Stage of `cousins/<k>/layout.json` and `materialisation.json`."""
-    wanted = {"cousins": options.cousins, "seed": options.seed, "kerb": options.kerb}
+    wanted: dict[str, Any] = {"cousins": options.cousins, "seed": options.seed, "kerb": options.kerb}
+    if options.retrieval != "built-in":
+        wanted |= {"retrieval": options.retrieval, "models": options.video.models}
     key = key_of("cousins", stage="cousins", before=before, assets=settings.assets_digest(), **wanted)
     report = progress.task("cousins", options.cousins)
     folders = [f"{COUSINS}/{k}/{compiling.LAYOUT}" for k in range(options.cousins)]
@@ -153,7 +159,9 @@ def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, bef
 
         clock = Clock()
         graph = SceneGraph.load(run.path / GRAPH / "graph.json")
-        made = materialise_cousins(graph, options.cousins, options.seed, options.kerb)
+        crops = run.path / GRAPH / "crops" / "objects"
+        embeddings = load_embeddings(options.retrieval, options.video.models, graph, crops)
+        made = materialise_cousins(graph, options.cousins, options.seed, options.kerb, embeddings=embeddings)
         check_cousins(graph, made)
         with run.replacing(COUSINS) as folder:
             for k, cousin in enumerate(made):

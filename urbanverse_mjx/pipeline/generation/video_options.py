@@ -2,6 +2,9 @@
 
 import dataclasses
 
+#: How assets are chosen: by words and descriptors, or by CLIP and DINOv2.
+RETRIEVALS = ("built-in", "neural")
+
 
 @dataclasses.dataclass(frozen=True)
 class VideoOptions:
@@ -11,7 +14,8 @@ class VideoOptions:
       rate: frames taken per second.
       camera_height: m above the ground that the camera's carrier walks on, which determines the metric scale.
       perception: model that finds objects: "eye", the built-in one, or "foundation".
-      models: folder of the latter.
+      models: folder of the latter's weights.
+      detector: of the latter: "owlv2" (with SAM 2) or "sam3".
       blur: detector of faces and plates, which are made unreadable before a frame is stored; None for no blurring.
       focal: mm, 35-mm equivalent focal length of the lens; None for the images' EXIF data, else an estimate.
       allow_truncated: whether a film that ends before its stated length is used as far as it goes.
@@ -28,3 +32,4 @@ class VideoOptions:
     models: str | None = None
     allow_truncated: bool = False
     focal: float | None = None
+    detector: str = "owlv2"

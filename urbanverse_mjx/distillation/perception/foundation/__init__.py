@@ -1,5 +1,7 @@
-"""`Predictor` implemented by foundation models, whose weights are needed: OWLv2, SAM 2, Mask2Former, metric depth."""
+"""`Predictor` implemented by foundation models, whose weights are needed: OWLv2 and SAM 2 or SAM 3, Mask2Former, metric
+depth."""
 
+from .detectors import DETECTORS
 from .predictor import FoundationPredictor
 
-__all__ = ["FoundationPredictor"]
+__all__ = ["DETECTORS", "FoundationPredictor"]

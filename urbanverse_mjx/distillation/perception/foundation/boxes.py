@@ -14,6 +14,10 @@ class Boxes:
     label: np.ndarray
     score: np.ndarray
 
+    def take(self, rows: Sequence[int]) -> "Boxes":
+        """Some of the objects, by row."""
+        return Boxes(self.box[rows], self.label[rows], self.score[rows])
+
 
 def decode_owl(logits: np.ndarray, boxes: np.ndarray, height: int, width: int, least: float) -> Boxes:
     """Decodes the output of OWLv2 (Minderer et al., NeurIPS 2023).
@@ -47,6 +51,11 @@ def joined(parts: Sequence[Boxes], starts: Sequence[int]) -> Boxes:
 def suppressed(found: Boxes, most: float = 0.6) -> Boxes:
     """Keeps the box with the highest score of those that overlap by more than `most` (intersection over union),
     whatever their labels, because similar words find one object twice."""
+    return found.take(rows_kept(found, most))
+
+
+def rows_kept(found: Boxes, most: float = 0.6) -> list[int]:
+    """The rows that `suppressed` keeps, highest score first."""
     order = np.argsort(-found.score, kind="stable")
     kept: list[int] = []
     for i in order:
@@ -56,7 +65,7 @@ def suppressed(found: Boxes, most: float = 0.6) -> Boxes:
         joint = _area(found.box[i]) + _area(found.box[kept]) - shared
         if not (shared > most * joint).any():
             kept.append(int(i))
-    return Boxes(found.box[kept], found.label[kept], found.score[kept])
+    return kept
 
 
 def _area(box: np.ndarray) -> np.ndarray:

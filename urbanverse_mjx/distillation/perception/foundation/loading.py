@@ -17,8 +17,9 @@ class Part:
     processor: str
 
 
-DETECTOR = Part("owlv2", "google/owlv2-base-patch16-ensemble", "Owlv2ForObjectDetection", "Owlv2Processor")
-SEGMENTER = Part("sam2", "facebook/sam2.1-hiera-small", "Sam2Model", "Sam2Processor")
+OWLV2 = Part("owlv2", "google/owlv2-base-patch16-ensemble", "Owlv2ForObjectDetection", "Owlv2Processor")
+SAM2 = Part("sam2", "facebook/sam2.1-hiera-small", "Sam2Model", "Sam2Processor")
+SAM3 = Part("sam3", "facebook/sam3", "Sam3Model", "Sam3Processor")
 GROUND = Part(
     "mask2former",
     "facebook/mask2former-swin-large-mapillary-vistas-semantic",
