@@ -142,6 +142,27 @@ def test_seconds_without_a_key_give_back() -> None:
     assert not teleop.held
 
 
+def test_a_key_that_was_held_all_the_time_drives_on_when_a_page_that_hung_answers_again() -> None:
+    teleop = Teleop(give_back_after=2.0)
+    teleop.receive(1, keys("KeyW"), 0.0)
+    assert teleop.command(0.01) == (1.0, 0.0)
+    assert teleop.command(1.9) == STOP
+    assert teleop.command(2.1) is None
+    teleop.receive(1, keys("KeyW"), 3.0)
+    assert teleop.command(3.01) == (1.0, 0.0)
+    # Given back by the switch, the key is ignored until it is pressed again.
+    teleop.receive(1, keys("KeyW", "KeyT"), 3.1)
+    teleop.receive(1, keys("KeyW"), 9.0)
+    assert teleop.command(9.01) is None
+    # Nothing is held: nobody drives.
+    teleop.receive(1, keys(), 9.1)
+    teleop.receive(1, keys("KeyW"), 9.2)
+    teleop.receive(1, keys(), 9.3)
+    assert teleop.command(20.0) is None
+    teleop.receive(1, keys(), 21.0)
+    assert teleop.command(21.0) is None
+
+
 def test_with_zero_seconds_only_the_switch_gives_back() -> None:
     teleop = Teleop(give_back_after=0.0)
     teleop.receive(1, keys("KeyW"), 0.0)

@@ -39,7 +39,7 @@ class RecordPage(DrivePage):
           the session, or None where the recording ends before it.
         """
         self._note = note
-        while True:
+        while self._wanted != "end":
             going, self._wanted = self.playing, None
             session = make()
             self.begin(session)
@@ -47,9 +47,11 @@ class RecordPage(DrivePage):
             if going and session.machine.policy.name != NOBODY:
                 self._run()
             self.run(lambda session=session: session.over or self._wanted is not None or until())
-            if self._wanted == "again":
-                continue
-            return session if session.over else None
+            # A click during the last step is about this episode.
+            self._obey()
+            if self._wanted != "again":
+                return session if session.over else None
+        return None
 
     def show_note(self, text: str) -> None:
         """Shows a message while no episode runs."""

@@ -142,11 +142,18 @@ class _Browser:
     received: float
 
 
+def _forget_keys(browser: _Browser) -> None:
+    """Lets driving keys that are still held in a browser's next message count as newly pressed."""
+    others = browser.inputs.keys - DRIVE_KEYS.keys()
+    browser.inputs = dataclasses.replace(browser.inputs, keys=others)
+
+
 class Teleop:
     """Decides whether the policy or a person at one of the browsers drives.
 
     A newly pressed key that drives, or the switch (T, or A on a gamepad), takes over. The switch gives back, and so do
-    some seconds without input. A stick alone does not take over: it may be off centre. One browser drives at a time.
+    some seconds without input; where a page hung for so long, a key that is held when it answers again takes over. A
+    stick alone does not take over: it may be off centre. One browser drives at a time.
 
     Args:
       give_back_after: s without input after which the policy drives again; 0 = only by the switch.
@@ -212,8 +219,7 @@ class Teleop:
             self._latencies.clear()
             if held_keys:
                 for browser in self._browsers.values():
-                    others = browser.inputs.keys - DRIVE_KEYS.keys()
-                    browser.inputs = dataclasses.replace(browser.inputs, keys=others)
+                    _forget_keys(browser)
 
     @property
     def held(self) -> bool:
@@ -242,6 +248,9 @@ class Teleop:
                 self._moved = now
             if self.give_back_after and now - self._moved > self.give_back_after:
                 self._owner = None
+                if browser is not None:
+                    # Only of a browser that sent nothing is a key held still: it hung, and the person drives on.
+                    _forget_keys(browser)
                 return None
             tapped, self._tapped = self._tapped, set()
             self._commanded, self._events = self._commanded + self._events, []
