@@ -2,26 +2,37 @@
 
     python -m benchmarks.recording --cases 135x240@512,54x96@512 --num-episodes 512,1536
     python -m benchmarks.recording --with depth,segmentation,boxes --formats lerobot,coco --append rows.jsonl
+    python -m benchmarks.recording --once --cases 135x240@1024 --num-episodes 8192  # compiles once
 
 Each case is recorded with both numbers of episodes, once to fill the caches of compiled programs and then once each;
 `frames_per_s` is the difference of the frames by that of the seconds, so that compiling and loading are in neither.
 Of the parts each runs alone over the episodes of the smaller number, compiled before: driving, drawing, encoding in as
 many threads as there are cores, and writing; `bound_frames_per_s` is the rate of the slowest, which the whole, whose
 parts run at the same time, does not exceed where they share no core; `..._processor_ms` are a part's processor time for
-a frame, of all threads together, which other processes change less. Each result is one JSON line, printed and appended
-to `--append`; a case that fails is a line with "error", and the next one follows.
+a frame, of all threads together, which other processes change less.
+
+With `--once` each case is a single recording of `--num-episodes`: `frames_per_s` is that of the frames on disk between
+two writes of its files, the first with a tenth of the frames and the last; `cores` is the processor time in it, in
+processors, of the threads that draw, drive ("ahead"), encode and write, of all others, and of ffmpeg.
+
+Each result is one JSON line, printed and appended to `--append`; a case that fails is a line with "error", and the next
+one follows.
 """
 
 import argparse
+import collections
 import concurrent.futures
+import contextlib
 import dataclasses
 import itertools
 import json
 import os
 import pathlib
+import re
 import resource
 import shutil
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -31,6 +42,7 @@ import jax
 
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.datasets import DatasetWriter
+from urbanverse_mjx.datasets.features import INFO_PATH
 from urbanverse_mjx.pipeline.recording import record
 from urbanverse_mjx.pipeline.recording.cameras import Drawn
 from urbanverse_mjx.pipeline.recording.driving import BatchDrive, Driven, drawn_episodes
@@ -41,6 +53,8 @@ from urbanverse_mjx.work_folder import work_folder
 
 #: Bytes of drawn frames that are kept for timing the encoder.
 _KEPT = 2**30
+#: s between two looks at what is on disk.
+_LOOK_EVERY = 0.02
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
@@ -51,6 +65,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     add("--formats", default="lerobot", help="comma list")
     add("--with", dest="sensors", default="", help="comma list of sensors, as in urbanverse record")
     add("--num-episodes", default="64,192", metavar="A,B", help="of the two recordings that are compared")
+    add("--once", action="store_true", help="one recording a case, of a dataset as LeRobot has it")
     add("--policy", default="random")
     add("--preset", default="paper")
     add("--scenes", default="all")
@@ -62,9 +77,16 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 def cases(args: argparse.Namespace) -> Iterator[tuple[int, pipeline.RecordOptions]]:
     """(larger number of episodes, options with the smaller one) of each case."""
-    few, many = (int(word) for word in args.num_episodes.split(","))
-    if not 0 < few < many:
+    numbers = [int(word) for word in args.num_episodes.split(",")]
+    if args.once:
+        numbers = [numbers[-1], numbers[-1] + 1]
+        if args.formats.split(",") != ["lerobot"]:
+            raise SystemExit(
+                f"--once: found --formats {args.formats}, needed lerobot, which counts its frames on disk."
+            )
+    if len(numbers) != 2 or not 0 < numbers[0] < numbers[1]:
         raise SystemExit(f"--num-episodes: found {args.num_episodes}, needed two numbers, the second the larger.")
+    few, many = numbers
     for case, form in itertools.product(args.cases.split(","), args.formats.split(",")):
         size, _, envs = case.partition("@")
         height, width = (int(word) for word in size.split("x"))
@@ -104,6 +126,66 @@ def whole(options: pipeline.RecordOptions, many: int, disk: pathlib.Path) -> dic
         "frames_per_s": round(frames / seconds, 1),
         "kilobytes_per_frame": round(size / all_["frames"] / 1e3, 2),
     }
+
+
+def once(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]:
+    """Rate of a single recording, from its files while it is written.
+
+    Raises:
+      RuntimeError: it was written at once.
+    """
+    folder, ended = disk / "dataset", threading.Event()
+    #: s, frames on disk, and processor time so far by thread, whenever there were more frames.
+    seen: list[tuple[float, int, dict[str, float]]] = []
+
+    def watch() -> None:
+        path = folder / INFO_PATH
+        while not ended.wait(_LOOK_EVERY):
+            with contextlib.suppress(FileNotFoundError):
+                count = json.loads(path.read_text(encoding="utf-8"))["total_frames"]
+                if count and (not seen or count > seen[-1][1]):
+                    seen.append((time.perf_counter(), count, processor_seconds_by_thread()))
+
+    watching = threading.Thread(target=watch, name="watch", daemon=True)
+    watching.start()
+    try:
+        said = pipeline.record(folder, options)
+    finally:
+        ended.set()
+        watching.join()
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    shutil.rmtree(folder)
+    first = next(row for row in seen if 10 * row[1] >= said["frames"])
+    last = seen[-1]
+    if last is first:
+        raise RuntimeError(f"found {said['frames']} frames that were written at once, needed more --num-episodes.")
+    seconds = last[0] - first[0]
+    return {
+        "frames": said["frames"],
+        "seconds": said["seconds"],
+        "counted_frames": last[1] - first[1],
+        "counted_seconds": round(seconds, 2),
+        "frames_per_s": round((last[1] - first[1]) / seconds, 1),
+        "kilobytes_per_frame": round(size / said["frames"] / 1e3, 2),
+        "cores": {name: round((busy - first[2].get(name, 0.0)) / seconds, 2) for name, busy in last[2].items()},
+        "results": said["results"],
+    }
+
+
+def processor_seconds_by_thread() -> dict[str, float]:
+    """s of processor time so far of this process's threads by their names without numbers; "other": those that Python
+    did not start, such as JAX's, and ended ones; "ffmpeg": children that have ended."""
+    ticks = os.sysconf("SC_CLK_TCK")
+    found: dict[str, float] = collections.defaultdict(float)
+    for thread in threading.enumerate():
+        with contextlib.suppress(OSError):  # it has ended
+            stat = pathlib.Path(f"/proc/self/task/{thread.native_id}/stat").read_text(encoding="utf-8")
+            user, system = stat.rpartition(")")[2].split()[11:13]
+            found[re.split(r"[-_]?\d", thread.name)[0]] += (int(user) + int(system)) / ticks
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    found["ffmpeg"] = children.ru_utime + children.ru_stime
+    found["other"] = processor_seconds() - sum(found.values())
+    return dict(found)
 
 
 def parts(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]:
@@ -175,13 +257,13 @@ def frames(episode: Driven) -> int:
     return len(episode.steps.running)
 
 
-def measured(options: pipeline.RecordOptions, many: int, disk: pathlib.Path) -> dict[str, Any]:
-    """The row of a case."""
+def measured(options: pipeline.RecordOptions, many: int, disk: pathlib.Path, single: bool) -> dict[str, Any]:
+    """The row of a case; single: one recording, else as many as `whole` makes."""
     device = jax.devices()[0]
     row: dict[str, Any] = {
         "size": "x".join(map(str, options.size)),
         "num_envs": options.num_envs,
-        "num_episodes": [options.num_episodes, many],
+        "num_episodes": options.num_episodes if single else [options.num_episodes, many],
         "format": options.format,
         "sensors": list(options.sensors),
         "policy": options.policy,
@@ -191,7 +273,8 @@ def measured(options: pipeline.RecordOptions, many: int, disk: pathlib.Path) -> 
         "load": round(os.getloadavg()[0], 2),
     }
     try:
-        return {**row, **parts(options, disk), **whole(options, many, disk)}
+        found = once(options, disk) if single else {**parts(options, disk), **whole(options, many, disk)}
+        return {**row, **found}
     except Exception as error:
         traceback.print_exc()
         return {**row, "error": f"{type(error).__name__}: {error}"}
@@ -203,7 +286,7 @@ def main(argv: list[str] | None = None) -> int:
     failed = False
     with work_folder("urbanverse-recording-", args.disk) as disk:
         for number, (many, options) in enumerate(cases(args)):
-            row = measured(options, many, disk / str(number))
+            row = measured(options, many, disk / str(number), args.once)
             failed |= "error" in row
             print(json.dumps(row), flush=True)
             if args.append:

@@ -2,6 +2,8 @@
 
 import json
 import pathlib
+import threading
+import time
 import types
 from typing import Any
 
@@ -46,6 +48,62 @@ def test_each_case_is_a_row(
         assert row["frames_per_s"] == 10.0
         assert row["kilobytes_per_frame"] == round(1 / STEPS, 2)
     assert list((tmp_path / "disk").iterdir()) == []
+
+
+def test_one_recording_is_timed_by_its_files(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Frames are on disk at known times; the first tenth of them, and what comes before, are not counted."""
+    now, seen = [0.0], threading.Semaphore(0)
+    monkeypatch.setattr(recording, "time", types.SimpleNamespace(perf_counter=lambda: now[0]))
+
+    def busy() -> dict[str, float]:
+        seen.release()
+        return {"encode": 3.0 * now[0], "ffmpeg": 0.5 * now[0] ** 2}
+
+    def recorded(folder: pathlib.Path, options: Any) -> dict[str, Any]:
+        assert options.num_episodes == 7
+        (folder / "meta").mkdir(parents=True)
+        for seconds, frames in ((8.0, 1), (10.0, 10), (11.0, 55), (15.0, 100)):
+            now[0] = seconds
+            part = folder / "part"
+            part.write_text(json.dumps({"total_frames": frames}))
+            part.replace(folder / "meta/info.json")
+            assert seen.acquire(timeout=60.0)
+        return {"frames": 100, "seconds": 15.0, "results": {}}
+
+    monkeypatch.setattr(recording.pipeline, "record", recorded)
+    monkeypatch.setattr(recording, "processor_seconds_by_thread", busy)
+    assert recording.main(["--once", "--cases", "24x32@2", "--num-episodes", "7", "--disk", str(tmp_path)]) == 0
+    row = json.loads(capsys.readouterr().out)
+    assert (row["num_episodes"], row["frames"]) == (7, 100)
+    assert (row["counted_frames"], row["counted_seconds"], row["frames_per_s"]) == (90, 5.0, 18.0)
+    assert row["cores"] == {"encode": 3.0, "ffmpeg": 12.5}
+    with pytest.raises(SystemExit, match="needed lerobot"):
+        recording.main(["--once", "--formats", "coco"])
+
+
+def test_the_processor_time_of_each_thread_is_told_by_its_name() -> None:
+    ended = threading.Event()
+
+    def work() -> None:
+        end = time.thread_time() + 0.5
+        while time.thread_time() < end:
+            pass
+        ended.wait()
+
+    threads = [threading.Thread(target=work, name=f"worker_{number}", daemon=True) for number in range(2)]
+    before = recording.processor_seconds_by_thread()
+    for thread in threads:
+        thread.start()
+    deadline = time.monotonic() + 120.0
+    while (found := recording.processor_seconds_by_thread()).get("worker", 0.0) < 0.9:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    ended.set()
+    assert found["worker"] < 1.3
+    assert found["MainThread"] >= before["MainThread"]
+    assert {"ffmpeg", "other"} <= found.keys()
 
 
 def test_a_case_that_fails_is_a_row_with_its_error(
