@@ -12,7 +12,7 @@ from ... import settings as process
 from ...datatypes import SceneBank
 from ...geometry import rotations
 from ..threads import run_all
-from . import street_coverage, street_draw
+from . import street_coverage, street_draw, street_packets
 from .light_bake import Baker, light_tables
 from .meshes import RenderMeshes
 from .model import FAR_PLANE, RenderModel, images
@@ -28,6 +28,8 @@ from .street_tree import Trees, as_floats, build_trees, joined
 _LEAF_SIZE = 4
 #: Triangles whose rows are computed at once by a thread: 60 MB of temporary arrays.
 _PART = 1 << 16
+#: Rays of a thread whose hits are kept at once: they stay in the processor's cache.
+_RAYS = 1 << 16
 
 
 def _rows(*columns: np.ndarray) -> np.ndarray:
@@ -127,7 +129,13 @@ class Streets:
         self.num_shades = 0
         if settings.light == "baked" and "rgb" in settings.outputs:
             self._add_baked_light(bank, model)
-        self.draw = street_draw.build_draw_kernel(settings, FAR_PLANE, bank.sky_radiance.shape[2])
+        #: Finds the first hits of a camera's rays on a CPU, before the image is drawn with them; else None.
+        self.cast = None
+        if wp.get_device().is_cpu and settings.scan is None:
+            self.cast = street_packets.build_cast_kernel(settings.bodies > 0)
+        self.draw = street_draw.build_draw_kernel(
+            settings, FAR_PLANE, bank.sky_radiance.shape[2], self.cast is not None
+        )
         if COVERAGE in settings.outputs:
             ground = self._is_ground[: self.street.num_objects]
             self.columns, self._lists = street_coverage.make_columns(
@@ -325,6 +333,16 @@ class StreetBatch:
         self._shades = wp.zeros(max(num_worlds * SHADE * shades, 1), dtype=wp.vec4)
         self._shaded = wp.zeros(num_worlds * (shades + 1), dtype=int)
         self.views.shades, self.views.shaded = self._shades.ptr or 0, self._shaded.ptr or 0
+        settings = streets.settings
+        self._image = settings.width * settings.samples, settings.height * settings.samples
+        self._packets = street_packets.num_packets(*self._image)
+        self._at_once, self._hits = num_worlds, []
+        if streets.cast is not None:
+            rays = self._packets * street_packets.LANES
+            largest = max(last - first for first, last in self.pieces)
+            self._at_once = min(max(1, _RAYS // rays), largest)
+            size = self._at_once * rays * street_packets.HIT
+            self._hits = [wp.empty(size, dtype=int) for _ in self.pieces]
         if COVERAGE in streets.settings.outputs:
             self._shown = wp.zeros((num_worlds, streets.num_columns), dtype=int)
 
@@ -346,15 +364,22 @@ class StreetBatch:
         counted = None
         if COVERAGE in settings.outputs:
             counted = scene, outputs["object"], outputs[COVERAGE]
-        return [functools.partial(self._draw, *piece, [*kept, *out], counted) for piece in self.pieces]
+        return [functools.partial(self._draw, piece, [*kept, *out], counted) for piece in range(len(self.pieces))]
 
-    def _draw(
-        self, first: int, last: int, arguments: list[object], counted: tuple[wp.array, wp.array, wp.array] | None
-    ) -> None:
-        """Draws some worlds; counted: scenes, labels and coverage, where that is wanted."""
-        settings = self.streets.settings
-        dim = (last - first, settings.height * settings.width)
-        wp.launch(self.streets.draw, dim=dim, inputs=[first, *arguments], block_dim=street_draw.BLOCK[0])
+    def _draw(self, piece: int, arguments: list[object], counted: tuple[wp.array, wp.array, wp.array] | None) -> None:
+        """Draws the worlds of a piece; counted: scenes, labels and coverage, where that is wanted."""
+        s, settings = self.streets, self.streets.settings
+        first, last = self.pieces[piece]
+        pixels = settings.height * settings.width
+        hits = self._hits[piece].ptr or 0 if self._hits else 0
+        for begin in range(first, last, self._at_once):
+            number = min(self._at_once, last - begin)
+            if s.cast is not None:
+                street, views, scene, roots = arguments[:4]
+                inputs = [begin, *self._image, self._packets, FAR_PLANE, street, views, scene, roots, hits]
+                wp.launch(s.cast, dim=(number, self._packets), inputs=inputs)
+            inputs = [begin, *arguments, hits]
+            wp.launch(s.draw, dim=(number, pixels), inputs=inputs, block_dim=street_draw.BLOCK[0])
         if counted is not None:
             self._count(first, last, *counted)
         self.streets.ready = True

@@ -13,6 +13,8 @@ from .pbr_private import srgb_oetf
 from .settings import OUTPUTS, Scan, Settings
 from .street_kernels import Street, Views
 from .street_light import exposure
+from .street_native import as_hit
+from .street_packets import found_at, hit_index
 from .street_shade import Skies, Surface, make_background, make_display, make_shade, make_surface
 
 #: Rows of the bands in which a frame's pixels are drawn, column by column: a warp of the GPU draws 8x4 pixels, whose
@@ -23,10 +25,10 @@ _BAND = 8
 BLOCK = (64, 14)
 
 
-def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kernel:
+def build_draw_kernel(settings: Settings, far: float, sky_width: int, packets: bool) -> wp.Kernel:
     """The kernel for images of one size; dim (worlds, pixels).
 
-    far: m, end of all rays; sky_width: texels around a sky.
+    far: m, end of all rays; sky_width: texels around a sky; packets: the rays' first hits are already in `hits`.
     """
     height, width, samples = settings.height, settings.width, settings.samples
     want_rgb, want_depth, want_category, want_object, want_normal = (name in settings.outputs for name in OUTPUTS)
@@ -68,6 +70,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
         category: wp.array3d[int],
         object: wp.array3d[int],
         normals: wp.array3d[wp.vec3],
+        hits: wp.uint64,
     ):
         i, pixel = wp.tid()
         world = first + i
@@ -105,7 +108,17 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
             gap = at[3] * wp.static(2.0 * share / height) / length
             lean = x * wp.static(width / height) * at[3] / length
             spread = gap * wp.sqrt(wp.max(1.0 - lean * lean, 0.0))
-            hit = nearest_hit(street, views, root, world, origin, direction, wp.static(far) * length)
+            if wp.static(packets):
+                index = hit_index(
+                    wp.static(width * samples),
+                    wp.static(height * samples),
+                    i,
+                    px * samples + s % samples,
+                    py * samples + s // samples,
+                )
+                hit = as_hit(found_at(hits, index))
+            else:
+                hit = nearest_hit(street, views, root, world, origin, direction, wp.static(far) * length)
             seen = Surface()
             radiance = wp.vec3(0.0)
             obj = hit.object_row
