@@ -1,6 +1,5 @@
 """Driving with a headset that is simulated in a real browser: what it shows, its controllers, browsers without one."""
 
-import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -9,12 +8,8 @@ import pytest
 from PIL import Image
 
 from tests.support.box_machine import box_machine
-from tests.support.browser import browser
-from tests.viewer.test_teleop_page import Streets, speeds, wait
+from tests.support.driven_page import DrivenPage, driven_page, speeds, wait
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.viewer.front import Front, served
-from urbanverse_mjx.viewer.page import Page
-from urbanverse_mjx.viewer.teleop import Teleop
 
 pytestmark = pytest.mark.slow
 #: A view of 90 degrees at the origin that looks along -z, on a canvas of the page. `window.xr` is set by the test.
@@ -71,28 +66,13 @@ IMAGE[:18, :32] = 230, 180, 60
 
 
 @pytest.fixture(scope="module")
-def worn(small_bank: SceneBank) -> Iterator[tuple[Page, Teleop, Front, Any]]:
-    """A page that runs in a thread, and a browser's tab with it, whose headset is simulated."""
-    teleop, machine = Teleop(give_back_after=0.0), box_machine(small_bank)
+def worn(small_bank: SceneBank) -> Iterator[DrivenPage]:
+    """A page with a headset that is simulated, for which alone the image is drawn."""
+    machine = box_machine(small_bank)
     machine.camera_image = lambda nav: IMAGE.copy()  # type: ignore[method-assign]
-    streets = Streets(machine)
-    with served("127.0.0.1", 0, teleop) as (server, front):
-        page = Page(server, streets, streets.scenes[0], "go_to_goal", teleop=teleop)
-        page._sees.value = False  # the image is drawn for the headset alone
-        front.show(page)
-        thread = threading.Thread(target=page.run, daemon=True)
-        thread.start()
-        try:
-            with browser() as chromium:
-                tab = chromium.new_page(viewport={"width": 700, "height": 500})
-                tab.add_init_script(f"if (window === top) {{ {_HEADSET} }}")
-                tab.goto(front.address)
-                tab.frame_locator("#viser").get_by_role("button", name="Play").wait_for(timeout=240_000)
-                yield page, teleop, front, tab
-        finally:
-            page.stop()
-            thread.join(60.0)
-    assert not thread.is_alive()
+    script = f"if (window === top) {{ {_HEADSET} }}"
+    with driven_page(machine, 0.0, script, (700, 500), with_image=False) as found:
+        yield found
 
 
 def pixels(tab: Any) -> np.ndarray:
@@ -102,7 +82,7 @@ def pixels(tab: Any) -> np.ndarray:
     return np.array(tab.evaluate("window.xr.pixels"), np.uint8).reshape(240, 240, 4)[::-1, :, :3]
 
 
-def test_a_browser_without_a_headset_says_so(worn: tuple[Page, Teleop, Front, Any]) -> None:
+def test_a_browser_without_a_headset_says_so(worn: DrivenPage) -> None:
     tab = worn[3]
     for state, said in (
         ("absent = true", "This browser has no WebXR"),
@@ -120,7 +100,7 @@ def test_a_browser_without_a_headset_says_so(worn: tuple[Page, Teleop, Front, An
     tab.evaluate("delete window.isSecureContext; window.xr.absent = false")
 
 
-def test_a_headset_shows_the_camera_and_its_controllers_drive(worn: tuple[Page, Teleop, Front, Any]) -> None:
+def test_a_headset_shows_the_camera_and_its_controllers_drive(worn: DrivenPage) -> None:
     page, teleop, front, tab = worn
     assert page.image is None
     tab.get_by_role("button", name="Headset").click()

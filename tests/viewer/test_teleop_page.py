@@ -5,7 +5,7 @@ import json
 import pathlib
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,8 @@ from PIL import Image
 from websockets.sync.client import connect
 
 from tests.support.box_machine import box_machine
-from tests.support.browser import browser
+from tests.support.driven_page import DrivenPage, driven_page, speeds, wait
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.viewer.front import Front, served
-from urbanverse_mjx.viewer.page import Page
-from urbanverse_mjx.viewer.session import Machine
-from urbanverse_mjx.viewer.teleop import Teleop
 
 pytestmark = pytest.mark.slow
 #: A gamepad as the browser's interface describes it; `window.pad` is set by the test.
@@ -34,47 +30,15 @@ navigator.getGamepads = () => [null, window.pad && gamepad()];
 """
 
 
-class Streets:
-    """The box streets, without a choice."""
-
-    policies = ("go_to_goal",)
-
-    def __init__(self, machine: Machine) -> None:
-        self.machine, self.scenes = machine, machine.env.bank.scene_ids
-
-    def cousins(self, scene: str) -> int:
-        del scene
-        return 1
-
-    def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
-        del cousin, policy, people
-        return self.machine, self.scenes.index(scene)
-
-
 @pytest.fixture(scope="module")
-def driven(small_bank: SceneBank) -> Iterator[tuple[Page, Teleop, Front, Any]]:
-    """A page that runs in a thread, and a browser's tab with it."""
-    teleop, streets = Teleop(give_back_after=1.5), Streets(box_machine(small_bank))
-    with served("127.0.0.1", 0, teleop) as (server, front):
-        page = Page(server, streets, streets.scenes[0], "go_to_goal", teleop=teleop)
-        front.show(page)
-        thread = threading.Thread(target=page.run, daemon=True)
-        thread.start()
-        try:
-            with browser() as chromium:
-                tab = chromium.new_page(viewport={"width": 1200, "height": 800})
-                tab.add_init_script(_GAMEPAD)
-                tab.goto(front.address)
-                tab.frame_locator("#viser").get_by_role("button", name="Play").wait_for(timeout=120_000)
-                yield page, teleop, front, tab
-        finally:
-            page.stop()
-            thread.join(30.0)
-    assert not thread.is_alive()
+def driven(small_bank: SceneBank) -> Iterator[DrivenPage]:
+    """A page with a gamepad that is simulated."""
+    with driven_page(box_machine(small_bank), 1.5, _GAMEPAD, (1200, 800)) as found:
+        yield found
 
 
 @pytest.fixture(autouse=True)
-def begun_again(driven: tuple[Page, Teleop, Front, Any]) -> None:
+def begun_again(driven: DrivenPage) -> None:
     page, tab = driven[0], driven[3]
     before = page.session
     tab.frame_locator("#viser").get_by_role("button", name="Begin again").click()
@@ -82,19 +46,6 @@ def begun_again(driven: tuple[Page, Teleop, Front, Any]) -> None:
     begun = threading.Event()
     page._orders.put(begun.set)
     wait(begun.is_set)
-
-
-def wait(until: Callable[[], bool], seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not until():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-def speeds(page: Page) -> np.ndarray:
-    """(T, 2) m/s, rad/s of all steps."""
-    velocities = np.array([np.asarray(f.nav.sim.qvel)[0] for f in page.session.frames[1:]])
-    return np.stack([np.linalg.norm(velocities[:, :2], axis=1), velocities[:, 5]], 1)
 
 
 #: The page before the first step, each pixel the mean of 4 x 4 of the browser's.
@@ -118,7 +69,7 @@ def other(image: np.ndarray, stored: np.ndarray) -> float:
     return float((np.abs(image - stored).max(-1) > 25).mean())
 
 
-def test_the_page_looks_as_it_was_stored(driven: tuple[Page, Teleop, Front, Any], tmp_path: pathlib.Path) -> None:
+def test_the_page_looks_as_it_was_stored(driven: DrivenPage, tmp_path: pathlib.Path) -> None:
     """Where it is meant to look otherwise, the image that the failure names replaces the stored one."""
     page, _, _, tab = driven
     stored = np.asarray(Image.open(STORED).convert("RGB")).astype(int)
@@ -135,7 +86,7 @@ def test_the_page_looks_as_it_was_stored(driven: tuple[Page, Teleop, Front, Any]
     wait(lambda: other(screenshot(tab), stored) > 1.5 * _MAX_OTHER)
 
 
-def test_keys_take_over_drive_stop_and_give_back(driven: tuple[Page, Teleop, Front, Any]) -> None:
+def test_keys_take_over_drive_stop_and_give_back(driven: DrivenPage) -> None:
     page, teleop, _, tab = driven
     tab.frame_locator("#viser").get_by_role("button", name="Play").click()
     wait(lambda: len(page.session) > 3)
@@ -169,7 +120,7 @@ def test_keys_take_over_drive_stop_and_give_back(driven: tuple[Page, Teleop, Fro
 
 
 def test_a_key_that_was_forgotten_with_the_focus_drives_when_it_repeats(
-    driven: tuple[Page, Teleop, Front, Any],
+    driven: DrivenPage,
 ) -> None:
     page, teleop, _, tab = driven
     tab.keyboard.down("w")
@@ -182,7 +133,7 @@ def test_a_key_that_was_forgotten_with_the_focus_drives_when_it_repeats(
     tab.keyboard.up("w")
 
 
-def test_letters_in_a_text_field_are_letters(driven: tuple[Page, Teleop, Front, Any]) -> None:
+def test_letters_in_a_text_field_are_letters(driven: DrivenPage) -> None:
     teleop, tab = driven[1], driven[3]
     frame = tab.frame_locator("#viser")
     field = frame.locator("label", has_text="or a file").locator("xpath=ancestor::div[.//input][1]//input")
@@ -195,7 +146,7 @@ def test_letters_in_a_text_field_are_letters(driven: tuple[Page, Teleop, Front, 
     field.press("Tab")
 
 
-def test_a_gamepad_takes_over_by_its_button_and_drives_by_its_stick(driven: tuple[Page, Teleop, Front, Any]) -> None:
+def test_a_gamepad_takes_over_by_its_button_and_drives_by_its_stick(driven: DrivenPage) -> None:
     page, teleop, _, tab = driven
 
     def hold(x: float, y: float, button: bool = False) -> None:
@@ -217,7 +168,7 @@ def test_a_gamepad_takes_over_by_its_button_and_drives_by_its_stick(driven: tupl
     tab.evaluate("window.pad = null")
 
 
-def test_a_browser_that_falls_silent_stops_the_robot(driven: tuple[Page, Teleop, Front, Any]) -> None:
+def test_a_browser_that_falls_silent_stops_the_robot(driven: DrivenPage) -> None:
     """Its connection stays open; the tab that shows the page drives nothing."""
     page, teleop, front, _ = driven
     held = json.dumps({"keys": ["KeyW"], "axes": [], "buttons": []})
@@ -233,7 +184,7 @@ def test_a_browser_that_falls_silent_stops_the_robot(driven: tuple[Page, Teleop,
 
 
 def test_a_browser_that_leaves_stops_the_robot_and_the_drive_goes_on_when_it_is_back(
-    driven: tuple[Page, Teleop, Front, Any],
+    driven: DrivenPage,
 ) -> None:
     page, teleop, front, tab = driven
     tab.keyboard.down("ArrowUp")
