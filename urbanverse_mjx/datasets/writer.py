@@ -6,6 +6,7 @@ which readers ignore.
 """
 
 import dataclasses
+import functools
 import json
 import pathlib
 import time
@@ -266,7 +267,7 @@ class DatasetWriter:
             raise v.fail("episode", f"{length} rows and images {lengths}", "one image a row, at least one")
         return columns
 
-    @property
+    @functools.cached_property
     def _schema(self) -> pa.Schema:
         """Of the data files."""
         stored = {name: feature.arrow_type for name, feature in self.features.items() if feature.dtype != "video"}
