@@ -7,7 +7,9 @@ import pytest
 
 from benchmarks import films
 from urbanverse_mjx import pipeline
-from urbanverse_mjx.pipeline.playing import PlayOptions
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.envs import registry
+from urbanverse_mjx.pipeline.playing import PlayOptions, _finest_step, _steps_held
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -35,6 +37,18 @@ def test_there_is_a_film_of_every_policy_and_scene() -> None:
     for film in films.films():
         assert film.options.policy is not None
         PolicySpec.load(latest_policy(pathlib.Path(film.options.policy)))
+
+
+def test_films_have_a_rate_at_which_every_robot_can_be_drawn() -> None:
+    """The time between two images is a whole number of a gait's steps of 0.02 s."""
+    coco, go2 = (registry.get_default_config(name) for name in ("CocoNav", "Go2Nav"))
+    for config in (coco, go2):
+        for film in films.films():
+            assert _steps_held(film.options.fps, config.ctrl_dt, _finest_step(config)) == 5
+    assert _steps_held(20.0, coco.ctrl_dt, _finest_step(coco)) == 4
+    for fps in (20.0, 7.0, 2.5):
+        with pytest.raises(ValidationError, match=f"--fps: found {fps:g}, needed one of 5, 10, 25, 50, whose images"):
+            _steps_held(fps, go2.ctrl_dt, _finest_step(go2))
 
 
 def test_a_film_that_exists_is_kept_and_an_interrupted_one_made_again(

@@ -82,7 +82,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     who = _named(options)
     agent, name, config = _chosen(who, options)
     config = registry.with_overrides(config, options.env_overrides)
-    hold = _steps_held(options.fps, config.ctrl_dt)
+    hold = _steps_held(options.fps, config.ctrl_dt, _finest_step(config))
     if options.html is not None and hold > 1:
         raise v.fail("--html", f"--fps {options.fps:g} beside it", "the control rate", "leave one of them out")
     finer = {"ctrl_dt": config.ctrl_dt / hold}
@@ -185,15 +185,31 @@ def _chosen(who: str, options: PlayOptions) -> tuple["Agent | Privileged | None"
     return agent, name, evaluation_config(name, config.to_dict(), options.scenes, options.dynamic)
 
 
-def _steps_held(fps: float | None, control_period: float) -> int:
+def _finest_step(config: "ConfigDict") -> float:
+    """s, what control steps of a config are whole multiples of: the gait's own step, or the simulation's."""
+    if "gait" not in config:
+        return config.sim_dt
+    from ..robots.go2 import load_gait
+
+    return load_gait(config.gait or None).control_dt
+
+
+def _steps_held(fps: float | None, control_period: float, finest: float) -> int:
     """Number of images per control step.
 
+    Args:
+      control_period: s of a control step.
+      finest: s, of which the time between two images is a whole multiple.
+
     Raises:
-      ValidationError: the number is not an integer.
+      ValidationError: the number, or this multiple, is not an integer.
     """
     if fps is None:
         return 1
-    steps = fps * control_period
-    if steps < 0.5 or abs(steps - round(steps)) > 1e-6:
-        raise v.fail("--fps", f"{fps:g}", f"a whole multiple of the control rate {1 / control_period:g}")
-    return round(steps)
+    parts = round(control_period / finest)
+    possible = [n for n in range(1, parts + 1) if parts % n == 0]
+    for n in possible:
+        if abs(fps * control_period - n) < 1e-6:
+            return n
+    rates = ", ".join(f"{n / control_period:g}" for n in possible)
+    raise v.fail("--fps", f"{fps:g}", f"one of {rates}, whose images are whole steps of the simulation apart")
