@@ -51,8 +51,11 @@ def test_no_more_waits_than_is_allowed() -> None:
         assert go.acquire(timeout=30)
         written.append(episode.driven.row)
 
+    def as_large(episode: Driven, drawn: Any) -> Filmed:
+        return Filmed(episode, b"", {}, {}, [], scans=drawn["rgb"])
+
     def add_all() -> None:
-        with EpisodeWriting(filmed, write, 2, waiting=3 * SIZE) as writing:
+        with EpisodeWriting(as_large, write, 2, waiting=3 * SIZE) as writing:
             for k in range(5):
                 writing.add(driven(k), {"rgb": DRAWN["rgb"] * (5 if k == 4 else 1)})
                 added.release()
@@ -68,6 +71,32 @@ def test_no_more_waits_than_is_allowed() -> None:
     go.release(4)
     thread.join(30)
     assert written == list(range(5))
+
+
+def test_an_encoded_episode_makes_room_before_it_is_written() -> None:
+    """While files are written, drawing goes on: the images waiting are a twelfth of those drawn."""
+    go, written = threading.Event(), []
+
+    def write(episode: Filmed) -> None:
+        assert go.wait(timeout=60)
+        written.append(episode.driven.row)
+
+    def smaller(episode: Driven, _: Any) -> Filmed:
+        half = b"0" * (SIZE // 24)
+        return Filmed(episode, half, {"depth": [half[1:], b"0"]}, {}, [])
+
+    with EpisodeWriting(smaller, write, 2, waiting=2 * SIZE) as writing:
+        for k in range(COUNT):
+            writing.add(driven(k), DRAWN)
+        assert written == []
+        # Twelve more, of a twelfth each, are as much as may wait beside the one that is drawn.
+        blocked = threading.Thread(target=lambda: [writing.add(driven(k), DRAWN) for k in range(COUNT, 3 * COUNT)])
+        blocked.start()
+        blocked.join(0.5)
+        assert blocked.is_alive()
+        go.set()
+        blocked.join(60)
+    assert written == list(range(3 * COUNT))
 
 
 @pytest.mark.parametrize("where", ["encode", "write"])

@@ -21,7 +21,7 @@ from .lidar import LIDAR, Lidar
 
 #: Images of which pixels are counted for the statistics: every fourth.
 _STATISTICS_STRIDE = 4
-#: Bytes of drawn images that may wait to be encoded.
+#: Bytes of images that may wait: drawn ones to be encoded, and encoded ones to be written.
 _MAX_WAITING = 512 * 2**20
 
 
@@ -38,6 +38,12 @@ class Filmed:
     annotations: list[Annotation]
     colours: list[bytes] = dataclasses.field(default_factory=list)
     scans: list[np.ndarray] = dataclasses.field(default_factory=list)
+
+    @property
+    def nbytes(self) -> int:
+        """Of images and scans."""
+        files = itertools.chain(*self.images.values(), self.colours)
+        return len(self.video) + sum(map(len, files)) + sum(scan.nbytes for scan in self.scans)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,6 +103,14 @@ def _statistics(images: Iterable[np.ndarray], channels: int, values: int, scale:
     return counts.stats(scale)
 
 
+@dataclasses.dataclass
+class _Entry:
+    """An episode that waits; size: bytes of its images."""
+
+    size: int
+    filmed: concurrent.futures.Future[Filmed] | None = None
+
+
 class EpisodeWriting:
     """Encodes episodes in several threads and writes them in their order in one; as a context manager it ends when all
     of them are written, whatever ended the block.
@@ -105,7 +119,7 @@ class EpisodeWriting:
       encode: an episode, of its own alone.
       write: takes encoded episodes in their order.
       threads: that encode.
-      waiting: bytes of drawn images from which `add` waits.
+      waiting: bytes from which `add` waits, of images that are drawn, or encoded, and not yet written.
 
     Raises:
       Exception: at the next `add`, or at the end, what `encode` or `write` raised; later episodes are dropped.
@@ -121,7 +135,7 @@ class EpisodeWriting:
         self._encode, self._write, self._most = encode, write, waiting
         self._pool = concurrent.futures.ThreadPoolExecutor(threads, "encode")
         self._changed = threading.Condition()
-        self._queue: collections.deque[tuple[int, concurrent.futures.Future[Filmed]]] = collections.deque()
+        self._queue: collections.deque[_Entry] = collections.deque()
         self._bytes, self._closed = 0, False
         self._error: BaseException | None = None
         self._writer = threading.Thread(target=self._run, name="write", daemon=True)
@@ -135,8 +149,19 @@ class EpisodeWriting:
             if self._error is not None:
                 raise self._error
             self._bytes += size
-            self._queue.append((size, self._pool.submit(self._encode, driven, dict(drawn))))
+            entry = _Entry(size)
+            entry.filmed = self._pool.submit(self._encoded, entry, driven, dict(drawn))
+            self._queue.append(entry)
             self._changed.notify_all()
+
+    def _encoded(self, entry: "_Entry", driven: Driven, drawn: Drawn) -> Filmed:
+        """Encodes an episode, which then takes less memory."""
+        filmed = self._encode(driven, drawn)
+        with self._changed:
+            self._bytes += filmed.nbytes - entry.size
+            entry.size = filmed.nbytes
+            self._changed.notify_all()
+        return filmed
 
     def wait(self) -> None:
         """Waits until everything that was added is written."""
@@ -151,15 +176,15 @@ class EpisodeWriting:
                 self._changed.wait_for(lambda: self._queue or self._closed)
                 if not self._queue:
                     return
-                size, future = self._queue[0]
+                entry = self._queue[0]
             try:
-                if self._error is None:
-                    self._write(future.result())
+                if self._error is None and entry.filmed is not None:
+                    self._write(entry.filmed.result())
             except BaseException as error:
                 self._error = error
             with self._changed:
                 self._queue.popleft()
-                self._bytes -= size
+                self._bytes -= entry.size
                 self._changed.notify_all()
 
     def __enter__(self) -> "EpisodeWriting":
