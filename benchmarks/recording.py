@@ -139,12 +139,12 @@ def once(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]:
     seen: list[tuple[float, int, dict[str, float]]] = []
 
     def watch() -> None:
-        path = folder / INFO_PATH
+        path, busy = folder / INFO_PATH, ThreadTimes()
         while not ended.wait(_LOOK_EVERY):
             with contextlib.suppress(FileNotFoundError):
                 count = json.loads(path.read_text(encoding="utf-8"))["total_frames"]
                 if count and (not seen or count > seen[-1][1]):
-                    seen.append((time.perf_counter(), count, processor_seconds_by_thread()))
+                    seen.append((time.perf_counter(), count, busy()))
 
     watching = threading.Thread(target=watch, name="watch", daemon=True)
     watching.start()
@@ -172,20 +172,28 @@ def once(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]:
     }
 
 
-def processor_seconds_by_thread() -> dict[str, float]:
-    """s of processor time so far of this process's threads by their names without numbers; "other": those that Python
-    did not start, such as JAX's, and ended ones; "ffmpeg": children that have ended."""
-    ticks = os.sysconf("SC_CLK_TCK")
-    found: dict[str, float] = collections.defaultdict(float)
-    for thread in threading.enumerate():
-        with contextlib.suppress(OSError):  # it has ended
-            stat = pathlib.Path(f"/proc/self/task/{thread.native_id}/stat").read_text(encoding="utf-8")
-            user, system = stat.rpartition(")")[2].split()[11:13]
-            found[re.split(r"[-_]?\d", thread.name)[0]] += (int(user) + int(system)) / ticks
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    found["ffmpeg"] = children.ru_utime + children.ru_stime
-    found["other"] = processor_seconds() - sum(found.values())
-    return dict(found)
+class ThreadTimes:
+    """Processor time of this process's threads by their names without numbers; "other": those that Python did not
+    start, such as JAX's; "ffmpeg": children that have ended. Of a thread that has ended the last call counts."""
+
+    def __init__(self) -> None:
+        self._found: dict[threading.Thread, float] = {}
+
+    def __call__(self) -> dict[str, float]:
+        """s so far."""
+        ticks = os.sysconf("SC_CLK_TCK")
+        for thread in threading.enumerate():
+            with contextlib.suppress(OSError):  # it has ended
+                stat = pathlib.Path(f"/proc/self/task/{thread.native_id}/stat").read_text(encoding="utf-8")
+                user, system = stat.rpartition(")")[2].split()[11:13]
+                self._found[thread] = (int(user) + int(system)) / ticks
+        found: dict[str, float] = collections.defaultdict(float)
+        for thread, seconds in self._found.items():
+            found[re.split(r"[-_]?\d", thread.name)[0]] += seconds
+        children = resource.getrusage(resource.RUSAGE_CHILDREN)
+        found["ffmpeg"] = children.ru_utime + children.ru_stime
+        found["other"] = processor_seconds() - sum(found.values())
+        return dict(found)
 
 
 def parts(options: pipeline.RecordOptions, disk: pathlib.Path) -> dict[str, Any]:
