@@ -9,11 +9,10 @@ import shapely
 from PIL import Image
 
 from tests.support import drawn_street as street
-from urbanverse_mjx.datatypes import GraphObject, LabelPrior, Recording, SceneGraph
+from urbanverse_mjx.datatypes import GraphObject, LabelPrior, Recording
 from urbanverse_mjx.distillation import distil, fronts
 
 ROAD = shapely.box(-50, -4, 50, 4)
-SCENES = pathlib.Path(__file__).parents[2] / "scenes"
 
 
 @pytest.mark.parametrize(
@@ -48,15 +47,6 @@ def test_ground_that_vehicles_hide_does_not_part_a_road() -> None:
     assert fronts.side_of_road(np.array([0.0, -1.5]), 0.0, ROAD - hidden, False) > 0
     wide_verge = shapely.union_all([ROAD, shapely.box(-50, 8, 50, 15)])
     assert fronts.side_of_road(np.array([0.0, -3.0]), 0.0, wide_verge, False) == pytest.approx(1.8)
-
-
-def test_the_side_is_that_of_the_country() -> None:
-    assert fronts.keeps_left("The Bahamas")
-    assert fronts.keeps_left("Japan")
-    assert fronts.keeps_left("Germany") is False
-    assert fronts.keeps_left("unknown") is None
-    for path in sorted((SCENES / "urbanverse160").glob("*/graph.json*"))[:4]:
-        assert fronts.keeps_left(SceneGraph.load(path).source.country) is ("Kenya" in path.parent.name)
 
 
 def paint(share: float, body: tuple[int, int, int]) -> np.ndarray:

@@ -233,3 +233,6 @@ def test_a_street_without_a_road_has_nothing_to_draw() -> None:
     walk = [r for r in ground() if r.kind == "sidewalk"]
     assert draw(walk, ("Venice", "Italy")) == []
     assert rules_of("Atlantis", "nowhere") == RoadRules()
+    # The side is that of the country, whether or not the table has a row for it.
+    sides = {country: rules_of("", country).traffic for country in ("Japan", "Cyprus", "Malaysia", "France", "unknown")}
+    assert sides == {"Japan": "left", "Cyprus": "left", "Malaysia": "left", "France": "right", "unknown": "right"}

@@ -12,53 +12,8 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GroundRegion, Recording
+from ..datatypes.traffic_side import keeps_left
 from .colour import is_colourless
-
-#: Countries and territories where traffic keeps left, in lower case; everywhere else it keeps right.
-KEEPS_LEFT = frozenset(
-    {
-        *("anguilla", "antigua and barbuda", "australia", "bahamas", "bangladesh", "barbados", "bermuda", "bhutan"),
-        *("botswana", "brunei", "cayman islands", "cyprus", "dominica", "east timor", "eswatini", "fiji", "grenada"),
-        *(
-            "guernsey",
-            "guyana",
-            "hong kong",
-            "india",
-            "indonesia",
-            "ireland",
-            "isle of man",
-            "jamaica",
-            "japan",
-            "jersey",
-        ),
-        *(
-            "kenya",
-            "kiribati",
-            "lesotho",
-            "macau",
-            "malawi",
-            "malaysia",
-            "maldives",
-            "malta",
-            "mauritius",
-            "mozambique",
-        ),
-        *("namibia", "nauru", "nepal", "new zealand", "pakistan", "papua new guinea", "saint kitts and nevis"),
-        *("saint lucia", "saint vincent and the grenadines", "samoa", "seychelles", "singapore", "solomon islands"),
-        *(
-            "south africa",
-            "sri lanka",
-            "suriname",
-            "tanzania",
-            "thailand",
-            "timor-leste",
-            "tonga",
-            "trinidad and tobago",
-        ),
-        *("tuvalu", "uganda", "united kingdom", "uk", "great britain", "england", "scotland", "wales", "zambia"),
-        "zimbabwe",
-    }
-)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -110,12 +65,6 @@ class Vehicle:
     origin: np.ndarray
     viewpoint: np.ndarray
     pixels: np.ndarray
-
-
-def keeps_left(country: str) -> bool | None:
-    """Whether traffic keeps left in a country (its English name); None if the country is unknown."""
-    name = country.strip().lower().removeprefix("the ")
-    return None if name in ("", "unknown", "none", "nowhere") else name in KEEPS_LEFT
 
 
 def log_odds(

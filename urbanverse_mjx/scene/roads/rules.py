@@ -5,6 +5,7 @@ from typing import Any
 
 from ...datatypes import validation as v
 from ...datatypes.toml_table import table
+from ...datatypes.traffic_side import keeps_left
 
 CENTRE_STYLES = ("dashed", "solid", "double")
 EDGES = ("none", "white", "yellow", "double yellow")
@@ -74,4 +75,5 @@ _TABLE: dict[str, Any] = table(__file__)
 
 def rules_of(city: str, country: str) -> RoadRules:
     """The rules of a country with the exceptions of a city; those that most countries share for an unknown one."""
-    return RoadRules(**{**_TABLE["countries"].get(country, {}), **_TABLE["cities"].get(city, {})})
+    side = {"traffic": "left" if keeps_left(country) else "right"}
+    return RoadRules(**{**side, **_TABLE["countries"].get(country, {}), **_TABLE["cities"].get(city, {})})
