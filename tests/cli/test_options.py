@@ -7,7 +7,7 @@ import pytest
 import tyro
 
 from urbanverse_mjx import pipeline
-from urbanverse_mjx.cli import capture, list_envs, play
+from urbanverse_mjx.cli import capture, gen, list_envs, play
 from urbanverse_mjx.cli._options import image_size
 from urbanverse_mjx.cli.benchmark import BenchmarkArgs
 from urbanverse_mjx.cli.evaluate import EvaluateArgs
@@ -38,6 +38,24 @@ def test_both_commands_hand_on_height_and_width(
         for words in ([], ["--size", "90x161"]):
             assert command.main(["--out", str(tmp_path / "out"), *words]) == 0
     assert given == [(180, 320), (90, 161), (360, 640), (90, 161)]
+
+
+def test_a_batch_knows_the_lens_and_the_country_of_its_films(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given: list[pipeline.GenerationOptions] = []
+
+    def run(sources: Any, out: Any, options: pipeline.GenerationOptions, *_: Any) -> dict[str, int]:
+        given.append(options)
+        return {"failed": 0}
+
+    monkeypatch.setattr(pipeline, "run_batch", run)
+    words = ["--focal", "26", "--country", "Japan", "--city", "Tokyo", "--licence", "CC-BY-4.0", "--rate", "4"]
+    assert gen.main(["batch", "films.txt", "--out", "runs"]) == 0
+    assert gen.main(["batch", "films.txt", "--out", "runs", *words]) == 0
+    assert given[0].video == pipeline.VideoOptions()
+    named = {"focal": 26.0, "country": "Japan", "city": "Tokyo", "licence": "CC-BY-4.0", "rate": 4.0}
+    assert given[1].video == pipeline.VideoOptions(**named)
     capsys.readouterr()
 
 

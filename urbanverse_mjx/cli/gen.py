@@ -54,7 +54,7 @@ class GenArgs:
     city: str = "unknown"
     """City of the video, for the records."""
     country: str = "unknown"
-    """Country of the video (English name), for the records and the side of the traffic."""
+    """Country of the video (English name or ISO code), for the records and the side of the traffic."""
     focal: float | None = None
     """Focal length of the lens in mm, as 35-mm equivalent (26 for the main lens of most phones; video is often
     cropped); default: that of the images' EXIF data, else estimated."""
@@ -129,6 +129,15 @@ class BatchArgs:
     """Frames per second to take from a video."""
     camera_height: float = 1.5
     """Height (m) of the cameras above the ground on which their carriers walk."""
+    focal: float | None = None
+    """Focal length of the lens of all sources in mm, as 35-mm equivalent; default: that of the images' EXIF data, else
+    estimated."""
+    licence: str = "unknown"
+    """Licence of the videos, for the records."""
+    city: str = "unknown"
+    """City of the videos, for the records."""
+    country: str = "unknown"
+    """Country of the videos (English name or ISO code), for the records and the side of the traffic."""
     blur: str | None = None
     """Detector of faces and number plates, which are blurred before a frame is stored."""
     allow_truncated: bool = False
@@ -195,7 +204,16 @@ def _import(args: ImportArgs) -> int:
 
 def _batch(args: BatchArgs) -> int:
     # The cousins of a source are compiled sequentially, because sources run in parallel.
-    video = pipeline.VideoOptions(args.rate, args.camera_height, args.blur, allow_truncated=args.allow_truncated)
+    video = pipeline.VideoOptions(
+        rate=args.rate,
+        camera_height=args.camera_height,
+        blur=args.blur,
+        licence=args.licence,
+        city=args.city,
+        country=args.country,
+        allow_truncated=args.allow_truncated,
+        focal=args.focal,
+    )
     options = pipeline.GenerationOptions(
         args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, video=video
     )
