@@ -23,7 +23,7 @@ from urbanverse_mjx.distillation.perception import (
 )
 from urbanverse_mjx.distillation.perception.densify import dense_depth, levels
 from urbanverse_mjx.distillation.perception.metric import to_metric
-from urbanverse_mjx.distillation.perception.parallax import check_parallax
+from urbanverse_mjx.distillation.perception.parallax import check_parallax, parallax_shares
 from urbanverse_mjx.distillation.perception.structure import Structure
 
 CAMERA = Camera(320, 180, 210.0, 210.0, 160.0, 90.0)
@@ -235,6 +235,16 @@ def test_frames_without_parallax_are_refused_at_once(tmp_path: pathlib.Path, kin
 def test_walks_have_parallax_even_along_a_wall(frames: Frames, tmp_path: pathlib.Path):
     check_parallax(frames)
     check_parallax(_folder(tmp_path / "in", [_frame(_pose(0.3 * k, 1.5))[0] for k in range(9)]))
+
+
+def test_parallax_does_not_depend_on_how_the_camera_was_held(tmp_path: pathlib.Path):
+    walk = [_frame(pose)[0] for pose in POSES]
+    turn = [_frame(_pose(0.0, 0.4 + 0.06 * k))[0] for k in range(9)]
+    for name, images in (("walk", walk), ("turn", turn)):
+        upright = [np.ascontiguousarray(np.rot90(image)) for image in images]
+        shares = [parallax_shares(_folder(tmp_path / f"{name}{k}", x)) for k, x in enumerate((images, upright))]
+        level, turned = (float(np.quantile(share, 0.75)) for share in shares)
+        assert turned == pytest.approx(level, rel=0.15, abs=0.002)
 
 
 def test_a_given_focal_length_is_kept_and_a_stated_one_refined(frames: Frames):

@@ -19,10 +19,12 @@ class ParallaxOptions:
     Attributes:
       frames: number of frames, evenly spaced, each compared with the later ones in `steps`.
       steps: distances, in frames, of the compared pairs.
-      rows: pixels, height at which frames are compared.
+      side: pixels, longer side of the frames that are compared; smaller frames are compared as they are.
       min_matches: fewest matches of a pair that is judged.
-      min_shift: least median shift of the matches, as a share of the width; without it a pair says nothing.
-      tolerance: pixels, error of matches.
+      min_shift: least median shift of the matches, as a share of the longer side; without it a pair says nothing.
+      tolerance: error of matches, as a share of the longer side, as parallax is an angle: in pixels of the compared
+        frames a wall in frames of 320 x 180 would have 0.02, and as a share of the width an upright film a third of the
+        tolerance of the same film on its side.
       min_pairs: fewest pairs from which anything is concluded.
       min_share: least share of matches off the best homography in the upper quarter of the pairs. A camera that only
         turns or zooms, and any film of a flat image, has 0 but for false matches.
@@ -30,10 +32,10 @@ class ParallaxOptions:
 
     frames: int = 12
     steps: tuple[int, ...] = (1, 3, 6)
-    rows: int = 360
+    side: int = 640
     min_matches: int = 60
     min_shift: float = 0.02
-    tolerance: float = 2.0
+    tolerance: float = 2.0 / 640.0
     min_pairs: int = 3
     min_share: float = 0.03
 
@@ -80,15 +82,15 @@ def parallax_shares(frames: Frames) -> np.ndarray:
 
 
 def _features(rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(k, 2) positions as shares of the width, and descriptors (k, 128), of SIFT features."""
-    factor = _OPTIONS.rows / rgb.shape[0]
+    """(k, 2) positions as shares of the longer side, and descriptors (k, 128), of SIFT features."""
+    factor = _OPTIONS.side / max(rgb.shape[:2])
     grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
     if factor < 1.0:
-        grey = cv2.resize(grey, (round(rgb.shape[1] * factor), _OPTIONS.rows), interpolation=cv2.INTER_AREA)
+        grey = cv2.resize(grey, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
     points, descriptors = cv2.SIFT.create(1500).detectAndCompute(grey, None)
     if descriptors is None:
         return np.zeros((0, 2), np.float32), np.zeros((0, 128), np.float32)
-    return np.array([p.pt for p in points], np.float32) / grey.shape[1], descriptors
+    return np.array([p.pt for p in points], np.float32) / max(grey.shape), descriptors
 
 
 def _off_homography(a: np.ndarray, one: np.ndarray, b: np.ndarray, other: np.ndarray) -> float | None:
@@ -103,12 +105,13 @@ def _off_homography(a: np.ndarray, one: np.ndarray, b: np.ndarray, other: np.nda
     p, q = a[[m.queryIdx for m in good]], b[[m.trainIdx for m in good]]
     if np.median(np.linalg.norm(p - q, axis=1)) < _OPTIONS.min_shift:
         return None
-    error = _OPTIONS.tolerance / (_OPTIONS.rows * 16 / 9)
     cv2.setRNGSeed(0)
-    _, consistent = cv2.findFundamentalMat(p, q, cv2.FM_RANSAC, error, 0.999, 2000)
+    _, consistent = cv2.findFundamentalMat(p, q, cv2.FM_RANSAC, _OPTIONS.tolerance, 0.999, 2000)
     if consistent is None or consistent.sum() < _OPTIONS.min_matches:
         return None
     kept = consistent.ravel() > 0
     # 1.5 times the tolerance: the fundamental matrix measures errors along one direction alone.
-    _, explained = cv2.findHomography(p[kept], q[kept], cv2.RANSAC, 1.5 * error, maxIters=2000, confidence=0.999)
+    _, explained = cv2.findHomography(
+        p[kept], q[kept], cv2.RANSAC, 1.5 * _OPTIONS.tolerance, maxIters=2000, confidence=0.999
+    )
     return None if explained is None else 1.0 - float(explained.mean())
