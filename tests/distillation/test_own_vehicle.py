@@ -62,7 +62,7 @@ def test_walks_smooth_roads_and_still_films_have_none(tmp_path: pathlib.Path) ->
 
 
 def test_a_recording_has_neither_ground_nor_objects_nor_depth_on_it(driven: Frames, tmp_path: pathlib.Path) -> None:
-    structure = reconstruct(driven, StructureOptions(features=1500))
+    structure = reconstruct(driven, StructureOptions(features=1500), body=own_vehicle(driven))
     column, row = np.clip(structure.pixel.T.astype(int), 0, [[319], [179]])
     assert BONNET[row, column].mean() < 0.01, "no feature of the bonnet takes part"
     perception = Perception(_Oracle(1.3), lambda frames, progress: structure, HEIGHT)

@@ -20,6 +20,8 @@ from .scene_graph import Source
 
 SCHEMA = "urbanverse.recording/1"
 FILE = "recording.json"
+#: How the names of images end that frames are read from, in lower case.
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 #: What Pillow raises for files that are no image, cut off, or said to have hundreds of millions of pixels.
 UNREADABLE = (OSError, SyntaxError, Image.DecompressionBombError)
 #: Value of a surface image where the sky is seen; 0 is anything else, others index `ground.GROUND_KINDS`.

@@ -35,6 +35,17 @@ def check_plausible(graph: SceneGraph) -> None:
       ValidationError: an object is several times larger than any known one of its kind, or far from all ground, or the
         ground is too large; the message names the object.
     """
+    check_extent(graph)
+    for error in implausible_objects(graph).values():
+        raise error
+
+
+def check_extent(graph: SceneGraph) -> None:
+    """Checks the extent of a graph's ground.
+
+    Raises:
+      ValidationError: it is larger than `MAX_EXTENT`.
+    """
     low_x, low_y, high_x, high_y = _union(graph).bounds
     extent = max(high_x - low_x, high_y - low_y)
     if extent > MAX_EXTENT:
@@ -44,8 +55,6 @@ def check_plausible(graph: SceneGraph) -> None:
             f"at most {_metres(MAX_EXTENT)}",
             "check that lengths are in metres, or cut the street into parts",
         )
-    for error in implausible_objects(graph).values():
-        raise error
 
 
 def implausible_objects(graph: SceneGraph) -> dict[str, v.ValidationError]:

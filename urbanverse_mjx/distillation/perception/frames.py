@@ -14,11 +14,10 @@ import numpy as np
 from PIL import Image, ImageOps
 
 from ...datatypes import validation as v
-from ...datatypes.recording import UNREADABLE
+from ...datatypes.recording import IMAGE_SUFFIXES, UNREADABLE
 from .privacy import Blur
 from .screening import Measures, ScreenLimits, measure, screen, turned
 
-IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 FILE = "frames.json"
 SCHEMA = "urbanverse.frames/1"
 

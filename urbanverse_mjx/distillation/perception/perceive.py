@@ -18,6 +18,7 @@ from .own_vehicle import own_vehicle
 from .structure import Structure, StructureOptions, reconstruct
 
 FILE = "perception.json"
+_STRUCTURE = StructureOptions()
 FindsStructure = Callable[[Frames, Callable[[int, int], None] | None], Structure]
 
 
@@ -27,14 +28,16 @@ class Perception:
 
     Attributes:
       predictor: finds objects, surfaces and, if supported, depth.
-      poses: finds poses and points; None for COLMAP.
+      poses: finds poses and points; None for COLMAP with the options of `structure`.
       camera_height: m above the ground that the camera's carrier walks on, which a video does not determine. 1.5 is a
         camera held at chest height.
+      structure: options of the reconstruction by COLMAP.
     """
 
     predictor: Predictor
     poses: FindsStructure | None = None
     camera_height: float = 1.5
+    structure: StructureOptions = _STRUCTURE
 
     def __post_init__(self) -> None:
         v.number(self.camera_height, "camera height (m)", 0.1, 10.0)
@@ -62,9 +65,9 @@ def perceive(
     """
     count = len(frames)
     say = progress or (lambda done, total: None)
-    find = perception.poses or (lambda frames, progress: reconstruct(frames, StructureOptions(), progress))
-    structure = find(frames, lambda done, total: say(round(done / max(total, 1) * 3 * count), 5 * count))
     body = own_vehicle(frames)
+    find = perception.poses or (lambda frames, progress: reconstruct(frames, perception.structure, progress, body))
+    structure = find(frames, lambda done, total: say(round(done / max(total, 1) * 3 * count), 5 * count))
     if body is not None:
         body = structure.straighten(np.repeat(body[..., None].astype(np.uint8) * 255, 3, -1))[..., 0] > 127
     observations: list[FrameObservation] = []

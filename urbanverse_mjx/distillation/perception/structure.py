@@ -18,7 +18,6 @@ from ... import settings
 from ...datatypes import Camera, ValidationError
 from ...work_folder import work_folder
 from .frames import Frames
-from .own_vehicle import own_vehicle
 from .parallax import check_parallax
 from .pieces import cut
 
@@ -158,11 +157,16 @@ class Structure:
 
 
 def reconstruct(
-    frames: Frames, options: StructureOptions | None = None, progress: Callable[[int, int], None] | None = None
+    frames: Frames,
+    options: StructureOptions | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    body: np.ndarray | None = None,
 ) -> Structure:
     """Estimates poses, one shared camera and points.
 
     Args:
+      body: (H, W) bool, pixels of the own vehicle (`own_vehicle`), whose features move with the camera and are left
+        out; None for none.
       progress: called with (steps done, steps in all); a step is a frame extracted, matched or registered.
 
     Raises:
@@ -171,7 +175,7 @@ def reconstruct(
     options = options or StructureOptions()
     most, best, best_score = 0, None, (np.inf, 0)
     with work_folder("urbanverse-structure-") as work:
-        for found in _maps(frames, options, work, progress or (lambda done, total: None)):
+        for found in _maps(frames, options, work, progress or (lambda done, total: None), body):
             models = sorted(filter(_has_a_possible_lens, found), key=lambda model: -model.num_reg_images())
             count = models[0].num_reg_images() if models else 0
             most = max(most, count)
@@ -206,7 +210,11 @@ def _has_a_possible_lens(model: Any) -> bool:
 
 
 def _maps(
-    frames: Frames, options: StructureOptions, work: pathlib.Path, progress: Callable[[int, int], None]
+    frames: Frames,
+    options: StructureOptions,
+    work: pathlib.Path,
+    progress: Callable[[int, int], None],
+    body: np.ndarray | None,
 ) -> Iterator[list[Any]]:
     """Yields COLMAP's models for each of `first_errors` in turn, and for a short clip finally without distortion.
 
@@ -223,9 +231,8 @@ def _maps(
     extraction.sift.max_num_features = options.features
     extraction.sift.peak_threshold = _OPTIONS.contrast
     reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_OPTIONS.focal)
-    body = own_vehicle(frames)
     if body is not None:
-        # Features on the own vehicle move with the camera; COLMAP leaves out pixels that are 0.
+        # COLMAP leaves out pixels that are 0.
         cv2.imwrite(str(work / "mask.png"), np.where(body, 0, 255).astype(np.uint8))
         reader.camera_mask_path = work / "mask.png"
     if options.focal is not None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ...datatypes import SceneGraph
 from ...datatypes import validation as v
-from ...materialisation import Cousin, check_placed, check_plausible, implausible_objects
+from ...materialisation import Cousin, check_extent, check_placed, check_plausible, implausible_objects
 from ...scene.ground import check_drivable, check_regions
 from ...scene.planner import RobotSize
 from .compiling import SHORT_ROUTES
@@ -20,6 +20,16 @@ def check_graph(graph: SceneGraph) -> None:
       ValidationError: see `check_plausible` and `check_regions`.
     """
     check_plausible(graph)
+    check_regions(graph.ground)
+
+
+def check_ground(graph: SceneGraph) -> None:
+    """Checks that a graph's ground can be of a street; `leave_out_implausible` checks the objects of a distilled one.
+
+    Raises:
+      ValidationError: see `check_extent` and `check_regions`.
+    """
+    check_extent(graph)
     check_regions(graph.ground)
 
 

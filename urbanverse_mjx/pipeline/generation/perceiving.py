@@ -15,7 +15,6 @@ from ...distillation.perception import (
     perceive,
     perceive_photograph,
     photograph,
-    reconstruct,
     sample,
 )
 from ...distillation.perception.frames import FOCAL_RANGE, focal_pixels
@@ -45,11 +44,10 @@ def perceive_to(
       ValidationError: see `perceive` and `make_predictor`.
     """
     sampled = load_frames(frames)
-    wanted = structure_options(sampled, options)
     perception = Perception(
         make_predictor(options, frames),
-        lambda sampled, progress: reconstruct(sampled, wanted, progress),
         camera_height=options.camera_height,
+        structure=structure_options(sampled, options),
     )
     source = Source(video.name, options.licence, options.city, options.country)
     return perceive(sampled, folder, perception, source, video.stem, report)

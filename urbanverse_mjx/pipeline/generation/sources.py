@@ -9,9 +9,8 @@ from PIL import Image
 from ...datatypes import Recording, SceneGraph
 from ...datatypes import validation as v
 from ...datatypes.recording import FILE as RECORDING_FILE
-from ...datatypes.recording import UNREADABLE
+from ...datatypes.recording import IMAGE_SUFFIXES, UNREADABLE
 
-IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 #: Streams of JPEG images, which begin like a single one.
 _STREAM_SUFFIXES = (".mjpeg", ".mjpg")
 

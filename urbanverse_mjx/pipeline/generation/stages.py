@@ -14,7 +14,7 @@ from ...process_pool import results_as_completed
 from ...progress import Progress
 from ...work_folder import work_folder
 from . import compiling
-from .checks import check_cousins, check_graph, leave_out_implausible
+from .checks import check_cousins, check_graph, check_ground, leave_out_implausible
 from .embeddings import check_packages, load_embeddings
 from .run_folder import Clock, RunFolder, key_of
 from .sources import Input, recognise
@@ -139,7 +139,8 @@ def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.
                 from .distilling import distil_to
 
                 graph = distil_to(Recording.load(recording), folder, report)
-                check_graph(leave_out_implausible(folder, graph))
+                check_ground(graph)
+                leave_out_implausible(folder, graph)
         run.finish(GRAPH, key, clock.seconds)
     report(1, 1)
     return key
