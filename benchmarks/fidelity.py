@@ -7,19 +7,22 @@ the true one. Alignment: SE(3) on the trajectory, no scale. Matching: Hungarian 
 independent of labels. Columns, over matches: Cat, share of right labels; Dist, m between centres; Ori, degrees between
 headings modulo half a turn (depth and masks do not distinguish front and back; front_percent is the share with the
 correct sign), of objects whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
-average precision at a 3D IoU of 0.25), of objects under 50 m^3; Ast, share of matches whose chosen base shape is the
-filmed one (`lib.fidelity_captures.retrieved`), if the graph has descriptors. Recall and precision are over objects. A
-true object counts as visible if it covers 0.15 % of some frame; a detection of a less visible one counts as neither
-right nor wrong.
+average precision at a 3D IoU of 0.25), of objects under 50 m^3; height_percent and side_percent, median difference of
+the height and of the footprint's longer side of those with the right label; Ast, share of matches whose chosen base
+shape is the filmed one (`lib.fidelity_captures.retrieved`), if the graph has descriptors. Recall and precision are
+over objects. A true object counts as visible if it covers 0.15 % of some frame; a detection of a less visible one
+counts as neither right nor wrong.
 
-Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from its view of median size alone and fused;
-with --rgb, from captures with images: perfect inputs with Ast, the small network on true poses and depth, and all from
-the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same captures:
-NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes as ground
-truth. Tracks are never used. One process films and scores one street, with images or without; a row that fails on a
-street is reported and missing there. --results keeps the scores, and a second call continues with the rest: empty it
-when the code changes. `--scaling` measures instead the time for the first 10, 40, 80, 180 and 720 frames of one
-capture, or the given numbers, from the recording to five compiled cousins (`lib.fidelity_scaling`).
+Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from its view of median size alone and
+fused; with --rgb, from captures with images: perfect inputs with Ast, the small network on true poses and depth, and
+all from the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same
+captures: NAME/<scene>/recording.json). --perceived keeps the recordings that the perception model makes of the
+captures with images, so that a change of the distillation alone is measured without it. --kitti360 takes recordings
+that `urbanverse gen import` made, with their boxes as ground truth. Tracks are never used. One process films and
+scores one street, with images or without; a row that fails on a street is reported and missing there. --results keeps
+the scores, and a second call continues with the rest: empty it when the code changes. `--scaling` measures instead the
+time for the first 10, 40, 80, 180 and 720 frames of one capture, or the given numbers, from the recording to five
+compiled cousins (`lib.fidelity_scaling`).
 """
 
 import argparse
@@ -40,26 +43,35 @@ import numpy as np
 
 from benchmarks.lib import fidelity_scaling, fidelity_store, tables
 from benchmarks.lib import fidelity_scores as scores
-from benchmarks.lib.fidelity_captures import Capture, film, from_images, imported, retrieved, seen_by_the_model
+from benchmarks.lib.fidelity_captures import (
+    RECORDED,
+    Capture,
+    film,
+    from_images,
+    imported,
+    retrieved,
+    seen_by_the_model,
+)
 from benchmarks.lib.injection import inject
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.index import load_index
 from urbanverse_mjx.assets.selection.label_priors import LabelPriors
 from urbanverse_mjx.datatypes import Recording, SceneBank, ValidationError
 from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.datatypes.recording import FILE
 from urbanverse_mjx.distillation import Describe, DistilOptions, distil
 from urbanverse_mjx.pipeline import ensure_default_bank
 from urbanverse_mjx.pipeline.generation.distilling import DESCRIBE
 from urbanverse_mjx.process_pool import worker_pool
-from urbanverse_mjx.work_folder import work_folder
+from urbanverse_mjx.work_folder import replacing_folder, work_folder
 
 #: The paper's table (45 sequences of KITTI-360, MASt3R and YoWorldSAM2); its streets differ, so it is shown for
 #: orientation only.
 PAPER = {"cat_percent": 93.1, "dist_m": 1.4, "ori_deg": 19.8, "scale_m3": 0.8, "map25": 28.2, "ast_percent": 75.1}
 SINGLE = DistilOptions(single_view=True, depth_scale=False, close_loops=False, place=False)
 _COLUMNS = (
-    *("cat_percent", "dist_m", "ori_deg", "scale_m3", "map25", "ast_percent", "recall_percent", "precision_percent"),
-    *("trajectory_m", "registered", "streets"),
+    *("cat_percent", "dist_m", "ori_deg", "front_percent", "scale_m3", "height_percent", "side_percent", "map25"),
+    *("ast_percent", "recall_percent", "precision_percent", "trajectory_m", "registered", "streets"),
 )
 
 
@@ -116,6 +128,7 @@ class Street:
 
     captures: folder of the films. frames, size: of the capture. rgb: whether it is filmed with images, for the rows
     that use them. others: folders of recordings of the same captures. seed: of the errors. results: folder of scores.
+    perceived: folder of recordings that the perception model made; None to make them anew.
     """
 
     bank: pathlib.Path | None
@@ -128,6 +141,7 @@ class Street:
     others: tuple[pathlib.Path, ...]
     seed: int
     results: pathlib.Path
+    perceived: pathlib.Path | None = None
 
     def plans(self) -> list[Plan]:
         """Its rows."""
@@ -137,8 +151,12 @@ class Street:
         if self.rgb:
             return [
                 dataclasses.replace(perfect, row="perfect inputs, with images", describe=DESCRIBE),
-                Plan("the small network, true poses and depth", DistilOptions(), seen_by_the_model),
-                Plan("RGB alone", DistilOptions(), from_images),
+                Plan(
+                    "the small network, true poses and depth",
+                    DistilOptions(),
+                    _kept(self.perceived, "true_poses", seen_by_the_model),
+                ),
+                Plan("RGB alone", DistilOptions(), _kept(self.perceived, "rgb_alone", from_images)),
             ]
         return [
             perfect,
@@ -199,6 +217,23 @@ def _given(folder: pathlib.Path, filmed: Capture, _: pathlib.Path) -> Recording:
     return Recording.load(folder / filmed.recording.id)
 
 
+def _kept(
+    kept: pathlib.Path | None, row: str, make: Callable[[Capture, pathlib.Path], Recording]
+) -> Callable[[Capture, pathlib.Path], Recording]:
+    """Makes the recording in KEPT/<row>/<scene>/recording unless it is there."""
+    if kept is None:
+        return make
+
+    def read(filmed: Capture, _: pathlib.Path) -> Recording:
+        folder = kept / row / filmed.scene
+        if not (folder / RECORDED / FILE).is_file():
+            with replacing_folder(folder) as fresh:
+                make(filmed, fresh)
+        return Recording.load(folder / RECORDED)
+
+    return read
+
+
 def _noisy(seed: int) -> Callable[[Capture, pathlib.Path], Recording]:
     return lambda t, work: inject(t.recording, work, seed + sum(map(ord, t.recording.id)))
 
@@ -219,6 +254,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
         "--captures", "--tours", type=pathlib.Path, help="keeps the captures, and reads those that are there"
     )
     parser.add_argument("--recordings", type=pathlib.Path, nargs="*", default=[], help="more rows, see above")
+    parser.add_argument("--perceived", type=pathlib.Path, help="keeps the perception model's recordings, see above")
     parser.add_argument("--seed", type=int, default=0, help="of the injected errors")
     parser.add_argument("--results", type=pathlib.Path, help="keeps the scores, and goes on with those that are there")
     parser.add_argument("--processes", type=int, default=1, help="streets at a time, on the CPU")
@@ -237,6 +273,7 @@ def streets_of(arguments: argparse.Namespace, captures: pathlib.Path) -> list[St
         paths.insert(0, settings.default_bank_path())
     common = {"captures": captures, "others": tuple(arguments.recordings), "seed": arguments.seed}
     common["results"] = arguments.results or captures / "results"
+    common["perceived"] = arguments.perceived
     seen = {"frames": arguments.rgb_frames, "size": tuple(arguments.rgb_size), "rgb": True}
     felt = {"frames": arguments.frames, "size": tuple(arguments.size), "rgb": False}
     work = [Street(None, 0, path, **felt, **common) for path in arguments.kitti360]

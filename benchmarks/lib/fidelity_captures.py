@@ -22,6 +22,8 @@ from urbanverse_mjx.settings import scene_root
 
 #: Frames per second of the captures with images: COLMAP needs steps of less than a metre.
 RGB_RATE = 2.0
+#: Folder of a recording, inside the one that its maker gets.
+RECORDED = "recording"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,7 +59,7 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
         mesh = bank.slot_mesh[scene, slot]
         corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1], :2]
         turnable[object_id(bank, scene, slot)] = scores.is_turnable(corners)
-    return _with_ground_truth(recording, ground_truth, turnable, name)
+    return with_ground_truth(recording, ground_truth, turnable, name)
 
 
 def imported(folder: pathlib.Path) -> Capture:
@@ -70,10 +72,11 @@ def imported(folder: pathlib.Path) -> Capture:
     rows = v.items(v.read_json(folder / "boxes.json", "boxes of a recording"), "boxes")
     ground_truth = [GraphObject.from_json(row, f"boxes[{i}]") for i, row in enumerate(rows)]
     turnable = {t.id: max(t.size[:2]) > 1.15 * min(t.size[:2]) for t in ground_truth}
-    return _with_ground_truth(recording, ground_truth, turnable, recording.id)
+    return with_ground_truth(recording, ground_truth, turnable, recording.id)
 
 
-def _with_ground_truth(recording: Recording, ground_truth: Any, turnable: dict[str, bool], scene: str) -> Capture:
+def with_ground_truth(recording: Recording, ground_truth: Any, turnable: dict[str, bool], scene: str) -> Capture:
+    """A perfect recording with its true objects, divided into those that are visible and hardly visible."""
     seen = scores.seen_objects(recording, ground_truth)
     ids = {t.id for t in seen}
     return Capture(recording, seen, [t for t in ground_truth if t.id not in ids], turnable, scene)
@@ -91,13 +94,15 @@ def from_images(filmed: Capture, folder: pathlib.Path) -> Recording:
     times = tuple(f.time_s for f in filmed.recording.frames)
     frames = Frames(folder / "frames", tuple(names), times, camera.width, camera.height)
     source = filmed.recording.source
-    return perceive(frames, folder / "recording", Perception(PerceptionModel.load()), source, filmed.recording.id)
+    return perceive(frames, folder / RECORDED, Perception(PerceptionModel.load()), source, filmed.recording.id)
 
 
 def seen_by_the_model(filmed: Capture, folder: pathlib.Path) -> Recording:
     """Returns a recording with true poses and depth, and objects and surfaces of the perception model."""
     model, given = PerceptionModel.load(), filmed.recording
-    writer = RecordingWriter(folder / "eye", given.id, given.source, given.camera, given.depth_unit_m, lossless=False)
+    writer = RecordingWriter(
+        folder / RECORDED, given.id, given.source, given.camera, given.depth_unit_m, lossless=False
+    )
     for k, frame in enumerate(given.frames):
         rgb = given.rgb(k)
         observation = model(rgb, given.camera.fx)

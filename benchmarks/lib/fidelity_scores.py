@@ -26,7 +26,8 @@ class Scores:
 
     right: per match, whether the label is right. distance: m. heading: rad of matches that have a heading, modulo half
     a turn. front: whether the heading is within 90° of the true one, with its sign. volume: m^3 differences of small
-    matches. truths: how many objects were seen; found: how many the graph holds.
+    matches. size (p, 2): log ratio of the found to the true height and longer side of the footprint, of small matches
+    with the right label. truths: how many objects were seen; found: how many the graph holds.
     detections: label -> rows of (score, true positive); positives: label -> how many there are.
     pairs: (id in the graph, true id) of the matches.
     """
@@ -37,6 +38,7 @@ class Scores:
     heading: np.ndarray
     front: np.ndarray
     volume: np.ndarray
+    size: np.ndarray
     ground_truths: int
     found: int
     detections: dict[str, np.ndarray]
@@ -114,15 +116,18 @@ def score(
     small = np.array([np.prod(t.size) < SMALL for _, t in pairs], bool)
     turns = np.array([abs(_wrapped(f.yaw - t.yaw)) for f, t in pairs])
     valid = np.array([turnable[t.id] for _, t in pairs], bool)
+    sizes = np.log([[f.size[2] / t.size[2], max(f.size[:2]) / max(t.size[:2])] for f, t in pairs]).reshape(-1, 2)
+    right = np.array([f.label == t.label for f, t in pairs], bool)
     volumes = np.array([abs(float(np.prod(f.size) - np.prod(t.size))) for f, t in pairs])
     detections, positives = _detections(found, ground_truth)
     return Scores(
-        right=np.array([f.label == t.label for f, t in pairs], bool),
+        right=right,
         distance=distance[rows, columns],
         small=small,
         heading=np.minimum(turns, np.pi - turns)[valid] if len(pairs) else np.zeros(0),
         front=(turns < np.pi / 2)[valid] if len(pairs) else np.zeros(0, bool),
         volume=volumes[small] if len(pairs) else np.zeros(0),
+        size=sizes[small & right],
         ground_truths=len(ground_truth),
         found=len(found),
         detections=detections,
@@ -215,7 +220,7 @@ def table_row(captures: Sequence[Scores]) -> dict[str, float | int | None]:
         rows = [t.detections[label] for t in captures if label in t.detections]
         positives = sum(t.positives.get(label, 0) for t in captures)
         aps.append(average_precision(np.concatenate(rows) if rows else np.zeros((0, 2)), positives))
-    distance, small = joined("distance"), joined("small")
+    distance, small, size = joined("distance"), joined("small"), np.abs(joined("size"))
     ground_truths, found = sum(t.ground_truths for t in captures), sum(t.found for t in captures)
     return {
         "cat_percent": mean(joined("right"), 100.0, 1),
@@ -226,6 +231,8 @@ def table_row(captures: Sequence[Scores]) -> dict[str, float | int | None]:
         "with_heading": len(joined("heading")),
         "front_percent": mean(joined("front"), 100.0, 1),
         "scale_m3": mean(joined("volume")),
+        "height_percent": round(100.0 * float(np.expm1(np.median(size[:, 0]))), 1) if len(size) else None,
+        "side_percent": round(100.0 * float(np.expm1(np.median(size[:, 1]))), 1) if len(size) else None,
         "map25": round(100 * float(np.mean(aps)), 1) if aps else None,
         "recall_percent": round(100 * len(distance) / max(ground_truths, 1), 1),
         "precision_percent": round(100 * len(distance) / max(found, 1), 1),

@@ -10,7 +10,15 @@ from benchmarks.lib.fidelity_scores import Scores
 from urbanverse_mjx.datatypes import validation as v
 
 Row = tuple[Scores, dict[str, float]]
-_TYPES = {"right": bool, "small": bool, "front": bool, "distance": float, "heading": float, "volume": float}
+_TYPES = {
+    "right": bool,
+    "small": bool,
+    "front": bool,
+    "distance": float,
+    "heading": float,
+    "volume": float,
+    "size": float,
+}
 
 
 def save(path: pathlib.Path, rows: dict[str, Row]) -> None:
@@ -34,6 +42,7 @@ def load(path: pathlib.Path) -> dict[str, Row]:
     for name, row in v.read_json(path, "scores of a street").items():
         body = dict(v.mapping(row["scores"], f"{path.name}: {name}", names))
         body |= {key: np.array(body[key], kind) for key, kind in _TYPES.items()}
+        body["size"] = body["size"].reshape(-1, 2)
         body["detections"] = {k: np.array(x, float).reshape(-1, 2) for k, x in body["detections"].items()}
         body["pairs"] = [(found, true) for found, true in body["pairs"]]
         rows[name] = Scores(**body), dict(row["figures"])
