@@ -96,7 +96,7 @@ CODE: Mapping[str, Code] = {
         _below("distillation.perception_model", "augment", "score", "targets", "views"),
     ),
     "distillation": Code(
-        4,
+        5,
         ("distillation", "pipeline.generation.distilling", "assets.selection.label_priors"),
         ("appearances",),
         _below("distillation", "perception_model", "fit_trust", "perception", "readers", "train_perception"),

@@ -86,8 +86,14 @@ class Bearings:
         return 2.0 * self.half * self.reach
 
 
-def measure(views: Views, poses: np.ndarray, scale: np.ndarray) -> Bearings:
-    """Projects the views to the ground plane; depth affects `reach` only."""
+def measure(views: Views, poses: np.ndarray, scale: np.ndarray, pixel: float | None = None) -> Bearings:
+    """Projects the views to the ground plane; depth affects `reach` only.
+
+    Args:
+      pixel: rad, width of a pixel. With it, a view is as wide as its outermost points and the halves of their pixels;
+        without, the outermost point on either side is left out, as it may be an outlier.
+    """
+    skipped, rim = (1, 0.0) if pixel is None else (0, pixel / 2)
     n = len(views)
     direction, half, reach = np.zeros(n), np.zeros(n), np.zeros(n)
     for start in range(0, n, 512):
@@ -96,8 +102,7 @@ def measure(views: Views, poses: np.ndarray, scale: np.ndarray) -> Bearings:
         middle = away.mean(1)
         base = np.arctan2(middle[:, 1], middle[:, 0])
         turn = np.sort(_wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[:, None]), axis=1)
-        # The second outermost point on either side, because the outermost may be an outlier.
-        low, high = turn[:, 1], turn[:, -2]
+        low, high = turn[:, skipped] - rim, turn[:, -1 - skipped] + rim
         direction[rows], half[rows] = base + (low + high) / 2, (high - low) / 2
         reach[rows] = np.median(np.linalg.norm(away, axis=-1), axis=1)
     return Bearings(views.frame, poses[views.frame, :2, 3], direction, half, np.maximum(reach, 0.5))

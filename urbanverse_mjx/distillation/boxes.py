@@ -36,6 +36,8 @@ class BoxOptions:
       min_side: m, shortest side of a box.
       oblique_misfit_reduction: reduction of the outline misfit that a heading oblique to the surroundings needs; 85 of
         100 objects are within 6° of the surrounding axes.
+      center_share: standard error of the middle of an object's visible part, as a share of its longer side.
+      max_side_error: relative standard error up to which a side's length comes from the outline and not from the label.
       bins: of the histogram from which the density of points along a direction is computed.
     """
 
@@ -53,6 +55,8 @@ class BoxOptions:
     min_side: float = 0.01
     oblique_misfit_reduction: float = 4.0
     bins: int = 128
+    center_share: float = 0.1
+    max_side_error: float = 0.15
 
 
 _OPTIONS = BoxOptions()
@@ -203,7 +207,15 @@ def fit(
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
     low, high = _bounded(low, high, prior)
     shown = high - low
-    low, high, completed = _complete(low, high, seen_from, prior, top is None)
+    outline = None
+    if seen is not None and not prior.faces_road and blur > _OPTIONS.shape_blur * footprint:
+        turn = rotations.about_z(-yaw)[:2, :2]
+        error = float(np.hypot(sigma, _OPTIONS.center_share * shown[:2].max()))
+        outline = silhouettes.sides(seen, prior, yaw, (low + high)[:2] / 2 @ turn, error)
+        if outline is not None:
+            middle = turn @ outline.center
+            low[:2], high[:2] = middle - outline.size / 2, middle + outline.size / 2
+    low, high, completed = _complete(low, high, seen_from, prior, top is None, outline)
     back = rotations.about_z(-yaw).T
     yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
     return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed, shown)
@@ -317,7 +329,12 @@ def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.n
 
 
 def _complete(
-    low: np.ndarray, high: np.ndarray, viewpoints: np.ndarray, prior: LabelPrior, topless: bool
+    low: np.ndarray,
+    high: np.ndarray,
+    viewpoints: np.ndarray,
+    prior: LabelPrior,
+    topless: bool,
+    outline: silhouettes.Sides | None = None,
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
     """Moves the ends that no view could show outwards to the nearest known size of the label.
 
@@ -325,6 +342,11 @@ def _complete(
     too; the top is hidden if every view was cut off there, or no camera was above it (set-back parts of a roof are
     invisible from the street; such a top rises by `roof_ratio` at most). The other sides select the known size; a
     hidden side may be longer than its visible part, not shorter.
+
+    Args:
+      low, high: (3,) m along the heading, across and up, like viewpoints (v, 3).
+      topless: whether every view is cut off at the top.
+      outline: the footprint by the object's outline, if the sides are its; they stay.
     """
     size = high - low
     offset = viewpoints[:, :2] - ((low + high) / 2)[:2]
@@ -335,8 +357,10 @@ def _complete(
     for axis in (0, 1):
         beyond = low[axis] - viewpoints[:, axis] if towards[axis] > 0 else viewpoints[:, axis] - high[axis]
         hidden[axis] = not (beyond > _OPTIONS.grazing_sine * away).any()
+    hidden[:2] &= outline is None
+    from_label = np.append([False] * 2 if outline is None else outline.error > _OPTIONS.max_side_error, False)
     if not (len(prior.extents) and hidden.any()):
-        return low, high, (False, False, False)
+        return low, high, _flags(from_label)
     ratio = np.log(prior.extents / size)
     hope = np.where(hidden, [0.25, 0.25, 0.05 if topless else 1.0], 1.0)
     lack = np.where(ratio < 0, -1.5 * ratio, ratio * hope)
@@ -347,7 +371,7 @@ def _complete(
         # The size matches no known one, or the box holds several objects; the depth of a house is completed
         # nevertheless.
         if not prior.faces_road:
-            return low, high, (False, False, False)
+            return low, high, _flags(from_label)
         known = np.median(prior.extents, axis=0)
         longer = (np.arange(3) == front) & hidden & (known > size)
     # Along the visible face only a large missing length indicates a hidden end.
@@ -357,5 +381,9 @@ def _complete(
     grow = np.where(longer, known - size, 0.0)
     away_from = np.append(towards > 0, False)
     low, high = low - np.where(away_from, grow, 0.0), high + np.where(away_from, 0.0, grow)
-    x, y, z = (grow > 0.02 * size).tolist()
-    return low, high, (x, y, z)
+    return low, high, _flags((grow > 0.02 * size) | from_label)
+
+
+def _flags(values: np.ndarray) -> tuple[bool, bool, bool]:
+    x, y, z = values.tolist()
+    return x, y, z

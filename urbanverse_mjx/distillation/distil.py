@@ -145,7 +145,7 @@ def distil(
     ground_grid = ground.ground_map(seen, poses, depth.scale, depth.noise)
     if ground_grid is None:
         raise _no_ground(recording)
-    from_above = bearings.measure(views, poses, depth.scale)
+    from_above = bearings.measure(views, poses, depth.scale, 1.0 / recording.camera.fx)
     single = options.single_view
     fused = Fused(
         recording.camera, views, object_of_view, alike, lifted.coarse, placed, from_above, poses, depth, single
