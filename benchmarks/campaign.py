@@ -29,6 +29,8 @@ Rows, of which `--rows` names patterns:
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
     transfer                the shipped policies in the places of benchmarks.transfer, on all cores
     missions                the shipped policies on the missions of benchmarks.missions, on all cores
+    image-streets-ARM-SEED  teachers on cousins of ten streets, distilled with exact inputs and from images alone (see
+                            benchmarks.image_streets)
     gpus-NUMBER-SEED        the preset `best` on one or two GPUs that run nothing else (see benchmarks.several_gpus)
     imitation-NUMBER-SEED   the student of `best` fitted to demonstrations of the planner (see benchmarks.imitation)
     imitation-NUMBER-ppo-SEED  PPO from there; imitation-ppo-SEED from random weights, with equally many samples
@@ -52,7 +54,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import imitation, missions, results, scaling, several_gpus, street_tuning, transfer
+from benchmarks import image_streets, imitation, missions, results, scaling, several_gpus, street_tuning, transfer
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -108,6 +110,9 @@ OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
 
 #: Name of the study of benchmarks.street_tuning, and of its folder.
 STREET_TUNING = "street-tuning"
+#: The same of benchmarks.image_streets, and its arms -> their name in the table.
+IMAGE_STREETS = "image-streets"
+IMAGE_ARMS = {"exact": "exact inputs", "images": "images alone"}
 #: The same of benchmarks.several_gpus.
 SEVERAL_GPUS = "gpus"
 
@@ -352,6 +357,23 @@ def _street_tuning(args: argparse.Namespace) -> Iterator[Job]:
         yield Job(f"{STREET_TUNING}-{street}", words, (needs,), gives, STUDENT, (Row("film", study=STREET_TUNING),))
 
 
+def _image_streets(args: argparse.Namespace) -> Iterator[Job]:
+    """Teachers on the banks of benchmarks.image_streets; two streets' cousins choose their checkpoints. What they need
+    is prepared on the processor before."""
+    for seed in args.seeds:
+        for arm, called in IMAGE_ARMS.items():
+            folder = args.out / IMAGE_STREETS
+            trained = folder / arm / image_streets.BANK
+            words: list[object] = ["benchmarks.generalise", "teacher", "--no-map", "--train", trained]
+            words += ["--holdout", 2 * image_streets.COUSINS, "--test", *_banks(("validation", *BENCHMARKS))]
+            words += ["--seed", seed, "--env", *_conditions(), "--steps", args.street_steps, "--seconds", ENDLESS]
+            words += ["--checkpoints", max(8, args.street_steps // 300_000), "--environment", "CocoNav"]
+            row = Row("teacher", seed=seed, comparison="image_streets", arm=called)
+            sets = ("validation", *BENCHMARKS)
+            name = f"{IMAGE_STREETS}-{arm}-{seed}"
+            yield _job(args, name, words, sets, TEACHER, [row], folder / image_streets.BANKS)
+
+
 def _several_gpus(args: argparse.Namespace) -> Iterator[Job]:
     """The same training on one and on two GPUs. Nothing else runs on them, because speeds are compared."""
     for seed in args.seeds[: len(several_gpus.SEEDS)]:
@@ -419,6 +441,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
     yield from _imitation(args)
     yield from _studies(args)
     yield from _street_tuning(args)
+    yield from _image_streets(args)
     yield from _several_gpus(args)
     for name in OF_ALL_CORES:
         command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
@@ -455,6 +478,10 @@ def chosen(args: argparse.Namespace) -> list[Job]:
             words = ("-m", "benchmarks.street_tuning", "prepare", "--streets", street)
             words += ("--out", str(args.out / STREET_TUNING))
             prepares.append(Job(f"prepare-{street}", words, (store,), path))
+    banks = args.out / IMAGE_STREETS / image_streets.BANKS
+    if banks in files:
+        words = ("-m", "benchmarks.image_streets", "--out", str(args.out / IMAGE_STREETS))
+        prepares.append(Job(f"prepare-{IMAGE_STREETS}", words, (store,), banks))
     # UrbanVerse-160 first: packing its bank takes minutes of one process, beside which the others are built.
     sets = ("urbanverse160", "craftbench", "autobench", "validation", "procedural", "places")
     code = "import sys; from urbanverse_mjx import pipeline; sys.exit(not pipeline.build_library({!r}, quiet=False).ok)"

@@ -63,6 +63,7 @@ COMPARISONS = {
     "long_training_streets": Comparison("trained on", _STREETS, "144 procedural", "long-streets-*"),
     "teacher_arms": Comparison("teacher", VALIDATION, "as it is", "teacher-arm-*"),
     "student_arms": Comparison("student", VALIDATION, "as it is", "student-arm-*"),
+    "image_streets": Comparison("trained on cousins distilled from", _STREETS, "exact inputs", "image-streets-*"),
     "imitation": Comparison("policy", VALIDATION, "PPO alone", "imitation-*"),
 }
 

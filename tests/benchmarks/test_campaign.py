@@ -222,6 +222,12 @@ def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: py
         "catalogue", *(f"prepare-{x}" for x in streets), *(f"street-tuning-{x}" for x in streets)
     ]  # fmt: skip
     assert [job.memory > 0 for job in jobs] == 4 * [False] + 3 * [True]
+    jobs = campaign.chosen(_args(tmp_path, "--rows", "image-streets-*-4", "--seeds", "4"))
+    sets = ["catalogue", "scenes-craftbench", "scenes-autobench", "scenes-validation", "prepare-image-streets"]
+    assert [job.name for job in jobs] == [*sets, "image-streets-exact-4", "image-streets-images-4"]
+    trained = [job.command[job.command.index("--train") + 1] for job in jobs[-2:]]
+    folder = tmp_path / "out" / "image-streets"
+    assert trained == [str(folder / arm / "bank.npz") for arm in ("exact", "images")]
     with pytest.raises(SystemExit, match="'papers-x', which names no row, needed a pattern of teacher-0"):
         campaign.chosen(_args(tmp_path, "--rows", "papers-x"))
 
@@ -237,7 +243,7 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
 @pytest.fixture
 def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argparse.Namespace]:
     """What the scripts of all rows find in their command lines."""
-    from benchmarks import comparison, halves, imitation, missions, several_gpus, street_tuning, transfer
+    from benchmarks import comparison, halves, image_streets, imitation, missions, several_gpus, street_tuning, transfer
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
@@ -245,20 +251,22 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
     scripts |= {"benchmarks.missions": missions.arguments, "benchmarks.street_tuning": street_tuning.arguments}
     scripts["benchmarks.several_gpus"] = several_gpus.arguments
     scripts["benchmarks.imitation"] = imitation.arguments
+    scripts["benchmarks.image_streets"] = image_streets.arguments
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
             monkeypatch.setattr(sys, "argv", [job.name, *job.command[2:]])
             parsed.append(scripts[job.command[1]]())
             own = {"benchmarks.halves": job.gives.parent, "benchmarks.street_tuning": job.gives.parents[2]}
+            own["benchmarks.image_streets"] = job.gives.parent
             wanted = own.get(job.command[1], tmp_path / "out" / job.name)
             assert parsed[-1].out == wanted
     return parsed
 
 
 def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
-    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (12 + 2) + 10
-    assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2
+    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (12 + 2) + 10 + 2
+    assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2 + 1
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)

@@ -55,17 +55,33 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
     Raises:
       ValidationError: the profile has records that are not in the asset index, or the capture has no ground.
     """
+    bank, places = compiled_block(profile, seed, name, length)
+    options = FilmOptions(width=SIZE[0], height=SIZE[1], samples=2)
+    count = np.arange(len(places))
+    yaw = places[:, 3] + SWAY * np.sin(2 * np.pi * count / SWAY_FRAMES)
+    path = CameraPath(count * PERIOD, camera_poses(places[:, :3], yaw, PITCH))
+    recording = film_scene(bank, 0, folder, path, options)
+    graph = distil(recording, LabelPriors(load_index()), describe=DESCRIBE).graph
+    words = f"synthetic tour of a block that follows the statistics of {profile.city} (block {VERSION}, seed {seed})"
+    source = Source(words, "Apache-2.0", profile.city, profile.country)
+    return Capture(bank, recording, compact(dataclasses.replace(graph, id=name, source=source)))
+
+
+def compiled_block(profile: CityProfile, seed: int, name: str, length: float = LENGTH) -> tuple[SceneBank, np.ndarray]:
+    """Makes one block as a bank of one scene, without filming it; for the arguments see `film`.
+
+    Returns:
+      the bank, and (n, 4) x, y, z (m) and yaw (rad) of the camera along the block, moved off objects that block it.
+    """
     ground_truth = block(profile, seed, name, length)
     layout = materialise_cousins(ground_truth, 1, kerb=0.0)[0].layout
     geometry = scene_geometry(layout, index_of(layout))
     geometry = dataclasses.replace(geometry, episodes=_one_episode(ground_truth))
     bank = pack([geometry], ["train"], {layout.sky: build_sky(layout.sky)})
-    options = FilmOptions(width=SIZE[0], height=SIZE[1], samples=2)
-    recording = film_scene(bank, 0, folder, _camera_path(ground_truth, profile, bank), options)
-    graph = distil(recording, LabelPriors(load_index()), describe=DESCRIBE).graph
-    words = f"synthetic tour of a block that follows the statistics of {profile.city} (block {VERSION}, seed {seed})"
-    source = Source(words, "Apache-2.0", profile.city, profile.country)
-    return Capture(bank, recording, compact(dataclasses.replace(graph, id=name, source=source)))
+    places = np.array(ground_truth.camera_path)
+    if profile.travel == "walk":
+        places[:, :2] = _cleared(places[:, :2], street_grid(bank, 0))
+    return bank, places
 
 
 def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
@@ -75,16 +91,6 @@ def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
     return EpisodeTable(
         np.array([[x, y, z, 0.0]]), goal, goal[:, None], np.ones(1, np.int32), np.ones(1), no, no, np.array([-1.0])
     )
-
-
-def _camera_path(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
-    """The block's trajectory, moved off objects that block it, with the camera turning to both sides alternately."""
-    path = np.array(ground_truth.camera_path)
-    if profile.travel == "walk":
-        path[:, :2] = _cleared(path[:, :2], street_grid(bank, 0))
-    count = np.arange(len(path))
-    yaw = path[:, 3] + SWAY * np.sin(2 * np.pi * count / SWAY_FRAMES)
-    return CameraPath(count * PERIOD, camera_poses(path[:, :3], yaw, PITCH))
 
 
 def _cleared(places: np.ndarray, street: StreetGrid) -> np.ndarray:
