@@ -92,9 +92,9 @@ def film(street: str, work: pathlib.Path, length: float) -> Any:
             film_scene(bank, 0, fresh, camera_path(places), FilmOptions(width=SIZE[0], height=SIZE[1]))
             v.write_json(fresh / "turnable.json", turnable)
     recording = Recording.load(work / "film")
-    truth = SceneGraph.load(work / "film" / "truth.json").objects
+    ground_truth = SceneGraph.load(work / "film" / "truth.json").objects
     turnable = v.read_json(work / "film" / "turnable.json", "objects with a heading")
-    return with_ground_truth(recording, truth, turnable, street)
+    return with_ground_truth(recording, ground_truth, turnable, street)
 
 
 def seen(arm: str, filmed: Any, work: pathlib.Path) -> Recording:
