@@ -137,12 +137,46 @@ def test_houses_are_of_the_citys_tradition_and_cousins_differ() -> None:
     assert dressed("Tokyo", "Japan") == dressed("Tokyo", "Japan")
 
 
+def test_a_row_of_homes_stays_one_where_labels_are_exact() -> None:
+    """Labels of a distilled graph may be wrong, so there a shop may stand for a house that was used often."""
+    homes = tuple(placed(f"house_{k:02d}", "house", (10.0 * k, 8.7, 0.1), -math.pi / 2) for k in range(14))
+    by_hand = graph("Toronto", "Canada")
+    distilled = dataclasses.replace(by_hand, source=dataclasses.replace(by_hand.source, video="synthetic tour"))
+    trades = [
+        [regional.load_regional().get(p.asset_uid).params["trade"] for p in made.layout.objects]
+        for made in (dress(cousin(objects=homes), g, INDEX) for g in (by_hand, distilled))
+    ]
+    assert set(trades[0]) == {""}
+    assert "" in trades[1]
+    assert set(trades[1]) != {""}
+
+
 def test_a_street_of_no_known_city_is_not_touched() -> None:
     plain = cousin()
     assert dress(plain, graph("Testville", "nowhere"), INDEX) is plain
     with pytest.raises(ValidationError, match=r"found 'Testville' in 'nowhere', needed one of Algeria, Almaty"):
         check_city(graph("Testville", "nowhere"))
     check_city(graph("Osaka", "Japan"))
+
+
+def test_where_the_catalogues_houses_are_at_home_they_stay_and_all_else_is_of_the_place() -> None:
+    there = graph("London", "United Kingdom")
+    check_city(there)
+    car = placed("car_0", "sedan", (30.0, -4.0, 0.1), 0.0)
+    plain = cousin(objects=tuple(sorted((*OBJECTS, car), key=lambda p: p.id)))
+    made = localise(plain, there, INDEX)
+    assert made.layout.place == ("London", "United Kingdom")
+    assert [p.asset_uid for p in made.layout.objects] == [p.asset_uid for p in plain.layout.objects]
+    assert by_id(made)["car_0"].paint
+    assert made.left_out == ()
+
+
+def test_a_set_with_the_regional_look_has_a_city_that_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without this check such a scene silently keeps the catalogue's look."""
+    monkeypatch.setattr(building, "graph_of", lambda scenes, layout: graph("Testville", "nowhere"))
+    regional_set = dataclasses.replace(library.scene_set("autobench"), regional=True)
+    with pytest.raises(ValidationError, match="found 'Testville' in 'nowhere'"):
+        next(building.cousins_of(regional_set, "street"))
 
 
 def test_a_chair_that_a_new_house_penetrates_is_left_out_and_listed() -> None:

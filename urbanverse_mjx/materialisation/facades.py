@@ -29,6 +29,8 @@ STRETCH = (0.88, 1.16)
 #: Weights, in the unit of |log| of a side: another kind of shop, a house instead of a shop, and each earlier use in the
 #: scene; and the greatest share of chance, which tells cousins apart.
 OTHER_KIND, OTHER_USE, USED, CHANCE = 0.08, 0.3, 0.1, 0.25
+#: |log| of height within which a house of a hand-made graph becomes a house, not a shop: its labels are exact.
+HOME = 0.3
 #: Leaves that hang on façades, and the m within which they are left out: regional façades have their own.
 HUNG = frozenset({"awning", "banner", "air conditioner"})
 HUNG_WITHIN = 2.0
@@ -68,7 +70,8 @@ def dress(
         return cousin
     index = index or index_of(cousin.layout)
     houses = {p.id: p for p in cousin.layout.objects if _is_house(p, index)}
-    records, placed = _replaced(cousin, houses, regional.of_tradition(name), index, hulls_of)
+    exact = graph.source.video == "hand"
+    records, placed = _replaced(cousin, houses, regional.of_tradition(name), index, hulls_of, exact)
     kept, gone = _without_hung(cousin, placed, index)
     objects, crowded, overlapping = _fitting(kept, placed, records, index, hulls_of)
     layout = dataclasses.replace(
@@ -102,8 +105,9 @@ def _replaced(
     candidates: Sequence[AssetRecord],
     index: AssetIndex,
     hulls_of: Callable[[AssetRecord], HullSet],
+    exact: bool,
 ) -> tuple[dict[str, AssetRecord], dict[str, PlacedObject]]:
-    """The record and the placed object of every house's successor."""
+    """The record and the placed object of every house's successor; exact: see `HOME`."""
     used: dict[str, int] = {}
     records, placed = {}, {}
     for key in sorted(houses):
@@ -117,7 +121,9 @@ def _replaced(
             chance = choice.pick(10**6, "facade", *seed, new.uid) / 10**6
             return _misfit(new, block, height, KINDS[old.category]) + USED * used.get(new.uid, 0) + CHANCE * chance
 
-        new = min(candidates, key=lambda r: (cost(r), r.uid))
+        homes = [r for r in candidates if r.params["trade"] == "" and abs(math.log(height / r.height)) < HOME]
+        at_home = exact and homes and KINDS[old.category] == ""
+        new = min(homes if at_home else candidates, key=lambda r: (cost(r), r.uid))
         for other in candidates:  # its other dressings count half
             if other.params["block"] == new.params["block"] and other.extent_xyz == new.extent_xyz:
                 used[other.uid] = used.get(other.uid, 0) + (2 if other is new else 1)

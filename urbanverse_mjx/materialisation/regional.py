@@ -24,12 +24,12 @@ TRIED = 150
 
 
 def check_city(graph: SceneGraph) -> None:
-    """Checks that a tradition serves a graph's city or country.
+    """Checks that a graph's city or country has the regional look.
 
     Raises:
-      ValidationError: none does.
+      ValidationError: it has not.
     """
-    if regional.tradition_of(graph.source.city, graph.source.country) is None:
+    if not regional.is_served(graph.source.city, graph.source.country):
         raise v.fail(
             "graph.source.city",
             f"{v.show(graph.source.city)} in {v.show(graph.source.country)}",
@@ -44,7 +44,9 @@ def localise(
     index: AssetIndex | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
 ) -> Cousin:
-    """A cousin with the look of its graph's city; the same cousin if no tradition serves the city.
+    """A cousin with the look of its graph's city; the same cousin if its city has none.
+
+    Where the catalogue's houses are those of the country, they stay.
 
     Args:
       cousin: a cousin of the graph.
@@ -52,11 +54,12 @@ def localise(
       index: records of the cousin's assets; default: from the catalogue.
       hulls_of: function that returns the collision hulls of a record.
     """
+    place = (graph.source.city, graph.source.country)
+    if not regional.is_served(*place):
+        return cousin
     index = index or index_of(cousin.layout)
     dressed = dress(cousin, graph, index, hulls_of)
-    if dressed is cousin:
-        return cousin
-    layout, place = dressed.layout, (graph.source.city, graph.source.country)
+    layout = dressed.layout
     key = (layout.graph_id, layout.seed, layout.cousin)
     allowed = paints.species(place, layout.sky)
     bodies = [_body(p, _record_of(p, index), hulls_of) for p in layout.objects]

@@ -15,6 +15,8 @@ from .index import AssetIndex, load_index
 FILE = "regional.parquet"
 #: Part of the uids of these records.
 MARK = "/regional-"
+#: Countries whose houses and signs the catalogue has already: brick terraces and English shops.
+OF_CATALOGUE = ("United Kingdom", "Ireland")
 
 
 def index_path() -> pathlib.Path:
@@ -53,11 +55,16 @@ def tradition_of(city: str, country: str) -> str | None:
     return None
 
 
+def is_served(city: str, country: str) -> bool:
+    """Whether a city or country has the regional look: a tradition serves it, or the catalogue's houses are its own."""
+    return country in OF_CATALOGUE or tradition_of(city, country) is not None
+
+
 def places() -> list[str]:
-    """The cities and countries that have a tradition."""
+    """The cities and countries that have the regional look."""
     from ..recipes.building.regional.styles import traditions
 
-    return sorted(place for tradition in traditions().values() for place in tradition.places)
+    return sorted((*OF_CATALOGUE, *(place for tradition in traditions().values() for place in tradition.places)))
 
 
 def records_of(uids: Sequence[str]) -> list[AssetRecord]:
