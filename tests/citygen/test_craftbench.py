@@ -1,14 +1,18 @@
 """CraftBench: requirements on manually composed scenes, checked on the graphs that its modules build."""
 
+import dataclasses
 import itertools
 import math
 
 import pytest
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.citygen.craftbench import BUILDERS, build, write
+from urbanverse_mjx.assets.records.regional import is_served, tradition_of
+from urbanverse_mjx.citygen.craftbench import BUILDERS, CITIES, build, write
 from urbanverse_mjx.datatypes import SceneGraph, ValidationError
+from urbanverse_mjx.pipeline.library.building import graph_of
 from urbanverse_mjx.scene import library
+from urbanverse_mjx.scene.roads import rules_of
 
 from . import composed
 
@@ -47,6 +51,24 @@ def test_every_scene_is_one_of_the_published_ids():
     assert set(library.shipped_hashes("craftbench")) == set(IDS)
     with pytest.raises(ValidationError, match="01_residential"):
         build("nowhere")
+
+
+def test_version_2_differs_in_the_city_alone(graph):
+    """Version 1 is frozen without a city, so its graphs must not name one."""
+    first, second = (graph_of(library.scene_set(name), graph.id) for name in ("craftbench", "craftbench_v2"))
+    assert first == graph
+    assert (second.source.city, second.source.country) == CITIES[graph.id]
+    assert dataclasses.replace(second, source=first.source) == first
+    assert is_served(*CITIES[graph.id])
+
+
+def test_cities_of_version_2_differ_and_have_the_traffic_of_their_scenes():
+    assert set(CITIES) == set(IDS)
+    assert len({tradition_of(*place) for place in CITIES.values()}) == len(CITIES)
+    left = {scene_id[:2] for scene_id, place in CITIES.items() if rules_of(*place).traffic == "left"}
+    assert left == {"05", "11"}
+    # Rails belong into no lane of two and a half metres beside parked cars.
+    assert not any(rules_of(*place).tram for place in CITIES.values())
 
 
 @pytest.mark.parametrize("scene_id", IDS)

@@ -43,12 +43,14 @@ def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
         made = {"procedural": procedural_streets, "places": procedural_places}[scenes.builder]
         names = {f"{scenes.builder}_{k:03d}": k for k in range(made.COUNT)}
         return {name: lambda k=k, name=name: dataclasses.replace(made.build(k), id=name) for name, k in names.items()}
-    if scenes.builder in ("craft", "validation"):
-        from ...citygen import craftbench, validation_streets
+    if scenes.builder == "craft":
+        from ...citygen import craftbench
 
-        # Both are packages of hand-made scenes: BUILDERS by id, and `build`.
-        hand = {"craft": craftbench, "validation": validation_streets}[scenes.builder]
-        return {name: lambda name=name: hand.build(name) for name in hand.BUILDERS}
+        return {name: lambda name=name: craftbench.build(name, scenes.regional) for name in craftbench.BUILDERS}
+    if scenes.builder == "validation":
+        from ...citygen import validation_streets
+
+        return {name: lambda name=name: validation_streets.build(name) for name in validation_streets.BUILDERS}
     return {name: lambda path=path: SceneGraph.load(path) for name, path in scenes.graphs().items()}
 
 
@@ -77,10 +79,16 @@ def graph_of(scenes: library.SceneSet, layout: str) -> SceneGraph:
 
 
 def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
-    """The cousins of a layout, under the set's scene ids."""
-    from ...materialisation import localise, materialise_cousins
+    """The cousins of a layout, under the set's scene ids.
+
+    Raises:
+      ValidationError: the set has the regional look, and no region serves the city of this layout.
+    """
+    from ...materialisation import check_city, localise, materialise_cousins
 
     graph = graph_of(scenes, layout)
+    if scenes.regional:
+        check_city(graph)
     for k, made in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed)):
         cousin = localise(made, graph) if scenes.regional else made
         named = dataclasses.replace(cousin.layout, id=scenes.scene_id(layout, k))
