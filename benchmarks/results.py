@@ -3,13 +3,16 @@
     python -m benchmarks.results
     python -m benchmarks.results --add runs/student/result.json --agent student --policy student --robot COCO --seed 0
     python -m benchmarks.results --add runs/teacher/result.json --agent teacher --arm training_streets both --seed 0
+    python -m benchmarks.results --add runs/craftbench_v2-planner --robot COCO
 
 The second command first adds the rows of an agent in a result.json of `benchmarks.generalise` or
 `benchmarks.comparison`, replacing those of the same policy, robot and seed. `by_scene.csv` has a row per policy,
 training seed and scene; `totals.csv` policies whose scenes are not kept, with the standard error over scenes. The
 third command adds to the table of a comparison (`COMPARISONS`): policies that differ in one part of their training
-alone, also scored on validation streets. Writes the tables between the marks in docs/results.md, and docs/results.png.
-Intervals come from a bootstrap that samples seeds (if there are several) and scenes.
+alone, also scored on validation streets. The last one adds a run of `urbanverse benchmark` (contact ends) to the
+comparison of the benchmarks' versions, in place of that of the same policy, robot and protocol. Writes the tables
+between the marks in docs/results.md, and docs/results.png. Intervals come from a bootstrap that samples seeds (if
+there are several) and scenes.
 """
 
 import argparse
@@ -22,6 +25,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urbanverse_mjx.datatypes import BenchmarkReport
+
 ROOT = pathlib.Path(__file__).parents[1]
 SCORES = ROOT / "benchmarks" / "scores"
 PAGE, FIGURE = ROOT / "docs" / "results.md", ROOT / "docs" / "results.png"
@@ -31,6 +36,13 @@ BENCHMARKS = {"craftbench": "CraftBench", "autobench": "AutoBench"}
 DRAWS, SEED = 10_000, 0
 #: Standard errors from the mean to the end of a 95 % interval.
 NORMAL = 1.96
+#: Heads of the columns that compare the benchmarks' versions.
+VERSIONS = {
+    "craftbench": "CraftBench 1",
+    "craftbench_v2": "CraftBench 2",
+    "autobench": "AutoBench 1",
+    "autobench_v2": "AutoBench 2",
+}
 
 
 class Comparison(NamedTuple):
@@ -164,6 +176,29 @@ def arm_table(comparison: Comparison, rates: dict[str, dict[str, np.ndarray]]) -
     return "\n".join(lines)
 
 
+def read_versions(folder: pathlib.Path) -> dict[tuple[str, str, str], dict[str, Score]]:
+    """Returns (policy, robot, protocol) -> benchmark of `VERSIONS` -> score."""
+    rates: dict[tuple[str, str, str], dict[str, list[float]]] = collections.defaultdict(dict)
+    with (folder / "versions.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            key = row["policy"], row["robot"], row["protocol"]
+            rates[key].setdefault(row["benchmark"], []).append(float(row["SR"]))
+    return {k: {n: over_seeds_and_scenes(np.array([r])) for n, r in found.items()} for k, found in rates.items()}
+
+
+def version_table(scores: dict[tuple[str, str, str], dict[str, Score]]) -> str:
+    """Markdown: a row per policy, robot and protocol, with "-" where a benchmark was not driven."""
+    if not scores:
+        return "Not run yet: `urbanverse benchmark craftbench_v2 --policy P --protocol full --contact ends`."
+    head = ["policy", "robot", "protocol", *VERSIONS.values()]
+    lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
+    for key, found in sorted(scores.items()):
+        shown = (found.get(name) for name in VERSIONS)
+        cells = [f"{s.mean:.1f} [{s.low:.1f}, {s.high:.1f}]" if s else "-" for s in shown]
+        lines.append(f"| {' | '.join((*key, *cells))} |")
+    return "\n".join(lines)
+
+
 def arm_marks(name: str) -> tuple[str, str]:
     """Marks of a comparison's table in docs/results.md."""
     return f"<!-- table of {name}: python -m benchmarks.results -->", f"<!-- end of {name} -->"
@@ -243,9 +278,42 @@ def add_arm(folder: pathlib.Path, result: pathlib.Path, agent: str, name: str, a
     replace_rows(folder / f"{name}.csv", about, rows)
 
 
+def add_version(folder: pathlib.Path, run: pathlib.Path, robot: str) -> None:
+    """Writes the rows of a run of `urbanverse benchmark` into versions.csv, a row per scene.
+
+    They replace those of the same policy, robot, protocol and benchmark.
+
+    Args:
+      run: folder of the run, with `ends/report.json`.
+
+    Raises:
+      SystemExit: it has no such report, or one of another benchmark.
+    """
+    path = run / "ends" / "report.json"
+    if not path.is_file():
+        raise SystemExit(f"error: {run}: found no ends/report.json, needed a run of `urbanverse benchmark`.")
+    report = BenchmarkReport.load(path)
+    ((policy, scores),) = report.summary.items()
+    about = {
+        "policy": policy,
+        "robot": robot,
+        "protocol": report.record["protocol"],
+        "benchmark": report.record["benchmark"],
+    }
+    if about["benchmark"] not in VERSIONS:
+        raise SystemExit(f"error: {run}: found benchmark {about['benchmark']!r}, needed one of {list(VERSIONS)}.")
+    number = collections.Counter(episode.scene for episode in report.episodes)
+    rows = [
+        {**about, "scene": scene, "episodes": number[scene]}
+        | {k: round(score[k], 6) for k in ("SR", "RC", "hit_episodes")}
+        for scene, score in sorted(scores["by_scene"].items())
+    ]
+    replace_rows(folder / "versions.csv", about, rows)
+
+
 def main() -> int:
     cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    cli.add_argument("--add", type=pathlib.Path, help="result.json whose rows are added")
+    cli.add_argument("--add", type=pathlib.Path, help="result.json, or folder of `urbanverse benchmark`, to add")
     cli.add_argument("--agent", default="student", help="its key there")
     cli.add_argument("--policy", help="name in the table; default: that of the agent")
     cli.add_argument("--robot", default="COCO")
@@ -258,12 +326,15 @@ def main() -> int:
         cli.error(f"--arm: found {args.arm[0]!r}, needed one of {', '.join(COMPARISONS)}.")
     if args.add is not None and args.arm is not None:
         add_arm(SCORES, args.add, args.agent, args.arm[0], args.arm[1], args.seed)
+    elif args.add is not None and args.add.is_dir():
+        add_version(SCORES, args.add, args.robot)
     elif args.add is not None:
         add(SCORES, args.add, args.agent, args.policy or args.agent, args.robot, args.seed)
     scores = read(SCORES)
     page = with_table(PAGE.read_text(encoding="utf-8"), table(scores))
     for name, comparison in COMPARISONS.items():
         page = with_table(page, arm_table(comparison, read_arms(SCORES, name)), arm_marks(name))
+    page = with_table(page, version_table(read_versions(SCORES)), arm_marks("versions"))
     PAGE.write_text(page, encoding="utf-8")
     draw(scores, FIGURE)
     return 0

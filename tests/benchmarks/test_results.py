@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from benchmarks import results
+from tests.evaluation.test_evaluation import _result
+from urbanverse_mjx.datatypes import BenchmarkReport
 
 
 def test_the_page_holds_the_table_of_the_rows() -> None:
@@ -21,6 +23,46 @@ def test_the_page_holds_the_table_of_a_comparison(name: str) -> None:
     page = results.PAGE.read_text(encoding="utf-8")
     text = results.arm_table(results.COMPARISONS[name], results.read_arms(results.SCORES, name))
     assert results.with_table(page, text, results.arm_marks(name)) == page, "run make results"
+
+
+def test_the_page_holds_the_table_of_the_benchmarks_versions() -> None:
+    page = results.PAGE.read_text(encoding="utf-8")
+    text = results.version_table(results.read_versions(results.SCORES))
+    assert results.with_table(page, text, results.arm_marks("versions")) == page, "run make results"
+
+
+def benchmark_run(folder: pathlib.Path, benchmark: str, rates: dict[str, float]) -> pathlib.Path:
+    """A folder as `urbanverse benchmark` writes it, with two episodes a scene."""
+    scores = {scene: {"SR": rate, "RC": rate, "hit_episodes": 0.0} for scene, rate in rates.items()}
+    episodes = tuple(_result(scene=scene, episode=k) for scene in rates for k in range(2))
+    record = {"protocol": "paper", "benchmark": benchmark}
+    (folder / "ends").mkdir(parents=True, exist_ok=True)
+    report = BenchmarkReport("of a test", {"planner": {"by_scene": scores}}, episodes, record)
+    report.save(folder / "ends" / "report.json")
+    return folder
+
+
+def test_runs_of_both_versions_stand_in_one_row_and_a_repeated_run_replaces_its_own(tmp_path: pathlib.Path) -> None:
+    head = (results.SCORES / "versions.csv").read_text(encoding="utf-8").splitlines(keepends=True)[0]
+    (tmp_path / "versions.csv").write_text(head, encoding="utf-8")
+    assert results.version_table(results.read_versions(tmp_path)).startswith("Not run yet")
+    for benchmark, rate in (("craftbench", 40.0), ("craftbench_v2", 60.0), ("craftbench_v2", 80.0)):
+        run = benchmark_run(tmp_path / "run", benchmark, {"a": rate, "b": rate})
+        results.add_version(tmp_path, run, "COCO")
+    assert results.version_table(results.read_versions(tmp_path)).splitlines()[2:] == [
+        "| planner | COCO | paper | 40.0 [40.0, 40.0] | 80.0 [80.0, 80.0] | - | - |"
+    ]
+    with (tmp_path / "versions.csv").open(encoding="utf-8") as file:
+        assert [(r["benchmark"], r["scene"], r["episodes"]) for r in csv.DictReader(file)] == [
+            ("craftbench", "a", "2"),
+            ("craftbench", "b", "2"),
+            ("craftbench_v2", "a", "2"),
+            ("craftbench_v2", "b", "2"),
+        ]
+    with pytest.raises(SystemExit, match="found benchmark 'shipped'"):
+        results.add_version(tmp_path, benchmark_run(tmp_path / "other", "shipped", {"a": 1.0}), "COCO")
+    with pytest.raises(SystemExit, match=r"found no ends/report\.json"):
+        results.add_version(tmp_path, tmp_path, "COCO")
 
 
 def test_arms_are_compared_with_the_reference_alone_if_that_has_rows() -> None:
