@@ -2,10 +2,12 @@
 
     urbanverse scene compile scenes/urbanverse160/LAYOUT/graph.json.gz --out FOLDER [--regional]
     python -m benchmarks.city_sheet --before before.npz --after after.npz --out docs/cities.jpg
+    python -m benchmarks.city_sheet --set craftbench_v2 --before V1.npz --after V2.npz --heights 0.5,1.6 --light baked
 
 Both banks (`scene.pack_bank` of the folders) hold the same layouts in the same order. The camera stands on the
-trajectory of each layout's graph at the height of the one that filmed it, or at `--heights` above the pavement. With
-`--repeat` the processor time of all images after over that before, interleaved, is printed as one JSON line.
+trajectory of each layout's graph, as the set `--set` has it, at the height of the one that filmed it, or at `--heights`
+above the pavement. With `--repeat` the processor time of all images after over that before, interleaved, is printed as
+one JSON line.
 """
 
 import argparse
@@ -18,25 +20,32 @@ import time
 import numpy as np
 from PIL import Image
 
-from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import SceneBank, SceneGraph
+from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.pipeline.library.building import graph_of
+from urbanverse_mjx.scene import library
 from urbanverse_mjx.simulation.rendering.cameras import look_at
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 #: Pixels of an image, rad, and m from the camera to the point it looks at, that much higher per m.
 HEIGHT, WIDTH, FOVY, AHEAD, RISE = 300, 400, 1.15, 5.0, 0.12
+#: m along the trajectory that give its direction.
+STRETCH = 9.0
 
 
-def seen(layout: str, place: float, aside_deg: float, z: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+def seen(
+    layout: str, place: float, aside_deg: float, z: float | None = None, name: str = "urbanverse160"
+) -> tuple[np.ndarray, np.ndarray]:
     """Position (3,) and rotation (4,) of a camera at a share of a layout's trajectory, turned aside from it.
 
     Args:
       z: m, its height; default: the trajectory's, from where it looks up a little.
+      name: set of the library to which the layout belongs.
     """
-    graph = SceneGraph.load(settings.scene_root() / "urbanverse160" / layout / "graph.json.gz")
-    path = np.array(graph.camera_path)
+    path = np.array(graph_of(library.scene_set(name), layout).camera_path)
     here = int(len(path) * place)
-    along = path[min(here + 4, len(path) - 1), :2] - path[here, :2]
+    driven = np.cumsum(np.linalg.norm(np.diff(path[here:, :2], axis=0), axis=1))
+    there = here + 1 + int(np.searchsorted(driven, STRETCH))
+    along = path[min(there, len(path) - 1), :2] - path[here, :2]
     yaw = np.arctan2(along[1], along[0]) + np.radians(aside_deg)
     at = np.array([*path[here, :2], np.median(path[:, 2]) if z is None else z])
     return at, look_at(at, at + AHEAD * np.array([np.cos(yaw), np.sin(yaw), RISE if z is None else -RISE / 2]))
@@ -59,8 +68,9 @@ def _cost(renderers: list[Renderer], views: list[tuple[int, np.ndarray, np.ndarr
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.city_sheet", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("--before", type=pathlib.Path, required=True, help="bank with the catalogue's houses")
-    parser.add_argument("--after", type=pathlib.Path, required=True, help="bank with regional houses")
+    parser.add_argument("--set", default="urbanverse160", help="set of the library with these layouts")
+    parser.add_argument("--before", type=pathlib.Path, required=True, help="bank with the former look")
+    parser.add_argument("--after", type=pathlib.Path, required=True, help="bank with the new look")
     parser.add_argument("--place", type=float, default=0.675, help="share of the trajectory")
     parser.add_argument("--aside", type=float, default=20.0, help="degrees to the left of the trajectory")
     parser.add_argument("--heights", default="", help="m above the pavement, with commas")
@@ -77,7 +87,9 @@ def main(argv: list[str] | None = None) -> int:
         ground = float(np.median(banks[0].episode_start[number, :, 2]))
         for height in heights:
             z = None if height is None else ground + height
-            views.append((number, *seen(scene.split("_Cousin_")[0], arguments.place, arguments.aside, z)))
+            views.append(
+                (number, *seen(scene.split("_Cousin_")[0], arguments.place, arguments.aside, z, arguments.set))
+            )
     columns = [[np.asarray(r.view(n, at, turn, FOVY)["rgb"]) for n, at, turn in views] for r in renderers]
     pairs = [np.concatenate(pair, 1) for pair in zip(*columns, strict=True)]
     rows = [np.concatenate(pairs[k : k + 2], 1) for k in range(0, len(pairs) - len(pairs) % 2, 2)]
