@@ -187,13 +187,15 @@ def read_versions(folder: pathlib.Path) -> dict[tuple[str, str, str], dict[str, 
 
 
 def version_table(scores: dict[tuple[str, str, str], dict[str, Score]]) -> str:
-    """Markdown: a row per policy, robot and protocol, with "-" where a benchmark was not driven."""
+    """Markdown: a row per policy, robot and protocol, a column per benchmark; "-" where it was not
+    driven."""
     if not scores:
         return "Not run yet: `urbanverse benchmark craftbench_v2 --policy P --protocol full --contact ends`."
-    head = ["policy", "robot", "protocol", *VERSIONS.values()]
+    names = [name for name in VERSIONS if any(name in found for found in scores.values())]
+    head = ["policy", "robot", "protocol", *(VERSIONS[name] for name in names)]
     lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
     for key, found in sorted(scores.items()):
-        shown = (found.get(name) for name in VERSIONS)
+        shown = (found.get(name) for name in names)
         cells = [f"{s.mean:.1f} [{s.low:.1f}, {s.high:.1f}]" if s else "-" for s in shown]
         lines.append(f"| {' | '.join((*key, *cells))} |")
     return "\n".join(lines)

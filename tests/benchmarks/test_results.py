@@ -50,10 +50,15 @@ def test_runs_of_both_versions_stand_in_one_row_and_a_repeated_run_replaces_its_
         run = benchmark_run(tmp_path / "run", benchmark, {"a": rate, "b": rate})
         results.add_version(tmp_path, run, "COCO")
     assert results.version_table(results.read_versions(tmp_path)).splitlines()[2:] == [
-        "| planner | COCO | paper | 40.0 [40.0, 40.0] | 80.0 [80.0, 80.0] | - | - |"
+        "| planner | COCO | paper | 40.0 [40.0, 40.0] | 80.0 [80.0, 80.0] |"
     ]
+    results.add_version(tmp_path, benchmark_run(tmp_path / "run", "autobench", {"c": 90.0}), "Go2")
+    assert results.version_table(results.read_versions(tmp_path)).splitlines()[2] == (
+        "| planner | COCO | paper | 40.0 [40.0, 40.0] | 80.0 [80.0, 80.0] | - |"
+    )
     with (tmp_path / "versions.csv").open(encoding="utf-8") as file:
-        assert [(r["benchmark"], r["scene"], r["episodes"]) for r in csv.DictReader(file)] == [
+        rows = [r for r in csv.DictReader(file) if r["robot"] == "COCO"]
+        assert [(r["benchmark"], r["scene"], r["episodes"]) for r in rows] == [
             ("craftbench", "a", "2"),
             ("craftbench", "b", "2"),
             ("craftbench_v2", "a", "2"),
