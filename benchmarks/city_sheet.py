@@ -2,7 +2,7 @@
 
     urbanverse scene compile scenes/urbanverse160/LAYOUT/graph.json.gz --out FOLDER [--regional]
     python -m benchmarks.city_sheet --before before.npz --after after.npz --out docs/cities.jpg
-    python -m benchmarks.city_sheet --set craftbench_v2 --before V1.npz --after V2.npz --heights 0.5,1.6 --light baked
+    python -m benchmarks.city_sheet --set craftbench_v2 --before V1.npz --after V2.npz --light direct,baked
 
 Both banks (`scene.pack_bank` of the folders) hold the same layouts in the same order. The camera stands on the
 trajectory of each layout's graph, as the set `--set` has it, at the height of the one that filmed it, or at `--heights`
@@ -75,12 +75,16 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--aside", type=float, default=20.0, help="degrees to the left of the trajectory")
     parser.add_argument("--heights", default="", help="m above the pavement, with commas")
     parser.add_argument("--repeat", type=int, default=0, help="rounds of the comparison of processor time")
-    parser.add_argument("--light", default="direct", help="direct or baked")
+    parser.add_argument("--light", default="direct", help="direct or baked, or both with a comma: before,after")
     parser.add_argument("--quality", type=int, default=80, help="of the JPEG file")
     parser.add_argument("--out", type=pathlib.Path, required=True)
     arguments = parser.parse_args(argv)
     banks = [SceneBank.load(path) for path in (arguments.before, arguments.after)]
-    renderers = [Renderer(b, None, HEIGHT, WIDTH, shading="pbr", samples=2, light=arguments.light) for b in banks]
+    lights = (arguments.light.split(",") * 2)[:2]
+    renderers = [
+        Renderer(bank, None, HEIGHT, WIDTH, shading="pbr", samples=2, light=light)
+        for bank, light in zip(banks, lights, strict=True)
+    ]
     heights = [float(h) for h in arguments.heights.split(",")] if arguments.heights else [None]
     views = []
     for number, scene in enumerate(banks[0].scene_ids):
