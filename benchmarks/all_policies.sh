@@ -4,7 +4,7 @@
 #     bash benchmarks/all_policies.sh OUT AUTOBENCH_BANK CRAFTBENCH_BANK [IMPL]
 #
 # PYTHON names the interpreter, SERIAL=1 runs one after the other, POLICIES names others than those of the paper's table,
-# MORE holds further options (`--scenes 1`, `--env-name Go2Nav`).
+# MORE holds further options (`--scenes 1`, `--env-name Go2Nav`). VERSION=_v2 takes the lists of version 2 of both.
 # OUT gets lists/NAME.json and NAME-POLICY/report.md, report.json, episodes.csv, scenes.csv; a failed run leaves its log.
 set -u
 out=$1 impl=${4:-auto}
@@ -20,12 +20,14 @@ one() { # benchmark, policy, folder
     --impl "$impl" --at-once 768 --no-pictures --quiet ${MORE:-} --out "$out/$1-$3" > "$out/$1-$3.log" 2>&1 \
     && rm "$out/$1-$3.log"
 }
-for name in autobench craftbench; do
+for set in autobench craftbench; do
+  name=$set${VERSION:-}
+  banks[$name]=${banks[$set]}
   [ -s "${banks[$name]}" ] || continue
   if [ -s "benchmarks/protocols/$name.json" ]; then
     cp "benchmarks/protocols/$name.json" "$out/lists/"
   else
-    [ "$name" = craftbench ] && more="--extra $extra" || more=""
+    [ "$set" = craftbench ] && more="--extra $extra" || more=""
     # shellcheck disable=SC2086
     ${PYTHON:-python} -m benchmarks.freeze "$name" --bank "${banks[$name]}" --out "$out/lists" $more || continue
   fi

@@ -13,6 +13,7 @@ import argparse
 import dataclasses
 import json
 import pathlib
+import re
 import sys
 
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
@@ -21,6 +22,12 @@ from urbanverse_mjx.pipeline.benchmarking import benchmark_bank, pinned_robots
 
 FOLDER = pathlib.Path(__file__).parent / "protocols"
 EPISODES, HALF = 64, 100.0
+
+
+def version_of(name: str) -> int:
+    """The version in a name that ends in "_v" and a number; 1 without one."""
+    found = re.search(r"_v([1-9]\d*)$", name)
+    return int(found[1]) if found else 1
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -33,7 +40,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--episodes", type=int, default=EPISODES)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=pathlib.Path, default=FOLDER, help="folder of the list")
-    parser.add_argument("--version", type=int, default=1, help="of the benchmark")
+    parser.add_argument("--version", type=int, help="of the benchmark; default: that in its name (NAME_v2), else 1")
     parser.add_argument("--force", action="store_true", help="replace a list that is there")
     parser.add_argument("--pin", action="store_true", help="keep the list; pin today's scenes and robots")
     args = parser.parse_args(argv)
@@ -47,7 +54,7 @@ def main(argv: list[str] | None = None) -> int:
             protocol = Protocol.load(path)
         else:
             protocol = freeze(name, bank, args.episodes, args.seed, args.extra, HALF if args.half else None)
-            protocol = dataclasses.replace(protocol, version=args.version)
+            protocol = dataclasses.replace(protocol, version=args.version or version_of(args.name))
         protocol = protocol.pinned(bank, pinned_robots())
         protocol.save(path)
     except ValidationError as error:

@@ -7,15 +7,25 @@ import pathlib
 import numpy as np
 import pytest
 
+from benchmarks.freeze import version_of
 from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, ValidationError, bank_join
-from urbanverse_mjx.evaluation.frozen import Protocol, freeze
+from urbanverse_mjx.evaluation.frozen import CONDITIONS, Protocol, freeze
 from urbanverse_mjx.evaluation.pins import PARTS, changed_part, robot_pin, scene_pins
 from urbanverse_mjx.pipeline.benchmarking import pinned_robots
 from urbanverse_mjx.robots import make_coco
 
 LISTS = sorted(path.stem for path in settings.protocol_root().glob("*.json"))
+#: Conditions of version 1.
+BEFORE = {"vision_config.light": "direct", "friction": "uniform"}
+#: Hash of the episodes of each list of version 1.
+VERSION_1 = {
+    "autobench": "f010d0533118a36fb88e2c013911a0b3582a1ca068635796f62bbc390ac2f67e",
+    "craftbench": "34b5f5a25ad9efe41e8c67eb333cdf3722a919ee7f5e3272e5c4f2150be85d15",
+    "shipped": "de1f337c92360c13c9a013bd0e1cceb478998df05c8a33461fd1c7dbda6c9561",
+    "validation": "f8c9c282fcd5a4f1243b462ed1eaa89a009e7fa13bb80bd8e3186f0eb4647a53",
+}
 
 
 @pytest.fixture(scope="module")
@@ -114,9 +124,22 @@ def test_the_shipped_streets_are_those_that_were_frozen(bank: SceneBank) -> None
 @pytest.mark.parametrize("name", LISTS)
 def test_every_list_pins_its_scenes_and_the_robots_of_today(name: str) -> None:
     protocol = Protocol.load(settings.protocol_root() / f"{name}.json")
-    assert protocol.version == 1
+    assert protocol.name == name
+    assert protocol.version == version_of(name)
+    assert protocol.conditions == (CONDITIONS if protocol.version > 1 else BEFORE)
     assert all(set(scene.pins) == set(PARTS) for scene in protocol.scenes)
     assert protocol.robots == {env: robot_pin(robot) for env, robot in pinned_robots().items()}
+
+
+@pytest.mark.parametrize("name", VERSION_1)
+def test_version_1_is_what_was_published(name: str) -> None:
+    """A list and its hash could be written anew together; scores under this name would no longer compare."""
+    assert Protocol.load(settings.protocol_root() / f"{name}.json").content_hash() == VERSION_1[name]
+
+
+@pytest.mark.parametrize(("name", "version"), [("craftbench", 1), ("craftbench_v2", 2), ("v2", 1), ("mine_v12", 12)])
+def test_a_name_may_end_in_a_version(name: str, version: int) -> None:
+    assert version_of(name) == version
 
 
 def test_a_changed_robot_is_refused(pinned: tuple[SceneBank, Protocol]) -> None:
