@@ -173,10 +173,11 @@ def test_where_the_catalogues_houses_are_at_home_they_stay_and_all_else_is_of_th
 
 def test_a_set_with_the_regional_look_has_a_city_that_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without this check such a scene silently keeps the catalogue's look."""
-    monkeypatch.setattr(building, "graph_of", lambda scenes, layout: graph("Testville", "nowhere"))
-    regional_set = dataclasses.replace(library.scene_set("autobench"), regional=True)
+    monkeypatch.setattr(building, "_makers", lambda scenes: {"street": lambda: graph("Testville", "nowhere")})
+    plain = library.scene_set("autobench")
+    assert building.graph_of(plain, "street").source.city == "Testville"
     with pytest.raises(ValidationError, match="found 'Testville' in 'nowhere'"):
-        next(building.cousins_of(regional_set, "street"))
+        building.graph_of(dataclasses.replace(plain, regional=True), "street")
 
 
 def test_a_chair_that_a_new_house_penetrates_is_left_out_and_listed() -> None:

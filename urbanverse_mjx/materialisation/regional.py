@@ -54,12 +54,11 @@ def localise(
       index: records of the cousin's assets; default: from the catalogue.
       hulls_of: function that returns the collision hulls of a record.
     """
-    place = (graph.source.city, graph.source.country)
-    if not regional.is_served(*place):
-        return cousin
     index = index or index_of(cousin.layout)
     dressed = dress(cousin, graph, index, hulls_of)
-    layout = dressed.layout
+    layout, place = dressed.layout, (graph.source.city, graph.source.country)
+    if not regional.is_served(*place):
+        return cousin
     key = (layout.graph_id, layout.seed, layout.cousin)
     allowed = paints.species(place, layout.sky)
     bodies = [_body(p, _record_of(p, index), hulls_of) for p in layout.objects]

@@ -72,23 +72,23 @@ def graph_of(scenes: library.SceneSet, layout: str) -> SceneGraph:
     """The graph of a layout, from its file or its generator.
 
     Raises:
-      ValidationError: the set has no layout of this id, or its file is damaged.
+      ValidationError: the set has no layout of this id, its file is damaged, or the set has the regional look and its
+        city has none.
     """
+    from ...materialisation import check_city
+
     makers = _makers(scenes)
-    return makers[v.choice(layout, f"layout of {scenes.name}", tuple(makers))]()
+    graph = makers[v.choice(layout, f"layout of {scenes.name}", tuple(makers))]()
+    if scenes.regional:
+        check_city(graph)
+    return graph
 
 
 def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
-    """The cousins of a layout, under the set's scene ids.
-
-    Raises:
-      ValidationError: the set has the regional look, and no region serves the city of this layout.
-    """
-    from ...materialisation import check_city, localise, materialise_cousins
+    """The cousins of a layout, under the set's scene ids."""
+    from ...materialisation import localise, materialise_cousins
 
     graph = graph_of(scenes, layout)
-    if scenes.regional:
-        check_city(graph)
     for k, made in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed)):
         cousin = localise(made, graph) if scenes.regional else made
         named = dataclasses.replace(cousin.layout, id=scenes.scene_id(layout, k))
