@@ -6,9 +6,9 @@
 
 The training is `urbanverse train` in a process of its own, which is asked to end (as by Ctrl-C) when the time is over.
 The first quarter, and all before the second checkpoint, does not count: programs compile, allocators fill. After it
-resident memory (on a GPU also that of the device) may grow by 1 % at most, no program may be compiled, and no more
-files may be open. Prints a log line per tenth and the verdict on stderr, and a JSON line; exits with 1 if a check
-fails.
+resident memory (on a GPU also the peak of what this process has there) may grow by 1 % at most, no program may be
+compiled, and no more files may be open. Other programs may use the same GPU. Prints a log line per tenth and the
+verdict on stderr, and a JSON line; exits with 1 if a check fails.
 """
 
 import argparse
@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.lib.memory import device_mib
+from benchmarks.lib.watched_training import CHECKPOINTS
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.work_folder import work_folder
 
@@ -35,8 +36,7 @@ STEPS = 1_000_000_000
 #: Seconds by default, steps between two checkpoints, and options of `urbanverse train`.
 CPU: tuple[float, int, tuple[str, ...]] = (7200.0, 8_192, ())
 GPU: tuple[float, int, tuple[str, ...]] = (540.0, 131_072, ("--preset", "fast"))
-#: On a GPU JAX takes memory as it needs it: by default it takes most of it at once, and no growth shows. `nvidia-smi`
-#: is asked for the first GPU, so that is the one.
+#: On a GPU JAX takes memory as it needs it: by default it takes most of it at once, and leaves none to other programs.
 _ON_GPU = {"JAX_PLATFORMS": "cuda", "XLA_PYTHON_CLIENT_PREALLOCATE": "false", "CUDA_VISIBLE_DEVICES": "0"}
 _ON_CPU = {"JAX_PLATFORMS": "cpu", "CUDA_VISIBLE_DEVICES": ""}
 #: Share of the time that does not count, and by how much memory may change (share).
@@ -44,7 +44,7 @@ WARM_UP, TOLERANCE = 0.25, 0.01
 #: What JAX writes to stderr for each program that it compiles or reads from its cache.
 _COMPILED = b"Finished XLA compilation of"
 
-#: Of one moment: s since the start, MiB of memory, files, compiled programs, MiB of the device, checkpoints.
+#: Of one moment: s since the start, MiB of memory, files, compiled programs, peak MiB on the device, checkpoints.
 Sample = tuple[float, float, int, int, float, int]
 
 
@@ -87,33 +87,38 @@ def soak(
       every: s between two samples.
 
     Raises:
-      ValidationError: there is no GPU, or the training ends by itself.
+      ValidationError: there is no GPU, its memory is not known, or the training ends by itself.
     """
     default, checkpoint_every, preset = GPU if gpu else CPU
     if gpu and device_mib() is None:
         raise ValidationError("soak: found no GPU (nvidia-smi), needed one for --gpu; leave it out to use the CPU.")
     with work_folder("urbanverse-soak-") as folder:
         log = folder / "stderr.txt"
-        command = [sys.executable, "-m", "urbanverse_mjx.cli.main", "train", "--logdir", str(folder), "--quiet"]
+        device = folder / "device_mib.txt"
+        command = [sys.executable, "-m", "benchmarks.lib.watched_training", str(device)]
+        command += ["--logdir", str(folder), "--quiet"]
         command += ["--num-timesteps", str(STEPS), "--num-episodes", "0", "--no-video", *preset]
         command += ["--ppo-overrides", json.dumps({"num_checkpoints": STEPS // checkpoint_every}), *options]
         with log.open("wb") as file:
             environment = {**os.environ, "JAX_LOG_COMPILES": "1", **(_ON_GPU if gpu else _ON_CPU)}
             process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file, env=environment)
         try:
-            samples = _samples(process, log, default if seconds is None else seconds, every, gpu)
+            samples = _samples(process, log, device, default if seconds is None else seconds, every)
         finally:
             process.send_signal(signal.SIGINT)
             try:
                 process.wait(60.0)
             except subprocess.TimeoutExpired:
                 process.kill()
-        steps = [int(path.parent.name) for path in folder.glob("*/checkpoints/*/policy.json")]
-        return {"checkpoints": len(steps), "steps": max(steps, default=0), **judged(samples)}
+        steps = [int(path.parent.name) for path in folder.glob(CHECKPOINTS)]
+        result = {"checkpoints": len(steps), "steps": max(steps, default=0), **judged(samples)}
+        if gpu and result["device_mib"] <= 0.0:
+            raise ValidationError("soak: found no memory in use on the GPU, needed some; does JAX train on it?")
+        return result
 
 
 def _samples(
-    process: "subprocess.Popen[bytes]", log: pathlib.Path, seconds: float, every: float, gpu: bool
+    process: "subprocess.Popen[bytes]", log: pathlib.Path, device: pathlib.Path, seconds: float, every: float
 ) -> list[Sample]:
     samples: list[Sample] = []
     begin, tenth = time.monotonic(), 0
@@ -122,14 +127,14 @@ def _samples(
             said = log.read_text(errors="replace").strip().splitlines()[-1:]
             raise ValidationError(f"soak: found that the training ended with status {process.returncode}: {said}.")
         memory, files = _memory_and_files(process.pid)
-        device = (device_mib() or 0.0) if gpu else 0.0
-        checkpoints = len(list(log.parent.glob("*/checkpoints/*/policy.json")))
-        samples.append((now, memory, files, log.read_bytes().count(_COMPILED), device, checkpoints))
+        on_device = float(device.read_text(encoding="ascii")) if device.is_file() else 0.0
+        checkpoints = len(list(log.parent.glob(CHECKPOINTS)))
+        samples.append((now, memory, files, log.read_bytes().count(_COMPILED), on_device, checkpoints))
         if now * 10 // seconds > tenth:
             tenth = int(now * 10 // seconds)
             print(
-                f"{now / 60.0:6.1f} min  {memory:,.1f} MiB  {files} files  {samples[-1][3]} compiled  "
-                f"{checkpoints} checkpoints",
+                f"{now / 60.0:6.1f} min  {memory:,.1f} MiB  {on_device:,.1f} MiB on the device  {files} files  "
+                f"{samples[-1][3]} compiled  {checkpoints} checkpoints",
                 file=sys.stderr,
                 flush=True,
             )

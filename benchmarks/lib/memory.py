@@ -29,6 +29,14 @@ def warp_mib() -> tuple[float | None, float | None]:
     return tuple(f("cuda:0") / 2**20 for f in (wp.get_mempool_used_mem_current, wp.get_mempool_used_mem_high))
 
 
+def peak_device_mib() -> float:
+    """Returns the peak memory of this process on its GPU: that of JAX and of Warp's pool, MiB; 0 without a GPU.
+
+    Unlike `device_mib` it does not depend on other programs, nor on the moment within a step.
+    """
+    return (jax_mib()[1] or 0.0) + (warp_mib()[1] or 0.0)
+
+
 def device_mib() -> float | None:
     """Returns the memory in use on the first GPU by all programs (nvidia-smi), or None without it.
 

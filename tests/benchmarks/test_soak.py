@@ -1,8 +1,14 @@
 """Long trainings: memory, open files and compiled programs stay constant."""
 
+import itertools
+import pathlib
+import threading
+import time
+
 import pytest
 
 from benchmarks import soak
+from benchmarks.lib import watched_training
 from urbanverse_mjx.datatypes import ValidationError
 
 
@@ -53,6 +59,30 @@ def test_a_machine_without_a_gpu_is_told_so(
     monkeypatch.setattr(soak, "device_mib", lambda: None)
     assert soak.main(["--gpu", "--seconds", "60"]) == 2
     assert capsys.readouterr().err.startswith("error: soak: found no GPU (nvidia-smi), needed one for --gpu")
+
+
+def test_memory_on_the_device_is_told_from_the_first_checkpoint_on(tmp_path: pathlib.Path) -> None:
+    """Each reading replaces the one before it, and a reader never sees half of one."""
+    file, ended, counted = tmp_path / "device.txt", threading.Event(), itertools.count(1)
+    thread = threading.Thread(
+        target=watched_training.watch, args=(file, tmp_path, lambda: float(next(counted)), 0.01, ended)
+    )
+    thread.start()
+    try:
+        time.sleep(0.2)
+        assert not file.exists()
+        checkpoint = tmp_path / "run" / "checkpoints" / "100"
+        checkpoint.mkdir(parents=True)
+        (checkpoint / "policy.json").touch()
+        found = list[float]()
+        while not found or found[-1] < 5.0:
+            found += [float(file.read_text())] if file.exists() else []
+            assert thread.is_alive()
+        assert found == sorted(found)
+    finally:
+        ended.set()
+        thread.join(10.0)
+    assert not thread.is_alive()
 
 
 @pytest.mark.gpu
