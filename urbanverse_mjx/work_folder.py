@@ -1,7 +1,7 @@
 """Temporary folders that are cleaned up by the next run if their process was killed.
 
 The owner of a folder holds a lock on a file in it, which the operating system releases when the process ends for any
-reason. Only folders with such a file are removed, never a user's files.
+reason. Only folders with such a file are removed, and a folder that replaces another one keeps a user's files.
 """
 
 import contextlib
@@ -10,10 +10,12 @@ import os
 import pathlib
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 #: The file that its owner locks.
 OWNER = ".urbanverse-owner"
+#: The file that lists what `replacing_folder` made in a folder, a path on each line.
+MADE = ".urbanverse-files"
 #: Number of random letters that `tempfile` appends to a prefix.
 _RANDOM = 8
 _OLD = "old"
@@ -66,10 +68,15 @@ def work_folder(prefix: str, parent: pathlib.Path | None = None) -> Iterator[pat
 
 
 @contextlib.contextmanager
-def replacing_folder(target: pathlib.Path) -> Iterator[pathlib.Path]:
+def replacing_folder(target: pathlib.Path, also: Sequence[str] = ()) -> Iterator[pathlib.Path]:
     """Creates a folder beside `target` that replaces it if the block succeeds and is removed if it fails.
 
+    Files in `target` that no call made are kept: they are in the new folder under the same name, or with `.before` at
+    its end where that name is taken. A folder without the list `MADE`, from an older version, is replaced as a whole.
     If an earlier call was killed between its two renames, the folder that it had moved aside is restored first.
+
+    Args:
+      also: patterns, as of `PurePath.match`, of files in `target` that the program wrote there afterwards.
     """
     prefix = f".{target.name}-"
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -78,7 +85,10 @@ def replacing_folder(target: pathlib.Path) -> Iterator[pathlib.Path]:
         fresh, old = work / "new", work / _OLD
         fresh.mkdir()
         yield fresh
+        made = sorted(path.relative_to(fresh).as_posix() for path in fresh.rglob("*"))
+        (fresh / MADE).write_text("".join(f"{name}\n" for name in made), encoding="utf-8", errors="surrogateescape")
         if target.exists():
+            _keep_others(target, fresh, also)
             target.rename(old)
         fresh.rename(target)
 
@@ -123,6 +133,38 @@ def is_unfinished(folder: pathlib.Path, place: pathlib.Path) -> bool:
     """Returns whether a folder below `place` is inside one made by `work_folder`: incomplete, or moved aside."""
     between = [parent for parent in folder.parents if parent != place and parent.is_relative_to(place)]
     return any((parent / OWNER).exists() for parent in between)
+
+
+def _keep_others(target: pathlib.Path, fresh: pathlib.Path, also: Sequence[str]) -> None:
+    """Gives `fresh` a second link to each file in `target` that is not listed, so that one remains at every moment."""
+    lists = list(target.rglob(MADE))
+    if target / MADE not in lists:
+        return
+    made = {path for listed in lists for path in (listed, listed.parent, *_listed(listed))}
+    for path in sorted(target.rglob("*")):
+        relative = path.relative_to(target)
+        if path in made or any(relative.match(pattern) for pattern in also):
+            continue
+        kept = fresh / relative
+        if path.is_dir() and not path.is_symlink():
+            kept.mkdir(parents=True, exist_ok=True)
+            continue
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        if os.path.lexists(kept):
+            kept = kept.with_name(f"{kept.name}.before")
+        try:
+            os.link(path, kept, follow_symlinks=False)
+        except OSError:  # a file system without links
+            shutil.copy2(path, kept, follow_symlinks=False)
+    # Folders of other calls that now hold such files alone may be replaced again.
+    for folder in (fresh / listed.parent.relative_to(target) for listed in lists):
+        if folder.is_dir():
+            (folder / MADE).touch()
+
+
+def _listed(made: pathlib.Path) -> Iterator[pathlib.Path]:
+    for name in made.read_text(encoding="utf-8", errors="surrogateescape").split("\n")[:-1]:
+        yield made.parent / name
 
 
 def _put_back(left: pathlib.Path) -> None:

@@ -135,6 +135,17 @@ def test_a_recording_takes_the_place_of_a_whole_and_of_an_interrupted_one(tmp_pa
     assert len(list((tmp_path / "rgb").iterdir())) == 2
 
 
+def test_a_recording_in_the_place_of_another_removes_images_of_recordings_alone(tmp_path: pathlib.Path) -> None:
+    write(tmp_path, frames=3)
+    for name in ("rgb/holiday.jpg", "depth/000001.txt", "notes.md", "rgb/raw/000000.png"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("mine")
+    write(tmp_path, frames=1)
+    assert sorted(p.name for p in (tmp_path / "rgb").iterdir()) == ["000000.png", "holiday.jpg", "raw"]
+    for name in ("rgb/holiday.jpg", "depth/000001.txt", "notes.md", "rgb/raw/000000.png"):
+        assert (tmp_path / name).read_text() == "mine"
+
+
 def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path: pathlib.Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(ValidationError, match="cannot be written"):

@@ -80,6 +80,21 @@ def test_the_screen_says_what_it_dropped_and_why(tmp_path: pathlib.Path):
     assert sorted(p.name for p in (tmp_path / "f").glob("*.png")) == list(frames.names)
 
 
+def test_earlier_frames_are_replaced_and_other_images_are_not(tmp_path: pathlib.Path):
+    source, folder = _folder(tmp_path / "in", _pan(3, 20)), tmp_path / "f"
+    folder.mkdir()
+    (folder / "000007.png").write_text("mine")
+    with pytest.raises(ValidationError, match=r"000007\.png: found an image that is no frame"):
+        sample(source, folder)
+    assert [p.name for p in folder.iterdir()] == ["000007.png"]
+    (folder / "000007.png").rename(folder / "holiday.png")
+    sample(source, folder)
+    (folder / "frames.json").rename(folder / ".unfinished-frames")  # as a killed process leaves it
+    (folder / "000009.png").touch()
+    frames = sample(source, folder)
+    assert sorted(p.name for p in folder.iterdir()) == [*frames.names, "frames.json", "holiday.png"]
+
+
 def test_a_sideways_turn_is_measured_and_a_fast_one_dropped():
     images = [measure(p) for p in _pan(4, 60)]
     turns = [0.0, *(turned(a, b) for a, b in itertools.pairwise(images))]

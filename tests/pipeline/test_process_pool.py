@@ -18,9 +18,9 @@ from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.pipeline.generation.run_folder import RunFolder
 from urbanverse_mjx.process_pool import results_as_completed
 from urbanverse_mjx.scene import metadata
-from urbanverse_mjx.scene.compiler import CompiledScene
+from urbanverse_mjx.scene.compiler import CompiledScene, check_out_dir
 from urbanverse_mjx.scene.folders import scene_folders
-from urbanverse_mjx.work_folder import OWNER, replacing_folder, sweep, work_folder
+from urbanverse_mjx.work_folder import MADE, OWNER, replacing_folder, sweep, work_folder
 
 ROOT = pathlib.Path(__file__).parents[2]
 #: Starts two workers that sleep for two minutes; every one leaves a file with its process id.
@@ -171,7 +171,83 @@ def test_a_folder_put_aside_comes_back_after_a_kill_between_the_renames(tmp_path
         (folder / "a").write_text("new")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["g", "g-2"]
     assert (scene / "a").read_text() == "new"
-    assert [p.name for p in scene.iterdir()] == ["a"]
+    assert sorted(p.name for p in scene.iterdir()) == [MADE, "a"]
+
+
+def files(folder: pathlib.Path) -> dict[str, str]:
+    """Path -> text of the files in a folder, lists of what was made left out."""
+    found = (p for p in folder.rglob("*") if not p.is_dir() and p.name != MADE)
+    return {p.relative_to(folder).as_posix(): p.read_text() for p in found}
+
+
+MINE = (".git/config", "notes.md", "sub/.env", "0/own.txt", "0/scene/diary.txt", "7/scene/deep/diary.txt", "x.txt")
+
+
+def test_a_folder_that_is_replaced_keeps_what_the_user_put_into_it(tmp_path: pathlib.Path) -> None:
+    """As `cousins` of a run: folders in it were replaced too since, and files written that only a pattern names."""
+    run = tmp_path / "run"
+    with replacing_folder(run) as folder:
+        for k in (0, 7):
+            (folder / str(k)).mkdir()
+            (folder / str(k) / "layout.json").write_text("old")
+    for k in (0, 7):
+        with replacing_folder(run / str(k) / "scene") as folder:
+            (folder / "a").write_text("old")
+        (run / str(k) / "check.json").write_text("old")
+    for name in MINE:
+        (run / name).parent.mkdir(parents=True, exist_ok=True)
+        (run / name).write_text("mine")
+    (run / "link").symlink_to("nowhere")
+    (run / ".git" / "refs").mkdir()
+    for again in range(2):  # what was kept is the user's the next time too
+        with replacing_folder(run, ["*/check.json"]) as folder:
+            (folder / "0").mkdir()
+            (folder / "0" / "layout.json").write_text("new")
+            (folder / "x.txt").write_text("ours, now")
+        assert (run / ".git" / "refs").is_dir()
+        assert (run / "link").readlink() == pathlib.Path("nowhere")
+        (run / "link").unlink()
+        mine = {name: "mine" for name in MINE if name != "x.txt"} | {"x.txt.before": "mine"}
+        assert files(run) == mine | {"0/layout.json": "new", "x.txt": "ours, now"}, again
+        (run / "link").symlink_to("nowhere")
+    check_out_dir(run / "0" / "scene")  # it may be compiled into again, and keeps the user's file then too
+    with replacing_folder(run / "0" / "scene") as folder:
+        (folder / "a").write_text("new")
+    assert files(run / "0" / "scene") == {"a": "new", "diary.txt": "mine"}
+
+
+def test_a_kill_at_any_moment_of_a_replacement_loses_nothing_of_the_users(tmp_path: pathlib.Path) -> None:
+    """Killed at each link, copy and rename in turn, until none is left."""
+    code = (
+        "import os, pathlib, shutil, sys; from urbanverse_mjx.work_folder import replacing_folder\n"
+        "left = int(sys.argv[2])\n"
+        "def dying(call):\n"
+        "    def changed(*given, **named):\n"
+        "        global left\n"
+        "        done = call(*given, **named); left -= 1\n"
+        "        if left < 0: os.kill(os.getpid(), 9)\n"
+        "        return done\n"
+        "    return changed\n"
+        "os.link, pathlib.Path.rename = dying(os.link), dying(pathlib.Path.rename)\n"
+        "with replacing_folder(pathlib.Path(sys.argv[1])) as folder: (folder / 'a').write_text('new')"
+    )
+    for number in range(9):
+        scene = tmp_path / str(number) / "g"
+        with replacing_folder(scene) as folder:
+            (folder / "a").write_text("old")
+        for name in ("notes.md", "sub/notes.md"):
+            (scene / name).parent.mkdir(exist_ok=True)
+            (scene / name).write_text("mine")
+        done = subprocess.run([sys.executable, "-c", code, str(scene), str(number)], check=False, cwd=ROOT)
+        sweep(scene.parent)
+        found = files(scene)
+        assert found.pop("a") in ("old", "new")
+        assert found == {"notes.md": "mine", "sub/notes.md": "mine"}
+        assert [p.name for p in scene.parent.iterdir()] == ["g"]
+        if done.returncode == 0:
+            break
+        assert done.returncode == -9
+    assert number == 4, "two links, two renames, and one run that none disturbs"
 
 
 def left_behind(parent: pathlib.Path, name: str) -> pathlib.Path:

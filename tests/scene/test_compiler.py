@@ -1,6 +1,7 @@
 import dataclasses
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -16,6 +17,7 @@ from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.scene import CompiledScene, compile_scene, pack_bank
 from urbanverse_mjx.scene.episodes import MIN_ROWS
 from urbanverse_mjx.scene.planner import RobotSize, free_space
+from urbanverse_mjx.work_folder import MADE
 
 
 def _layout(seed: int = 3) -> SceneLayout:
@@ -43,7 +45,7 @@ def test_folder_is_whole_and_loads_in_stock_mujoco(compiled: CompiledScene) -> N
     files = {"scene.xml", "episodes.npz", "layout.json", "metadata.json", "geometry.npz"}
     exchange = {"map.json", "layers.npz", "annotations.json", "routes.json", "routes.txt"}
     waypoints = {f"r{i:03d}.npy" for i in range(1, 13)}
-    assert names == files | exchange | waypoints | {"meshes", "textures"}
+    assert names == files | exchange | waypoints | {"meshes", "textures", MADE}
     code = """import mujoco, sys
 model = mujoco.MjModel.from_xml_path(sys.argv[1])
 print(model.ngeom, 'urbanverse_mjx' in sys.modules)"""
@@ -204,6 +206,17 @@ def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene
     with pytest.raises(ValidationError, match="folder with other files"):
         compile_scene(layout, toy_index(), tmp_path / "notes", make_controller(), source=TOY_SOURCE)
     assert [p.name for p in (tmp_path / "notes").iterdir()] == ["diary.txt"]
+
+
+def test_a_scene_that_is_compiled_again_keeps_the_users_files(compiled: CompiledScene, tmp_path: pathlib.Path) -> None:
+    folder = shutil.copytree(compiled.folder, tmp_path / "scene")
+    for name in ("notes.md", ".git/config", "map/notes.md"):
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text("mine")
+    (folder / "metadata.json").write_text("damaged")
+    compile_scene(_layout(), toy_index(), folder, make_controller(), source=TOY_SOURCE)
+    assert [(folder / name).read_text() for name in ("notes.md", ".git/config", "map/notes.md")] == ["mine"] * 3
+    assert CompiledScene.load(folder).metadata == compiled.metadata
 
 
 def test_no_room_for_episodes_is_refused(tmp_path: pathlib.Path) -> None:

@@ -8,6 +8,7 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, UsdValidation
 
 from tests.support.box_bank import box_scene, box_skies
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene import export_usd
 from urbanverse_mjx.scene.usd import hdr_bytes
@@ -19,6 +20,17 @@ SCENE = box_scene(0)
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory: pytest.TempPathFactory) -> Usd.Stage:
     return Usd.Stage.Open(str(export_usd(SCENE, SKY, tmp_path_factory.mktemp("usd") / "scene")))
+
+
+def test_it_is_written_into_no_folder_with_other_files_and_keeps_those_beside_it(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "diary.txt").write_text("mine")
+    with pytest.raises(ValidationError, match="a folder with other files"):
+        export_usd(SCENE, SKY, tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["diary.txt"]
+    export_usd(SCENE, SKY, tmp_path / "scene")
+    (tmp_path / "diary.txt").rename(tmp_path / "scene" / "diary.txt")
+    export_usd(SCENE, SKY, tmp_path / "scene")
+    assert (tmp_path / "scene" / "diary.txt").read_text() == "mine"
 
 
 def test_no_validator_of_usd_finds_anything(stage: Usd.Stage) -> None:

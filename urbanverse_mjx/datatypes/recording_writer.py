@@ -2,7 +2,7 @@
 
 import os
 import pathlib
-import shutil
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,6 +15,8 @@ from .scene_graph import Source
 
 _JPEG_QUALITY = 92
 _KINDS = ("rgb", "depth", "masks", "surfaces")
+#: Names of the images in their folders.
+_IMAGE = re.compile(r"\d{6,}\.(png|jpg)")
 #: Marker file in the folder of an incomplete recording.
 _UNFINISHED = ".unfinished-recording"
 
@@ -59,7 +61,7 @@ class RecordingWriter:
             ) from error
 
     def _empty(self) -> None:
-        """Makes the folder, and removes files of an earlier or interrupted recording there."""
+        """Makes the folder, and removes the images of an earlier or interrupted recording there."""
         ours = any((self.folder / name).is_file() for name in (FILE, _UNFINISHED))
         for kind in () if ours else _KINDS:
             if (self.folder / kind).exists():
@@ -71,8 +73,10 @@ class RecordingWriter:
         (self.folder / _UNFINISHED).touch()
         (self.folder / FILE).unlink(missing_ok=True)
         for kind in _KINDS:
-            shutil.rmtree(self.folder / kind, ignore_errors=True)
-            (self.folder / kind).mkdir()
+            (self.folder / kind).mkdir(exist_ok=True)
+            for path in (self.folder / kind).iterdir():
+                if _IMAGE.fullmatch(path.name):
+                    path.unlink()
 
     def add(
         self,

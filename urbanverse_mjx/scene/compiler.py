@@ -17,7 +17,7 @@ from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedGround, PlacedObj
 from ..datatypes import validation as v
 from ..datatypes.ground import KIND_INDEX
 from ..geometry import rotations
-from ..work_folder import recover, replacing_folder
+from ..work_folder import MADE, recover, replacing_folder
 from . import ground, maps, roads
 from .drive import Controller, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
@@ -140,12 +140,13 @@ def compile_scene(
 
 
 def check_out_dir(out_dir: pathlib.Path) -> None:
-    """Raises an error if the output folder holds anything other than a compiled scene.
+    """Raises an error if the output folder holds files but no compiled scene; those beside a scene's are kept.
 
     Raises:
       ValidationError: the folder has other contents, which the message names.
     """
-    if out_dir.is_dir() and not ((out_dir / "metadata.json").is_file() and (out_dir / "geometry.npz").is_file()):
+    compiled = (out_dir / "metadata.json").is_file() and (out_dir / "geometry.npz").is_file()
+    if out_dir.is_dir() and not (compiled or (out_dir / MADE).is_file()):
         if any(out_dir.iterdir()):
             raise v.fail(str(out_dir), "a folder with other files", "a new name or a compiled scene", "choose another")
     elif out_dir.exists() and not out_dir.is_dir():

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..assets.collision.rigid_body import even_body
 from ..assets.exporting import usd_parts
-from ..work_folder import replacing_folder
+from ..datatypes import validation as v
+from ..work_folder import MADE, replacing_folder
 from .geometry import SceneGeometry, Sky
 from .mjcf import png_bytes
 
@@ -33,9 +34,12 @@ def export_usd(scene: SceneGeometry, sky: Sky, folder: str | os.PathLike[str]) -
     """Writes a folder with `scene.usdc`, its textures and the sky atomically; returns the stage's path.
 
     Raises:
-      ValidationError: usd-core is not installed.
+      ValidationError: usd-core is not installed, or the folder holds other files but no exported scene.
     """
     folder = pathlib.Path(folder)
+    exported = (folder / STAGE).is_file() or (folder / MADE).is_file()
+    if folder.is_dir() and not exported and any(folder.iterdir()):
+        raise v.fail(str(folder), "a folder with other files", "a new name or an exported scene", "choose another")
     with replacing_folder(folder) as work:
         (work / "textures").mkdir()
         _write(scene, sky, work)

@@ -19,6 +19,8 @@ from .privacy import Blur
 from .screening import Measures, ScreenLimits, measure, screen, turned
 
 FILE = "frames.json"
+#: Marker file in a folder whose frames are not complete.
+_UNFINISHED = ".unfinished-frames"
 SCHEMA = "urbanverse.frames/1"
 
 #: EXIF 2.3, section 4.6: the sub-directory of camera settings, and in it FocalLengthIn35mmFilm (mm, 0 = unknown).
@@ -160,6 +162,7 @@ def sample(
         _stated_focal(source, width, height) if source.is_dir() else None,
     )
     v.write_json(folder / FILE, frames.to_json())
+    (folder / _UNFINISHED).unlink()
     return frames
 
 
@@ -189,6 +192,7 @@ def photograph(
     name = None if blur is None else blur.name
     frames = Frames(folder, ("000000.png",), (0.0,), width, height, (), name, focal)
     v.write_json(folder / FILE, frames.to_json())
+    (folder / _UNFINISHED).unlink()
     return frames
 
 
@@ -382,9 +386,14 @@ def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Grou
 
 
 def _empty(folder: pathlib.Path) -> None:
+    """Makes a folder, and removes earlier frames there; images that are not known to be frames are an error."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for old in [folder / FILE, *folder.glob("[0-9]" * 6 + ".png")]:
+        earlier = list(folder.glob("[0-9]" * 6 + ".png"))
+        if earlier and not any((folder / name).is_file() for name in (FILE, _UNFINISHED)):
+            raise v.fail(str(earlier[0]), "an image that is no frame", "a new folder for the frames", "choose another")
+        (folder / _UNFINISHED).touch()
+        for old in [*earlier, folder / FILE]:
             old.unlink(missing_ok=True)
     except OSError as error:
         raise v.fail(str(folder), f"no way to write there ({error.strerror})", "a folder to write into") from error

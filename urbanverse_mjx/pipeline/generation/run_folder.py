@@ -102,9 +102,10 @@ class RunFolder:
         return {name: entry["seconds"] for name, entry in self.record["stages"].items()}
 
     @contextlib.contextmanager
-    def replacing(self, name: str) -> Iterator[pathlib.Path]:
-        """Context with a temporary folder that replaces `name` if the block succeeds, and is removed if it fails."""
-        with replacing_folder(self.path / name) as folder:
+    def replacing(self, name: str, *also: str) -> Iterator[pathlib.Path]:
+        """Context with a temporary folder that replaces `name` if the block succeeds, and is removed if it fails; see
+        `work_folder.replacing_folder`."""
+        with replacing_folder(self.path / name, also) as folder:
             yield folder
 
 

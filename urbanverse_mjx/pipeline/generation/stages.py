@@ -164,7 +164,7 @@ def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, bef
         embeddings = load_embeddings(options.retrieval, options.video.models, graph, crops)
         made = materialise_cousins(graph, options.cousins, options.seed, options.kerb, embeddings=embeddings)
         check_cousins(graph, made)
-        with run.replacing(COUSINS) as folder:
+        with run.replacing(COUSINS, f"*/{compiling.CHECK}") as folder:
             for k, cousin in enumerate(made):
                 (folder / str(k)).mkdir()
                 compiling.save_layout(folder / str(k), cousin.layout, index_of(cousin.layout))
