@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.cli.test_scene_compile import _good
+from tests.support.disturbed import REFUSALS
 from urbanverse_mjx.assets.records.store import ensure_store
 from urbanverse_mjx.cli import compilation_cache
 from urbanverse_mjx.datatypes import array_file
@@ -61,9 +62,12 @@ def test_a_compiled_street_outlives_its_cache_at_every_moment(tmp_path: pathlib.
     check_deleted(runs(tmp_path, "deleted", "scene", "compile", str(tmp_path / "graph.json"), "--out", "{run}/street"))
 
 
-@pytest.mark.slow
-def test_a_write_that_is_refused_is_one_sentence_and_leaves_no_half(tmp_path: pathlib.Path) -> None:
-    found = runs(tmp_path, "refused", *EXPORT)
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="runs are forked")
+@pytest.mark.parametrize("kind", ["refused:8", pytest.param("refused", marks=pytest.mark.slow)])
+def test_a_write_that_is_refused_is_one_sentence_and_leaves_no_half(kind: str, tmp_path: pathlib.Path) -> None:
+    """A full disk, a read-only file system, a quota and a folder of someone else, in turn."""
+    found = runs(tmp_path, kind, *EXPORT)
+    assert len(found) >= 1 + 2 * len(REFUSALS)
     whole, statuses = found[0]["left"], set()
     for run in found[:-1]:
         statuses.add(run["status"])

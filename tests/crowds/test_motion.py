@@ -1,13 +1,17 @@
-"""Vehicles roll along the arcs of a bicycle, and routes are looked up between their nodes, against closed forms."""
+"""Vehicles roll along the arcs of a bicycle, walkers accelerate within their limits, and routes are looked up between
+their nodes, against closed forms."""
 
+import dataclasses
 import math
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.crowds import KINDS, Bodies, goal_fields, motion, traits_of
+from urbanverse_mjx.crowds import KINDS, Bodies, deadlock, goal_fields, motion, traits_of
 from urbanverse_mjx.crowds.bodies import PreferredVelocity
+from urbanverse_mjx.crowds.linear_program import HalfPlanes
 
 
 def rolling(heading: float, speed: float) -> Bodies:
@@ -41,6 +45,56 @@ def test_a_vehicle_backs_up_as_fast_as_it_wants_in_any_direction() -> None:
             bodies = motion.roll(jnp.full((1, 1), -1.0), jnp.zeros((1, 1)), preferred_velocity, bodies, traits, 0.2)
         speed = bodies.vx * math.cos(heading) + bodies.vy * math.sin(heading)
         assert float(speed[0, 0]) == pytest.approx(-0.8, abs=1e-4)
+
+
+WALKER = dataclasses.replace(KINDS["pedestrian"], acceleration=2.0, braking=3.0, wall_horizon=0.8)
+NO_WALLS = HalfPlanes(*(jnp.zeros((0, 1, 1)),) * 3)
+
+
+@pytest.mark.parametrize(
+    ("now", "chosen", "after"),
+    [
+        ((0.0, 0.0), (0.6, -0.8), (0.36, -0.48)),  # from rest any direction is a turn: 3 m/s² for 0.2 s of 1 m/s
+        ((0.3, 0.4), (0.9, 1.2), (0.54, 0.72)),  # faster along its heading: 2 m/s²
+        ((0.9, -1.2), (0.0, 0.0), (0.54, -0.72)),  # slower: 3 m/s²
+        ((1.0, 0.0), (0.0, 1.0), (1.0 - 0.6 / 2**0.5, 0.6 / 2**0.5)),  # a turn: 3 m/s²
+        ((1.0, 0.5), (1.1, 0.3), (1.1, 0.3)),  # within reach
+    ],
+)
+def test_a_walker_changes_its_velocity_within_its_limits(now: tuple, chosen: tuple, after: tuple) -> None:
+    f = lambda x: jnp.full((1, 1), x, jnp.float32)  # noqa: E731
+    bodies = Bodies(f(0.0), f(0.0), f(now[0]), f(now[1]), f(0.0))
+    found = motion.walk((f(chosen[0]), f(chosen[1])), bodies, traits_of([WALKER]), NO_WALLS, 0.2)
+    np.testing.assert_allclose(np.ravel(found), after, atol=1e-6)
+
+
+def test_a_walker_stops_at_a_wall_faster_than_it_likes_to() -> None:
+    """It walks at 2 m/s along (0.8, 0.6) and is to stand; a wall at x = 0.2 m lets it be no faster along x than reaches it
+    in two steps."""
+    f = lambda x: jnp.full((1, 1), x, jnp.float32)  # noqa: E731
+    bodies, dt = Bodies(f(0.0), f(0.0), f(1.6), f(1.2), f(0.0)), 0.2
+    wall = HalfPlanes(*(jnp.full((1, 1, 1), x, jnp.float32) for x in (-1.0, 0.0, -0.2 / WALKER.wall_horizon)))
+    vx, vy = motion.walk((f(0.0), f(0.0)), bodies, traits_of([WALKER]), wall, dt)
+    np.testing.assert_allclose([vx[0, 0], vy[0, 0]], [0.5, 0.375], atol=1e-6)
+    far = wall._replace(offset=wall.offset * 3.0)
+    vx, vy = motion.walk((f(0.0), f(0.0)), bodies, traits_of([WALKER]), far, dt)
+    np.testing.assert_allclose([vx[0, 0], vy[0, 0]], [1.6 * 0.7, 1.2 * 0.7], atol=1e-6)
+
+
+def test_a_vehicle_that_is_stuck_backs_up_for_some_seconds_after_a_while() -> None:
+    number, dt = 4000, 0.2
+
+    def after(backing: float, still: float) -> np.ndarray:
+        times = jnp.full(number, backing), jnp.full(number, still)
+        return np.asarray(deadlock.backing_time(*times, jax.random.key(0), dt))
+
+    np.testing.assert_allclose(after(1.0, 0.0), 0.8, atol=1e-6)
+    np.testing.assert_allclose(after(1.0, 9.0), 0.8, atol=1e-6)
+    assert (after(0.1, 9.0) == 0.0).all()
+    assert (after(0.0, deadlock.STUCK_TIME - 0.1) == 0.0).all()
+    begun = after(0.0, deadlock.STUCK_TIME + 0.1)
+    assert set(begun.tolist()) == {0.0, deadlock.BACK_TIME}
+    assert (begun > 0.0).mean() == pytest.approx(dt, abs=0.03), "after a second on average"
 
 
 def test_directions_are_interpolated_between_the_nodes_of_a_route() -> None:

@@ -73,6 +73,25 @@ def test_free_space_refuses_a_scene_that_is_not_there(small_bank: SceneBank) -> 
         free_space.free_spaces(small_bank, 7)
 
 
+def test_the_walls_of_a_place_are_those_of_its_cell() -> None:
+    """Also at the edges of the map; outside it there are none."""
+    rng = np.random.default_rng(0)
+    side, half, origin = flats.POOL * CELL, flats.NUM_FLATS, np.array([4.0, -2.0])
+    table = rng.integers(8, 255, (1, 3, 2, 2 * half)).astype(np.uint8)
+    tables = flats.Flats(jnp.asarray(table), jnp.asarray(origin[None], jnp.float32))
+    for i, j in itertools.product(range(3), range(2)):
+        x, y = origin + (np.array([i, j]) + 0.5) * side + [0.03, -0.02]
+        walls = flats.walls_at(tables, jnp.int32(0), *(jnp.float32([v]) for v in (x, y, 0.1, 1.0)))
+        angle = 2 * np.pi * table[0, i, j, :half] / 256
+        normal = np.stack([np.cos(angle), np.sin(angle)], -1)
+        np.testing.assert_allclose(np.stack([walls.x, walls.y], -1)[:, 0], -normal, atol=1e-5)
+        free = table[0, i, j, half:] * flats.UNIT - normal @ [0.03, -0.02] - 0.1
+        np.testing.assert_allclose(walls.offset[:, 0], -free, atol=1e-4)
+    for x, y in ((-0.01, 0.1), (3 * side + 0.01, 0.1), (0.1, -0.01), (0.1, 2 * side + 0.01)):
+        at = (jnp.float32([v]) for v in (origin[0] + x, origin[1] + y, 0.1, 1.0))
+        assert (np.asarray(flats.walls_at(tables, jnp.int32(0), *at).offset) < -1e5).all()
+
+
 def test_flats_leave_nothing_blocked_in_front_of_them(spaces: dict[str, FreeSpace]) -> None:
     space, reach = spaces["foot"], 2.0
     with optimized():
@@ -230,6 +249,9 @@ def test_crossing_waits_for_what_comes_and_not_for_what_does_not() -> None:
     # 14 m in 1.8 s, while crossing 8 m takes 6 s and 3 s more.
     coming = walkers_and_cars([(10.5, 8.0)], kerb)
     assert bool(coming.wait[0])
+    # A slow car takes 12 s, and at twice its speed less than the 9 s.
+    assert not walkers_and_cars([(10.5, 1.2)], kerb).wait[0]
+    assert bool(walkers_and_cars([(10.5, 2.4)], kerb).wait[0])
     # A car that has stopped lets one go, and one past the crossing does not count.
     assert not walkers_and_cars([(24.0, 0.0)], kerb).wait[0]
     assert not walkers_and_cars([(36.0, 8.0)], kerb).wait[0]

@@ -1,8 +1,8 @@
 """Runs a command again and again, each time with another of its accesses to files disturbed.
 
 `python -m tests.support.disturbed FOLDER KIND WORD ...`: FOLDER holds `cache`, which each run gets a copy of, and the
-command's inputs; KIND is `deleted` (the cache is removed then) or `refused` (a write raises one of `REFUSALS`).
-Run k, a forked process in FOLDER/k, disturbs the k-th access; in a WORD, `{run}` stands for that folder. Prints one
+command's inputs; KIND is `deleted` (the cache is removed then) or `refused` (a write raises one of `REFUSALS`), and
+`KIND:N` disturbs the last N accesses only. Run k, a forked process in FOLDER/k, disturbs the k-th access; in a WORD, `{run}` stands for that folder. Prints one
 JSON line per run; the last one had fewer accesses than k.
 """
 
@@ -82,16 +82,22 @@ def _run(words: list[str], folder: pathlib.Path, kind: str, number: int) -> dict
     return {**body, "number": number, "said": said, "left": left}
 
 
-def main(folder: pathlib.Path, kind: str, words: list[str]) -> None:
-    """Runs the command until no access is left to disturb."""
+def main(folder: pathlib.Path, kind: str, words: list[str], last: int | None = None) -> None:
+    """Runs the command undisturbed, then until no access is left to disturb; last: of these, the last ones only."""
+    first = 0
     for number in itertools.chain([10**6], itertools.count()):
+        if number < first:
+            continue
         done = _run(words, folder, kind, number)
         for name in done.pop("modules"):  # once, for all processes that are forked
             importlib.import_module(name)
         print(json.dumps(done), flush=True)
+        if number == 10**6 and last is not None:
+            first = max(len(done["seen"]) - last, 0)
         if number < 10**6 and len(done["seen"]) <= number:
             break
 
 
 if __name__ == "__main__":
-    main(pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3:])
+    kind, _, last = sys.argv[2].partition(":")
+    main(pathlib.Path(sys.argv[1]), kind, sys.argv[3:], int(last) if last else None)
