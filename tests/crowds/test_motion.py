@@ -69,8 +69,7 @@ def test_a_walker_changes_its_velocity_within_its_limits(now: tuple, chosen: tup
 
 
 def test_a_walker_stops_at_a_wall_faster_than_it_likes_to() -> None:
-    """It walks at 2 m/s along (0.8, 0.6) and is to stand; a wall at x = 0.2 m lets it be no faster along x than reaches it
-    in two steps."""
+    """It walks at 2 m/s along (0.8, 0.6) and is to stand; it may not reach a wall at x = 0.2 m within two steps."""
     f = lambda x: jnp.full((1, 1), x, jnp.float32)  # noqa: E731
     bodies, dt = Bodies(f(0.0), f(0.0), f(1.6), f(1.2), f(0.0)), 0.2
     wall = HalfPlanes(*(jnp.full((1, 1, 1), x, jnp.float32) for x in (-1.0, 0.0, -0.2 / WALKER.wall_horizon)))

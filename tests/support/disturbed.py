@@ -2,8 +2,8 @@
 
 `python -m tests.support.disturbed FOLDER KIND WORD ...`: FOLDER holds `cache`, which each run gets a copy of, and the
 command's inputs; KIND is `deleted` (the cache is removed then) or `refused` (a write raises one of `REFUSALS`), and
-`KIND:N` disturbs the last N accesses only. Run k, a forked process in FOLDER/k, disturbs the k-th access; in a WORD, `{run}` stands for that folder. Prints one
-JSON line per run; the last one had fewer accesses than k.
+`KIND:N` disturbs the last N accesses only. Run k, a forked process in FOLDER/k, disturbs the k-th access; in a WORD,
+`{run}` stands for that folder. Prints one JSON line per run; the last one had fewer accesses than k.
 """
 
 import errno
