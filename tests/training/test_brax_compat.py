@@ -3,6 +3,8 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
+from brax.training.logger import EpisodeMetricsLogger
 
 from urbanverse_mjx.training import brax_compat
 
@@ -39,3 +41,38 @@ def test_brax_sees_all_else_of_jax() -> None:
     placed = seen.device_put_replicated(tree, jax.devices()[:1])
     np.testing.assert_array_equal(placed["a"], jnp.arange(3)[None])
     assert placed["b"][0].shape == (1, 2, 2)
+
+
+def test_metrics_are_braxs_and_another_number_of_ended_episodes_compiles_nothing(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    rng = np.random.default_rng(0)
+    ours, theirs = list[dict[str, float]](), list[dict[str, float]]()
+    loggers = (
+        brax_compat.load_ppo().metric_logger.EpisodeMetricsLogger(100, 1, lambda _, found: ours.append(found)),
+        EpisodeMetricsLogger(100, 1, lambda _, found: theirs.append(found)),
+    )
+
+    def rollout(ended: int) -> tuple[dict[str, jax.Array], jax.Array, dict[str, jax.Array]]:
+        dones = np.zeros(5 * 7, np.float32)
+        dones[rng.choice(len(dones), ended, replace=False)] = 1.0
+        draw = lambda: jnp.asarray(rng.uniform(1.0, 9.0, (5, 7)), jnp.float32)  # noqa: E731
+        metrics = {"length": draw(), "reward": draw(), "hit_per_step": draw()}
+        return metrics, jnp.asarray(dones.reshape(5, 7)), {"loss": jnp.asarray(rng.uniform(size=3), jnp.float32)}
+
+    for ended in (0, 3, 17, 35):
+        for logger, arrays in zip(loggers, [rollout(ended)] * 2, strict=True):
+            logger.update_episode_metrics(*arrays)
+    assert len(ours) == len(theirs) == 4
+    for one, other in zip(ours, theirs, strict=True):
+        assert one.pop("episode/sps") > 0.0
+        other.pop("episode/sps")
+        assert one.keys() == other.keys()
+        assert one == pytest.approx(other, rel=1e-6)
+    more = [rollout(ended) for ended in (1, 2, 5, 8, 13, 21, 34)]
+    with jax.log_compiles():
+        for logger, compiled in zip(loggers, (False, True), strict=True):
+            caplog.clear()
+            for arrays in more:
+                logger.update_episode_metrics(*arrays)
+            assert ("Finished XLA compilation" in caplog.text) is compiled, "Brax's own does: else this is not needed"

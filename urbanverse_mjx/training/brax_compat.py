@@ -10,14 +10,18 @@ with this fix, each process reads its own copy.
 
 The tables of a bank would be constants of the compiled program, hundreds of megabytes that XLA copies and hashes. JAX
 can convert them to arguments, but `pmap` does not support this, so on one accelerator Brax gets `jit` of `vmap`.
+
+Brax indexes the metrics of completed episodes with JAX, which compiles ten programs for each number of episodes that
+end in a rollout and keeps them; here NumPy does it.
 """
 
 from collections.abc import Callable, Sequence
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 _AS_ARGUMENTS = "jax_use_simplified_jaxpr_constants"
 
@@ -70,6 +74,20 @@ class _JaxOnOneDevice(ModuleType):
         return getattr(jax, name)
 
 
+def _metric_logger() -> Any:
+    """Replacement of the module `brax.training.logger` in Brax's PPO."""
+    from brax.training import logger
+
+    class EpisodeMetricsLogger(logger.EpisodeMetricsLogger):
+        """Brax's, on arrays of NumPy."""
+
+        def update_episode_metrics(self, *arrays: Any) -> None:
+            """Adds a rollout; see Brax for the arguments."""
+            super().update_episode_metrics(*jax.tree.map(np.asarray, arrays))
+
+    return SimpleNamespace(EpisodeMetricsLogger=EpisodeMetricsLogger)
+
+
 def load_ppo() -> ModuleType:
     """Returns `brax.training.agents.ppo.train` with the compatibility fixes."""
     if not hasattr(jax, "device_put_replicated"):
@@ -77,5 +95,6 @@ def load_ppo() -> ModuleType:
     from brax.training.agents.ppo import train
 
     train._unpmap = own_copy
+    train.metric_logger = _metric_logger()
     train.jax = _JaxOnOneDevice("jax") if getattr(jax.config, _AS_ARGUMENTS, False) else jax
     return train
