@@ -83,6 +83,20 @@ def test_a_changed_scene_is_refused_by_its_part(
         protocol.on(changed(bank, name, amount))
 
 
+@pytest.mark.parametrize(("hull", "position"), [("inst_hull", "inst_position"), ("prism_hull", "prism_position")])
+def test_a_body_with_the_first_hull_of_the_bank_counts(
+    pinned: tuple[SceneBank, Protocol], hull: str, position: str
+) -> None:
+    hulls = getattr(pinned[0], hull).copy()
+    hulls[1, 0] = 0
+    bank = dataclasses.replace(pinned[0], **{hull: hulls})
+    protocol = freeze("boxes", bank, 8, seed=0).pinned(bank, {"CocoNav": make_coco()})
+    places = getattr(bank, position).copy()
+    places[1, 0, 2] += 0.05
+    with pytest.raises(ValidationError, match="found other physics"):
+        protocol.on(dataclasses.replace(bank, **{position: places}))
+
+
 def test_lists_of_uniform_ground_do_not_pin_its_materials(pinned: tuple[SceneBank, Protocol]) -> None:
     """As those of version 1, whose scenes are compiled with the materials' friction beside the ground's."""
     bank, protocol = pinned
