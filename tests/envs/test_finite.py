@@ -16,6 +16,13 @@ from urbanverse_mjx.envs.finite import MAX_MAGNITUDE, is_sound
 
 #: Of 500 envs in each scenario: a million steps of each engine.
 ROUNDS = 1000
+#: As few people as have all parts of a crowd, so that JAX compiles the step in minutes: walkers, one vehicle, and one
+#: object that they may push.
+FEW_PEOPLE = {
+    **{f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist")},
+    **{"crowd.slots.pedestrian": 3, "crowd.slots.car": 1},
+    **{"movable.bodies": 1, "movable.awake": 1, "movable.hulls": 1},
+}
 
 
 class BrokenEngine(UnicycleEngine):
@@ -67,6 +74,16 @@ def test_a_spoilt_state_or_action_ends_the_episode_and_spoils_nothing_else(env: 
         assert (np.asarray(after.info["result"]) == np.asarray(clean.info["result"])).all(), "an action is clipped"
 
 
+def test_an_action_beyond_its_range_means_the_end_of_the_range(env: NavEnv) -> None:
+    given = [(1.7, -0.4), (0.3, -9.0), (np.inf, 0.2), (0.5, -np.inf), (0.8, 1.2), (np.nan, 0.5)]
+    meant = [(1.0, -0.4), (0.3, -1.0), (1.0, 0.2), (0.5, -1.0), (0.8, 1.0), (0.0, 0.5)]
+    state = jax.jit(jax.vmap(env.reset))(jnp.repeat(jax.random.split(jax.random.key(0), 1), len(given)))
+    step = jax.jit(jax.vmap(env.step))
+    found, wanted = (np.asarray(step(state, jnp.float32(actions)).data.sim.qpos) for actions in (given, meant))
+    np.testing.assert_array_equal(found, wanted)
+    assert len(np.unique(wanted[:, :2].round(4), axis=0)) == len(given), "each of them moves differently"
+
+
 def test_what_an_engine_spoils_ends_the_episode_where_it_stood(env: NavEnv) -> None:
     state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 64))
     names = float_leaves(jax.eval_shape(env.begin, jax.random.key(0)).sim)
@@ -93,6 +110,7 @@ def test_the_largest_number_is_sound_and_the_next_is_not() -> None:
 @pytest.mark.parametrize("scenario", ["static", "dynamic"])
 def test_half_a_million_spoilt_steps_of_an_engine(small_bank: SceneBank, impl: str, scenario: str) -> None:
     overrides = {"preset": "cpu", "scenes": "all", "vision": False, "impl": impl, "scenario": scenario}
+    overrides |= FEW_PEOPLE if scenario == "dynamic" else {}
     env = registry.load("CocoNav", config_overrides=overrides, bank=small_bank)
     envs, rng = 500, np.random.default_rng(0)
     state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), envs))

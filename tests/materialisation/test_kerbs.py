@@ -43,6 +43,13 @@ def test_a_tilted_street_keeps_its_slope():
     assert done.ground[1].plane == pytest.approx((0.03, 0.0, 0.15))
 
 
+def test_the_median_step_along_a_border_becomes_a_kerb():
+    """Steps of 0.1 to 3.9 cm along 20 m, at every metre: the sidewalk rises by 15 cm less 2 cm."""
+    done, raised = kerbs.raise_sidewalks(graph(ROAD, region("walk", "sidewalk", 4, 8, (0.002, 0.0, 0.0))))
+    assert raised == ("walk",)
+    assert done.ground[1].plane == pytest.approx((0.002, 0.0, kerbs.KERB - 0.02), abs=2e-3)
+
+
 @pytest.mark.parametrize("step", [0.06, 0.12, 0.21])
 def test_a_kerb_that_was_seen_stays_with_its_dropped_ends(step):
     walk = region("walk", "sidewalk", 4, 8, (0.0, 0.0, step), x1=15.0)

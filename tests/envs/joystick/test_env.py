@@ -50,6 +50,18 @@ def test_it_keeps_every_promise() -> None:
     check_env(load(preset="fast", **{"terrain.first_levels": 2}), num_envs=4, num_steps=6)
 
 
+def test_an_episode_begins_near_the_standing_pose(calm: JoystickEnv, two_calm: Compiled) -> None:
+    """Joints within 0.1 rad of it, drawn evenly, and all velocities of the base within 0.3."""
+    states = [two_calm[0](jax.random.split(jax.random.key(k), 2)).data.sim for k in range(12)]
+    joints = np.concatenate([np.asarray(s.qpos[:, 7:]) for s in states]) - np.asarray(calm._legs.stand)
+    speeds = np.concatenate([np.asarray(s.qvel) for s in states])
+    assert -0.1001 < joints.min() < -0.09
+    assert 0.09 < joints.max() < 0.1001
+    assert abs(joints.mean()) < 0.02
+    assert 0.25 < np.abs(speeds[:, :6]).max() < 0.3001
+    assert (speeds[:, 6:] == 0.0).all()
+
+
 def test_standing_still_earns_more_than_falling(two_calm: Compiled) -> None:
     """A robot that holds its pose lasts and stays where it is; one that lies down has fallen."""
     reset, step = two_calm

@@ -1,6 +1,7 @@
 """The MJX engine: pure, one compilation for all scenes, independent envs, counted slots."""
 
 import dataclasses
+import types
 from typing import Any
 
 import jax
@@ -12,7 +13,10 @@ from tests.support.box_bank import box_bank
 from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.simulation.collision_slots.hull_contact import SphereContacts
+from urbanverse_mjx.simulation.collision_slots.static_slots import Slots
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
+from urbanverse_mjx.simulation.jax_engine.engine import _Touch
 
 
 def test_changing_scenes_compiles_nothing(
@@ -24,6 +28,38 @@ def test_changing_scenes_compiles_nothing(
     for shift in range(small_bank.num_scenes):
         jax_step(state._replace(scene=(state.scene + shift) % small_bank.num_scenes), ctrl)
     assert len(jax_traces) == made
+
+
+@pytest.mark.parametrize(
+    ("owner", "foot", "noted"),
+    [
+        # owner of the hull, foot of the sphere or -1 -> (hit, ground, object, agent, load of the foot)
+        (7, -1, (1, False, 7, -1, 0.0)),
+        (-1, -1, (1, True, -1, -1, 0.0)),
+        (-1, 1, (0, False, -1, -1, 5.0)),
+        (-2, -1, (1, False, -2, 0, 0.0)),
+        (-3, -1, (1, False, -3, 1, 0.0)),
+    ],
+)
+def test_a_contact_is_noted_as_of_what_it_is(owner: int, foot: int, noted: tuple) -> None:
+    """With an object, the ground, a foot on the ground, the first agent and the second; a second sphere touches
+    nothing."""
+    engine: Any = types.SimpleNamespace(
+        agents=object(),
+        physics=types.SimpleNamespace(spheres=types.SimpleNamespace(foot=np.array([foot, -1]))),
+        robot=types.SimpleNamespace(foot_geoms=("left", "right")),
+    )
+    none, zero, rest = jnp.int32(-1), jnp.int32(0), jnp.zeros(1)
+    before = _Touch(jnp.float32(0.0), none, jnp.bool_(False), zero, zero, jnp.zeros(2), none, jnp.float32(0.0))
+    slots = Slots(rest, jnp.array([owner]), rest, rest, rest, rest)
+    where = jnp.zeros((2, 3))
+    found = SphereContacts(jnp.arange(2), jnp.zeros(2, int), jnp.array([-0.01, jnp.inf]), where, where, jnp.int32(3))
+    after = JaxEngine._note(engine, before, found, slots, jnp.array([5.0, 0.0]))
+    hit, ground, body, agent, load = noted
+    assert (int(after.count), bool(after.ground), int(after.owner)) == (hit, ground, body)
+    assert (int(after.agent), float(after.agent_force)) == (agent, 5.0 if agent >= 0 else float(before.agent_force))
+    assert after.foot.tolist() == [0.0, load]
+    assert int(after.missed) == 3
 
 
 def test_the_scene_decides_what_is_hit(jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any) -> None:
