@@ -15,7 +15,7 @@ from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.collision_slots.hull_contact import SphereContacts
 from urbanverse_mjx.simulation.collision_slots.static_slots import Slots
-from urbanverse_mjx.simulation.jax_engine import JaxEngine
+from urbanverse_mjx.simulation.jax_engine import JaxEngine, constraint
 from urbanverse_mjx.simulation.jax_engine.engine import _Touch
 
 
@@ -60,6 +60,46 @@ def test_a_contact_is_noted_as_of_what_it_is(owner: int, foot: int, noted: tuple
     assert (int(after.agent), float(after.agent_force)) == (agent, 5.0 if agent >= 0 else float(before.agent_force))
     assert after.foot.tolist() == [0.0, load]
     assert int(after.missed) == 3
+
+
+def test_rows_of_contacts_are_velocities_of_the_surfaces_against_each_other() -> None:
+    """Of a floating robot (linear, then angular velocity about a centre) against the ground and two pushed bodies, from
+    the velocities of rigid bodies at a point; each pair of rows is normal plus and minus friction times tangent."""
+    rng = np.random.default_rng(0)
+    number, mu = 3, 0.5
+    body = np.array([-1, 0, 1])
+    spheres: Any = types.SimpleNamespace(
+        dof_mask=np.ones((1, 6)),
+        own_friction=np.array([True]),
+        slippery=np.array([False]),
+        friction=np.array([mu / 2.0]),
+        solref=np.array([[0.02, 1.0]]),
+        solimp=np.array([[0.9, 0.95, 0.001, 0.5, 2.0]]),
+        invweight=np.array([0.1]),
+    )
+    normal = rng.normal(size=(number, 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    place, centre, point = rng.normal(size=(2, 3)), rng.normal(size=3), rng.normal(size=(number, 3))
+    found = SphereContacts(
+        *(jnp.zeros(number, int),) * 2, jnp.full(number, -0.01), jnp.asarray(normal), jnp.asarray(point), jnp.int32(0)
+    )
+    unit = np.eye(3)
+    motion = np.block([[np.zeros((3, 3)), unit], [unit, np.zeros((3, 3))]])
+    pushed = constraint.Pushed(jnp.asarray(body), jnp.asarray(place), jnp.array([0.2, 0.3]))
+    speed = rng.normal(size=6 + 12)
+    rows = constraint.contact_rows(
+        found, spheres, jnp.ones(1), 2.0, jnp.asarray(motion), jnp.asarray(centre), jnp.asarray(speed), 0.01, pushed
+    )
+    ends = np.asarray(rows.jacobian @ speed).reshape(number, 4)
+    tangents = np.stack(constraint.tangents(jnp.asarray(normal)), 1)
+    for k in range(number):
+        moves = speed[:3] + np.cross(speed[3:6], point[k] - centre)
+        if body[k] >= 0:
+            own = speed[6 + 6 * body[k] :]
+            moves = moves - own[:3] - np.cross(own[3:6], point[k] - place[body[k]])
+        along, aside = moves @ normal[k], mu * (tangents[k] @ moves)
+        wanted = [along + aside[0], along - aside[0], along + aside[1], along - aside[1]]
+        np.testing.assert_allclose(ends[k], wanted, atol=1e-5)
 
 
 def test_the_scene_decides_what_is_hit(jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any) -> None:
