@@ -123,7 +123,7 @@ class AssetMesh:
             raise v.fail("mesh.uv", f"shape {self.uv.shape}", f"({n}, 2)")
         if self.faces.ndim != 2 or self.faces.shape[1] != 3 or len(self.faces) < 4:
             raise v.fail("mesh.faces", f"shape {self.faces.shape}", "(F >= 4, 3)")
-        if self.faces.min() < 0 or self.faces.max() >= n:
+        if self.faces.view(np.uint32).max() >= n:  # a negative one is a large one
             raise v.fail("mesh.faces", "an index outside the vertices", f"indices in [0, {n})")
         if self.texture.ndim != 3 or self.texture.shape[2] != 3:
             raise v.fail("mesh.texture", f"shape {self.texture.shape}", "(H, W, 3) uint8")
