@@ -20,8 +20,11 @@ ROUNDS = 1000
 #: object that they may push.
 FEW_PEOPLE = {
     **{f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist")},
-    "crowd.slots.pedestrian": 3, "crowd.slots.car": 1,
-    "movable.bodies": 1, "movable.awake": 1, "movable.hulls": 1,
+    "crowd.slots.pedestrian": 3,
+    "crowd.slots.car": 1,
+    "movable.bodies": 1,
+    "movable.awake": 1,
+    "movable.hulls": 1,
 }
 
 
