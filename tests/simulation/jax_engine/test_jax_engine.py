@@ -80,9 +80,8 @@ def test_rows_of_contacts_are_velocities_of_the_surfaces_against_each_other() ->
     normal = rng.normal(size=(number, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     place, centre, point = rng.normal(size=(2, 3)), rng.normal(size=3), rng.normal(size=(number, 3))
-    found = SphereContacts(
-        *(jnp.zeros(number, int),) * 2, jnp.full(number, -0.01), jnp.asarray(normal), jnp.asarray(point), jnp.int32(0)
-    )
+    zeros = jnp.zeros(number, int)
+    found = SphereContacts(zeros, zeros, jnp.full(number, -0.01), jnp.asarray(normal), jnp.asarray(point), jnp.int32(0))
     unit = np.eye(3)
     motion = np.block([[np.zeros((3, 3)), unit], [unit, np.zeros((3, 3))]])
     pushed = constraint.Pushed(jnp.asarray(body), jnp.asarray(place), jnp.array([0.2, 0.3]))
