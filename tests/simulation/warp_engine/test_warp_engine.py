@@ -360,7 +360,7 @@ def test_physics_steps_are_captured(engine: WarpEngine, small_bank: SceneBank, b
     jax.block_until_ready(batched(*starts(engine, small_bank)))
     ((_, batches),) = engine._devices.values()
     assert batches
-    assert all(batch.is_captured for batch in batches.values())
+    assert all(isinstance(batch, WorldBatch) and batch.is_captured for batch in batches.values())
 
 
 @pytest.mark.gpu
@@ -371,6 +371,7 @@ def test_on_cuda_a_graph_is_replayed_in_the_same_memory(small_bank: SceneBank, m
     state = jax.block_until_ready(step(state, ctrl))
     ((_, batches),) = engine._devices.values()
     (batch,) = batches.values()
+    assert isinstance(batch, WorldBatch)
     assert batch.shared.device.is_cuda
     assert batch.is_captured
     monkeypatch.setattr(warp_batch, "_captured", None)
