@@ -36,6 +36,7 @@ COMMANDS = {
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
     "capture": ("capture", "film a street into a recording with its ground truth, and as a video"),
     "assets": ("assets", "show, search, match, import and export assets"),
+    "study": ("study", "make and analyse a user study of scenes; compare layouts without people"),
     "robot": ("robot", "read a robot's description; how well spheres fit its collision shapes"),
     "schema": ("schema", "print the JSON Schema of scene graphs, layouts or messages to a robot"),
     "list-envs": ("list_envs", "list the registered environments and their presets"),

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from .robot_simulation import SimulationOptions, simulate_robot
     from .routes import plan_routes
     from .scenes import compile_graph, compile_layout, make_controller
+    from .study import StudyFiles, StudyOptions, analyse_study, compare_layouts, make_study
     from .training_run import TrainOptions, train
     from .viewing import ViewOptions, view
 
@@ -54,9 +55,12 @@ _HOMES = {
     "PlayOptions": "playing",
     "RecordOptions": "recording.record",
     "SimulationOptions": "robot_simulation",
+    "StudyFiles": "study",
+    "StudyOptions": "study",
     "VideoOptions": "generation.video_options",
     "ViewOptions": "viewing",
     "TrainOptions": "training_run",
+    "analyse_study": "study",
     "benchmark": "benchmarking",
     "build_bank": "banks",
     "build_library": "library.sets",
@@ -65,6 +69,7 @@ _HOMES = {
     "capture": "filming",
     "check_dataset": "recording.datasets",
     "dataset_page": "recording.datasets",
+    "compare_layouts": "study",
     "compile_graph": "scenes",
     "compile_layout": "scenes",
     "deploy": "deploying",
@@ -78,6 +83,7 @@ _HOMES = {
     "import_kitti360": "generation.importing",
     "join_banks": "banks",
     "make_controller": "scenes",
+    "make_study": "study",
     "plan_routes": "routes",
     "play": "playing",
     "record": "recording.record",
@@ -102,9 +108,12 @@ __all__ = [
     "PlayOptions",
     "RecordOptions",
     "SimulationOptions",
+    "StudyFiles",
+    "StudyOptions",
     "TrainOptions",
     "VideoOptions",
     "ViewOptions",
+    "analyse_study",
     "benchmark",
     "build_bank",
     "build_library",
@@ -112,6 +121,7 @@ __all__ = [
     "cached_bank",
     "capture",
     "check_dataset",
+    "compare_layouts",
     "compile_graph",
     "compile_layout",
     "dataset_page",
@@ -126,6 +136,7 @@ __all__ = [
     "import_kitti360",
     "join_banks",
     "make_controller",
+    "make_study",
     "plan_routes",
     "play",
     "record",
