@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import pathlib
 import types
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from benchmarks.lib.streetqa import colours, signs, templates, views, walkable
+from benchmarks.lib.streetqa import checking, colours, signs, templates, views, walkable
 from benchmarks.lib.streetqa.blind import Blind
 from benchmarks.lib.streetqa.facts import Facts
 from benchmarks.lib.streetqa.perceiving import Perceiving
@@ -23,6 +24,9 @@ from urbanverse_mjx.capture.street import street_grid
 from urbanverse_mjx.datatypes import KIND_INDEX, Detection, SceneBank
 from urbanverse_mjx.distillation.perception.observation import FrameObservation
 from urbanverse_mjx.simulation.rendering.cameras import look_at
+
+#: Templates whose answers follow from images alone.
+CHECKED = ("exists", "count", "side", "nearer", "distance")
 
 
 def view_at(x: float, y: float, yaw: float, slots: np.ndarray | None = None, depth: Any = None, size: int = 64) -> View:
@@ -235,6 +239,52 @@ def test_words_are_found_on_the_texels_where_they_stand() -> None:
     assert texture[texels].mean() > texture[~texels].mean() + 40
     plain = next(r for r in _recipes("bollard"))
     assert signs.texts_of(lambda: plain.build(0).mesh) == {}
+
+
+def test_words_come_from_the_cache_the_second_time(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    recipes = [_recipes("stop sign")[0], _recipes("bollard")[0]]
+    first = [signs._cached_texts(r.name, r.leaf, 0) for r in recipes]
+    monkeypatch.setattr(signs, "texts_of", None)
+    again = [signs._cached_texts(r.name, r.leaf, 0) for r in recipes]
+    assert [list(found) for found in again] == [list(found) for found in first]
+    assert "STOP" in again[0]
+    assert again[1] == {}
+    np.testing.assert_array_equal(again[0]["STOP"], first[0]["STOP"])
+
+
+def stock_images(view: View, leaves: dict[int, str]) -> tuple[Any, tuple[np.ndarray, np.ndarray]]:
+    """What stock MuJoCo would draw of a view."""
+    owners = np.full(view.slots.shape, "", dtype="<U8")
+    for slot in leaves:
+        owners[view.slots == slot] = f"object_{slot}"
+    category = {f"object_{slot}": leaf for slot, leaf in leaves.items()}
+    return types.SimpleNamespace(category=category), (owners, view.depth)
+
+
+def test_the_check_agrees_with_right_answers_and_finds_wrong_ones() -> None:
+    bank = box_bank(1, num_objects=3)
+    view, leaves = scene_of_two(bank)
+    stock, images = stock_images(view, leaves)
+    swapped = {
+        "yes": "no",
+        "no": "yes",
+        "left": "right",
+        "right": "left",
+        "the bench": "the dog",
+        "the dog": "the bench",
+    }
+    checked = 0
+    for candidate in questions(street_facts(bank, view, leaves)).values():
+        doc = dataclasses.asdict(candidate)
+        agrees = checking.check(doc, view, stock, images) if doc["template"] in CHECKED else None
+        if agrees is None:
+            continue
+        checked += 1
+        assert agrees, doc
+        wrong = {**doc, "answer": swapped.get(doc["answer"], "5"), "number": (doc["number"] or 0.0) * 1.2}
+        assert not checking.check(wrong, view, stock, images), wrong
+    assert checked > 10
 
 
 def _recipes(leaf: str) -> list[Any]:

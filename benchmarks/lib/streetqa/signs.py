@@ -6,16 +6,17 @@ exactly at the texels of that text, so that their places in the world, and in an
 
 import contextlib
 import dataclasses
+import json
 import pathlib
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
-from urbanverse_mjx.assets.meshes import paint
+from urbanverse_mjx.assets.meshes import mesh_cache, paint
 from urbanverse_mjx.assets.meshes.recipe import get_recipe
 from urbanverse_mjx.capture.street import slot_vertices
-from urbanverse_mjx.datatypes import AssetMesh, SceneBank, SceneLayout
+from urbanverse_mjx.datatypes import AssetMesh, SceneBank, SceneLayout, array_file
 from urbanverse_mjx.materialisation import index_of
 
 from .facts import Facts, Seen, texel_cells
@@ -26,6 +27,8 @@ MOST_TEXTS = 3
 #: A text is legible if a line of it is so many pixels high, a letter so many wide on average, and this share of its
 #: places is visible; one that is at least `FAINT` pixels high may be legible to some.
 LEAST_HEIGHT, LEAST_LETTER, LEAST_SHARE, FAINT = 7.5, 4.0, 0.95, 3.5
+#: Pixels of an object below which nothing on it can be read.
+LEAST_PIXELS = 400
 #: Points per side of a triangle's grid on which texels are looked up; m of depth within which a point is visible.
 _GRID, _DEPTH = 28, 0.06
 
@@ -86,6 +89,19 @@ def texts_of(build: Callable[[], AssetMesh]) -> dict[str, np.ndarray]:
     return found
 
 
+def _cached_texts(recipe: str, leaf: str, variant: int) -> dict[str, np.ndarray]:
+    """`texts_of` a recipe's variant, read from the cache beside its mesh, or written to it."""
+    path = mesh_cache.path_of(recipe, leaf, variant).with_suffix(".texts.npz")
+    arrays = array_file.load_cached(path, "texts of an asset", ("words", "texels"))
+    if arrays is None:
+        found = texts_of(lambda: get_recipe(recipe, leaf).build(variant).mesh)
+        words = np.frombuffer(json.dumps(list(found)).encode(), np.uint8)
+        texels = np.stack(list(found.values())) if found else np.zeros((0, 1, 1), bool)
+        array_file.save_cached(path, {"words": words, "texels": texels})
+        return found
+    return dict(zip(json.loads(arrays["words"].tobytes()), arrays["texels"], strict=True))
+
+
 class Signs:
     """Texts of the objects of scenes.
 
@@ -115,7 +131,7 @@ class Signs:
             return {}
         if base not in self._bases:
             recipe, leaf, variant = base
-            self._bases[base] = texts_of(lambda: get_recipe(recipe, leaf).build(variant).mesh)
+            self._bases[base] = _cached_texts(recipe, leaf, variant)
         return self._bases[base]
 
     def in_view(self, facts: Facts) -> list[Text]:
@@ -123,13 +139,22 @@ class Signs:
         ids = facts.bank.meta["object_ids"][facts.scene]
         found = []
         for seen in facts.seen:
-            if seen.pixels < 40:
+            if seen.pixels < LEAST_PIXELS or not _has_images(
+                facts.bank, int(facts.bank.slot_mesh[facts.scene, seen.slot])
+            ):
                 continue
             for words, texels in self._texels(facts.view.scene, ids[seen.slot]).items():
                 text = _shown(facts, seen, words, texels)
                 if text is not None:
                     found.append(text)
         return found
+
+
+def _has_images(bank: SceneBank, mesh: int) -> bool:
+    """Whether some triangle of a mesh shows a part of an image instead of one colour."""
+    uv = bank.mesh_uv[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]]
+    corners = uv[bank.mesh_faces[bank.mesh_face_start[mesh] : bank.mesh_face_start[mesh + 1]]]
+    return bool((corners != corners[:, :1]).any())
 
 
 def _shown(facts: Facts, seen: Seen, words: str, texels: np.ndarray) -> Text | None:
