@@ -39,8 +39,8 @@ from urbanverse_mjx.scene import library
 
 #: Part of a data set -> sets of the library, the split of their scenes, and how many scenes and views of each.
 PARTS = {
-    "test": (("craftbench", "test", 12, 20), ("autobench", "test", 10, 20)),
-    "train": (("procedural", "train", 40, 4),),
+    "test": (("craftbench", "test", 12, 28), ("autobench", "test", 10, 28)),
+    "train": (("procedural", "train", 80, 6),),
 }
 #: Questions of each part.
 WANTED = {"test": 3000, "train": 2000}

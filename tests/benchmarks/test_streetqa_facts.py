@@ -98,11 +98,13 @@ def ground_slot(bank: SceneBank) -> int:
         (15.0, 0.0, False),  # along the pavement
     ],
 )
-def test_who_must_give_way_follows_from_the_ground_ahead(bank: SceneBank, x: float, yaw: float, answer: Any) -> None:
+def test_who_yields_to_vehicles_follows_from_the_ground_ahead(
+    bank: SceneBank, x: float, yaw: float, answer: Any
+) -> None:
     slots = np.full((HEIGHT, WIDTH), ground_slot(bank), np.int16)
-    assert walkable.must_give_way(street_facts(bank, view_at(x, 6.0, yaw, slots)), 0.0) is answer
+    assert walkable.yields_to_vehicles(street_facts(bank, view_at(x, 6.0, yaw, slots)), 0.0) is answer
     # Where the ground is hidden, nothing is asked.
-    assert walkable.must_give_way(street_facts(bank, view_at(x, 6.0, yaw)), 0.0) is None
+    assert walkable.yields_to_vehicles(street_facts(bank, view_at(x, 6.0, yaw)), 0.0) is None
 
 
 def test_the_free_direction_is_the_one_that_stays_on_the_pavement() -> None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 type Path = str | os.PathLike[str]
 #: Scenes that are rendered from one bank; its renderer is compiled once.
 _SCENES_OF_A_BANK = 8
-_EYE_LEVEL = 1.6  # m
+_CAMERA_HEIGHT = 1.6  # m
 
 
 @dataclasses.dataclass(frozen=True)
@@ -204,7 +204,7 @@ def graph_file(folder: pathlib.Path, source: str) -> pathlib.Path:
 
 
 def walkthrough(bank: Any, scene: int, frames: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Positions (3,) m of a person's eyes along the longest route of a bank's scene, and directions (3,) of view, which
+    """Positions (3,) m of a camera along the longest route of a bank's scene, and directions (3,) of view, which
     turn around once."""
     row = int(np.argmax(bank.episode_length[scene, : bank.num_episodes[scene]]))
     number = int(bank.episode_num_waypoints[scene, row])
@@ -214,7 +214,7 @@ def walkthrough(bank: Any, scene: int, frames: int) -> Iterator[tuple[np.ndarray
     for k in range(frames):
         at = np.array([np.interp(along[-1] * k / (frames - 1), along, route[:, axis]) for axis in range(3)])
         yaw = float(start[3]) + 2 * np.pi * k / frames
-        yield at + [0.0, 0.0, _EYE_LEVEL], np.array([np.cos(yaw), np.sin(yaw), -0.06])
+        yield at + [0.0, 0.0, _CAMERA_HEIGHT], np.array([np.cos(yaw), np.sin(yaw), -0.06])
 
 
 def analyse_study(key: Path, answers: Iterable[Path]) -> dict[str, Any]:

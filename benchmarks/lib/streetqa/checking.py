@@ -100,7 +100,7 @@ def check(doc: Mapping[str, Any], view: View, stock: StockMujoco, images: tuple[
         return _placed(doc, view, images)
     geometric = {
         "stands_on": _stands_on,
-        "right_of_way": _right_of_way,
+        "right_of_way": _priority,
         "free_direction": _free_direction,
         "reach": _reach,
     }
@@ -138,7 +138,7 @@ def _stands_on(doc: Mapping[str, Any], view: View, stock: StockMujoco) -> bool:
     return bool(stock.ground(kinds[doc["answer"]]).contains(shapely.Point(placed.position[:2])))
 
 
-def _right_of_way(doc: Mapping[str, Any], view: View, stock: StockMujoco) -> bool:
+def _priority(doc: Mapping[str, Any], view: View, stock: StockMujoco) -> bool:
     road = stock.ground("road").difference(stock.ground("crosswalk"))
     path = shapely.LineString(_line(view, doc["facts"]["degrees"], 0.3, walkable.AHEAD))
     return (path.intersection(road).length > 0.5) == (doc["answer"] == "yes")

@@ -155,9 +155,9 @@ def _reach(facts: Facts, signs: Signs) -> Found:
             yield subject, question, "yes" if answer else "no", YES_NO, None, {"slots": [seen.slot]}
 
 
-def _right_of_way(facts: Facts, signs: Signs) -> Found:
+def _priority(facts: Facts, signs: Signs) -> Found:
     for words_, degrees in walkable.STRETCHES.items():
-        answer = walkable.must_give_way(facts, degrees)
+        answer = walkable.yields_to_vehicles(facts, degrees)
         if answer is None:
             continue
         question = (
@@ -201,7 +201,7 @@ TEMPLATES: dict[str, Callable[[Facts, Signs], Found]] = {
     "distance": _distance,
     "stands_on": _stands_on,
     "reach": _reach,
-    "right_of_way": _right_of_way,
+    "right_of_way": _priority,
     "free_direction": _free,
     "text": _text,
 }

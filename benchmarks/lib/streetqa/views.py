@@ -189,7 +189,8 @@ def make_views(
         state = labels_folder / f"{name}.json"
         used, number = _progress_of(state, seed)
         number = min(number, per_scene)
-        yield from (View.load(labels_folder / f"{view_name(name, k)}.npz") for k in range(number))
+        for k in range(number):
+            yield dataclasses.replace(View.load(labels_folder / f"{view_name(name, k)}.npz"), split=split)
         cameras = candidate_cameras(bank, scene, CANDIDATES * per_scene, seed)
         while number < per_scene and used < len(cameras):
             if not drawers:

@@ -106,7 +106,7 @@ def free_direction(facts: Facts, degrees: float, length: float) -> str | None:
     return free[0] if len(free) == 1 and None not in states.values() else None
 
 
-def must_give_way(facts: Facts, degrees: float) -> bool | None:
+def yields_to_vehicles(facts: Facts, degrees: float) -> bool | None:
     """Whether walking `AHEAD` m, `degrees` to the left of the view, enters the carriageway outside of a crosswalk.
 
     Returns:
