@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial import ConvexHull
 
 from tests.support.leaves import always, leaf_params
-from urbanverse_mjx.assets import build_mesh, load_hulls, load_index
+from urbanverse_mjx.assets import build_mesh, hull_loader, load_hulls, load_index
 from urbanverse_mjx.assets.collision import hulls as hulls_module
 from urbanverse_mjx.assets.collision.decompose import (
     OPTIONS,
@@ -165,6 +165,20 @@ def test_missing_hulls_name_the_command(monkeypatch) -> None:
     monkeypatch.setattr(hulls_module, "_store", lambda: HullStore({}))
     with pytest.raises(ValidationError, match=r"python -m urbanverse_mjx\.assets hulls"):
         load_hulls(INDEX.records[0])
+
+
+def test_closer_hulls_are_read_on_request_where_there_are_some(monkeypatch) -> None:
+    known, unknown = INDEX.by_leaf("bakery")[0], INDEX.by_leaf("bollard")[0]
+    (key,) = keys([known])
+    closer = np.array([(0, 0, 0), (1000, 0, 0), (0, 1000, 0), (0, 0, 1000)], np.int32)
+    monkeypatch.setattr(hulls_module, "_close_store", lambda: HullStore({key: (closer,)}))
+    for record in (known, unknown):
+        first = load_hulls(record).hulls
+        assert [h.tolist() for h in hull_loader("")(record).hulls] == [h.tolist() for h in first]
+        assert first[0].shape != closer.shape
+    assert [h.tolist() for h in hull_loader("close")(known).hulls] == [(closer / 1000).tolist()]
+    fallen_back = hull_loader("close")(unknown).hulls
+    assert [h.tolist() for h in fallen_back] == [h.tolist() for h in load_hulls(unknown).hulls]
 
 
 def test_the_key_follows_the_shape_and_not_the_last_bit() -> None:

@@ -14,6 +14,7 @@ from urbanverse_mjx.datatypes import (
     SceneLayout,
     Source,
 )
+from urbanverse_mjx.datatypes.scene_layout import HULL_KINDS
 
 words = st.text(
     st.characters(min_codepoint=32, max_codepoint=0x2FFF, exclude_categories=("Cs",)), min_size=1, max_size=20
@@ -83,4 +84,6 @@ layouts = st.builds(
     sky=words,
     sky_yaw=yaws,
     hashes=st.dictionaries(words, words, max_size=3),
+    place=st.none() | st.tuples(words, words),
+    hulls=st.sampled_from(HULL_KINDS),
 )

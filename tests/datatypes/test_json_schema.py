@@ -121,5 +121,5 @@ def test_the_command_prints_it(capsys: pytest.CaptureFixture[str]) -> None:
     printed = json.loads(capsys.readouterr().out)
     assert printed == SCHEMAS["layout"]()
     fields = {"schema", *(field.name for field in dataclasses.fields(SceneLayout))}
-    assert set(printed["required"]) == fields - {"place"}
+    assert set(printed["required"]) == fields - {"place", "hulls"}
     assert set(printed["properties"]) == fields

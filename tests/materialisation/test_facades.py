@@ -190,7 +190,7 @@ def test_a_chair_that_a_new_house_penetrates_is_left_out_and_listed() -> None:
 
 def test_a_set_of_the_library_asks_for_the_regional_look_by_a_field(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(building, "graph_of", lambda scenes, layout: graph("Tokyo", "Japan"))
-    monkeypatch.setattr(materialisation, "materialise_cousins", lambda *_: [cousin()])
+    monkeypatch.setattr(materialisation, "materialise_cousins", lambda *_, **__: [cousin()])
     monkeypatch.setattr(looks, "index_of", lambda layout: INDEX)
     plain = library.scene_set("autobench")
     made = [next(building.cousins_of(dataclasses.replace(plain, regional=on), "street")) for on in (False, True)]

@@ -63,6 +63,30 @@ def test_the_same_graph_seed_and_cousin_give_the_same_street_by_every_route(
     assert len({o.asset_uid for o in generated[0].objects if o.label == "pedestrian adult"}) == 4
 
 
+def test_closer_hulls_are_asked_for_by_the_layout(
+    tmp_path: pathlib.Path, compiled: list, graph: SceneGraph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "mine" / "street" / "graph.json"
+    graph.save(path)
+    for hulls in ("", "close"):
+        pipeline.compile_graph(path, tmp_path / "out", hulls=hulls)
+    first, close = compiled
+    assert (first.hulls, close.hulls) == ("", "close")
+    assert "hulls" not in first.to_json(), "older layouts keep their hashes"
+    assert first.content_hash() != close.content_hash()
+    with pytest.raises(ValidationError, match=r"--hulls: found 'far', needed"):
+        pipeline.compile_graph(path, tmp_path / "out", hulls="far")
+    monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(tmp_path))
+    row = {"cousins": 1, "split": "train", "seed": 0}
+    for asked in ({}, {"hulls": "close"}):
+        (tmp_path / "library.json").write_text(json.dumps({"mine": row | asked}))
+        (cousin,) = building.cousins_of(library.scene_set("mine"), "street")
+        assert cousin.layout.hulls == asked.get("hulls", "")
+    (tmp_path / "library.json").write_text(json.dumps({"mine": row | {"hulls": "far"}}))
+    with pytest.raises(ValidationError, match="mine: hulls"):
+        library.scene_set("mine")
+
+
 def test_a_label_without_an_asset_is_refused_or_left_out_as_asked(
     tmp_path: pathlib.Path, compiled: list, graph: SceneGraph
 ) -> None:

@@ -11,6 +11,7 @@ import pytest
 import shapely
 
 from urbanverse_mjx import settings
+from urbanverse_mjx.assets.collision import hulls
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, SceneBank, SceneGraph, Source, ValidationError
 from urbanverse_mjx.datatypes.ground import PAINT_KINDS
 from urbanverse_mjx.datatypes.validation import write_json
@@ -202,6 +203,13 @@ def test_a_set_with_the_regional_look_is_built(monkeypatch: pytest.MonkeyPatch, 
     monkeypatch.setattr(building, "_compile", lambda *given: compiled.append(given))
     assert building.build_layout("mine", "corner") == [record]
     assert not compiled
+    rows["mine"]["hulls"] = "close"
+    write_json(tmp_path / "scenes" / library.TABLE, rows)
+    building.build_layout("mine", "corner")
+    assert len(compiled) == 1
+    monkeypatch.setattr(hulls, "close_hash", lambda: "another store")
+    building.build_layout("mine", "corner")
+    assert compiled[0][-1] != compiled[1][-1], "a changed store of hulls builds the scene again"
 
 
 def test_most_hulls_in_reach_is_what_the_shipped_streets_allow(bank: SceneBank) -> None:

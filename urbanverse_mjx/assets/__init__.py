@@ -7,7 +7,7 @@ own files).
 """
 
 from .categories.ontology import UnknownLabelError, category_of, match_label, nearest_leaves
-from .collision.hulls import load_hulls
+from .collision.hulls import hull_loader, load_hulls
 from .records.index import AssetIndex, build_mesh, full_index, imported_index, load_index
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "build_mesh",
     "category_of",
     "full_index",
+    "hull_loader",
     "imported_index",
     "load_hulls",
     "load_index",

@@ -5,7 +5,7 @@ import json
 import pathlib
 import sys
 from collections.abc import Callable, Sequence
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -38,6 +38,8 @@ class CompileArgs:
     """Also use the assets that you imported (`urbanverse assets import`)."""
     regional: bool = False
     """Give the scene the look of the graph's city or country: houses and signs, roads and their markings."""
+    hulls: Literal["", "close"] = ""
+    """close: collision hulls that stand out less where a robot can touch them; default: the first hulls."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -125,6 +127,7 @@ def _compile(args: CompileArgs) -> int:
             args.movable,
             args.imported,
             args.regional,
+            args.hulls,
         )
     for gone in cousin.left_out:
         sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")

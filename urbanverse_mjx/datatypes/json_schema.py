@@ -63,6 +63,7 @@ _BOUNDS: dict[type, dict[str, Any]] = {
         "objects": _OBJECTS,
         "ground": _REGIONS,
         "sky_yaw": _ANGLE,
+        "hulls": {"enum": list(scene_layout.HULL_KINDS)},
     },
 }
 

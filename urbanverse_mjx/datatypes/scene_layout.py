@@ -10,6 +10,8 @@ from .json_datatype import JsonDatatype
 from .scene_graph import MAX_OBJECTS, MAX_REGIONS
 
 SCHEMA = "urbanverse.scene_layout/1"
+#: Which collision hulls a layout asks for: the first ones, or those that stand out least where a robot can touch.
+HULL_KINDS = ("", "close")
 
 
 def _colour(value: Any, where: str) -> str:
@@ -123,6 +125,7 @@ class SceneLayout(JsonDatatype):
       sky_yaw: rad, its rotation about z.
       hashes: further inputs, name to hash (asset index, materialiser).
       place: (city, country) whose roads and plants the compiler draws, or None: roads without markings of a country.
+      hulls: "close" for the collision hulls that stand out least where a robot can touch, "" for the first ones.
     """
 
     KIND: ClassVar[str] = "scene layout"
@@ -138,6 +141,7 @@ class SceneLayout(JsonDatatype):
     sky_yaw: float
     hashes: dict[str, str]
     place: tuple[str, str] | None = None
+    hulls: str = ""
 
     def __post_init__(self) -> None:
         for name in ("id", "graph_id"):
@@ -160,6 +164,7 @@ class SceneLayout(JsonDatatype):
         if self.place is not None:
             place = v.items(self.place, "layout.place", minimum=2, maximum=2)
             set_(self, "place", tuple(v.text(name, "layout.place") for name in place))
+        v.choice(self.hulls, "layout.hulls", HULL_KINDS)
 
     def to_json(self) -> dict[str, Any]:
         body: dict[str, Any] = {
@@ -176,12 +181,15 @@ class SceneLayout(JsonDatatype):
             "hashes": dict(self.hashes),
         }
         # Left out where there is none, so that older layouts keep their hashes.
-        return body if self.place is None else {**body, "place": list(self.place)}
+        if self.place is not None:
+            body["place"] = list(self.place)
+        return {**body, "hulls": self.hulls} if self.hulls else body
 
     @classmethod
     def from_json(cls, value: Any) -> Self:
-        names = [f.name for f in dataclasses.fields(cls) if f.name != "place"]
-        m = dict(v.mapping(value, "layout", ["schema", *names], ["place"]))
+        optional = ("place", "hulls")
+        names = [f.name for f in dataclasses.fields(cls) if f.name not in optional]
+        m = dict(v.mapping(value, "layout", ["schema", *names], optional))
         v.choice(m.pop("schema"), "layout.schema", (SCHEMA,))
         objects = v.items(m.pop("objects"), "objects", maximum=MAX_OBJECTS)
         regions = v.items(m.pop("ground"), "ground", minimum=1, maximum=MAX_REGIONS)

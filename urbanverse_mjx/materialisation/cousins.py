@@ -15,7 +15,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from .. import versions
-from ..assets import AssetIndex, load_hulls, nearest_leaves
+from ..assets import AssetIndex, hull_loader, nearest_leaves
 from ..assets.categories.ontology import category_of
 from ..assets.categories.priors import prior
 from ..assets.categories.semantics import TextEmbedder
@@ -77,8 +77,9 @@ def materialise_cousins(
     seed: int = 0,
     kerb: float = kerbs.KERB,
     objects: ObjectLibrary | None = None,
-    hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
+    hulls_of: Callable[[AssetRecord], HullSet] | None = None,
     embeddings: Embeddings = BUILT_IN,
+    hulls: str = "",
 ) -> list[Cousin]:
     """Makes the first `count` cousins of a graph. The result is deterministic, and a larger count only appends layouts.
 
@@ -88,15 +89,16 @@ def materialise_cousins(
       seed: seed of the choice among equal fits.
       kerb: m, height of sidewalks whose step to the road the graph does not show; 0 leaves them level.
       objects: the catalogue; default: the packaged one.
-      hulls_of: function that returns the collision hulls of a record.
+      hulls_of: function that returns the collision hulls of a record; default: those that `hulls` names.
       embeddings: neural embeddings of labels and crops; by default assets are chosen by letters, words and
         descriptors.
+      hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
 
     Raises:
       ValidationError: seed, count or kerb is out of range.
     """
     v.integer(count, "cousins", 1, MAX_COUSINS)
-    return _materialise(graph, range(count), seed, kerb, objects, hulls_of, embeddings)
+    return _materialise(graph, range(count), seed, kerb, objects, hulls_of, embeddings, hulls)
 
 
 def materialise_cousin(
@@ -105,7 +107,8 @@ def materialise_cousin(
     seed: int = 0,
     kerb: float = kerbs.KERB,
     objects: ObjectLibrary | None = None,
-    hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
+    hulls_of: Callable[[AssetRecord], HullSet] | None = None,
+    hulls: str = "",
 ) -> Cousin:
     """Makes one cousin of a graph, identical to that of `materialise_cousins`.
 
@@ -116,7 +119,7 @@ def materialise_cousin(
       ValidationError: cousin, seed or kerb is out of range.
     """
     v.integer(cousin, "cousin", 0, MAX_COUSINS - 1)
-    return _materialise(graph, (cousin,), seed, kerb, objects, hulls_of)[0]
+    return _materialise(graph, (cousin,), seed, kerb, objects, hulls_of, hulls=hulls)[0]
 
 
 def check_labels(graph: SceneGraph, objects: ObjectLibrary | None = None) -> None:
@@ -144,14 +147,16 @@ def _materialise(
     seed: int,
     kerb: float,
     objects: ObjectLibrary | None,
-    hulls_of: Callable[[AssetRecord], HullSet],
+    hulls_of: Callable[[AssetRecord], HullSet] | None,
     embeddings: Embeddings = BUILT_IN,
+    hulls: str = "",
 ) -> list[Cousin]:
     """Makes cousins by number; steps that do not depend on the cousin are done once."""
     count = numbers[-1] + 1
     v.integer(seed, "seed", 0)
     v.number(kerb, "kerb", 0.0, 1.0)
     objects = objects or library()
+    hulls_of = hulls_of or hull_loader(hulls)
     raised: tuple[str, ...] = ()
     flat = graph
     if kerb:
@@ -192,6 +197,7 @@ def _materialise(
             ground=surroundings.placed_ground(flat, pieces, k),
             sky=skies[k].uid,
             hashes=hashes,
+            hulls=hulls,
         )
         left_out = (*nowhere, *away, *cleared.left_out)
         used = {p.id: chosen[p.id] for p in cleared.placed}

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from ..assets import load_hulls
+from ..assets import hull_loader
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
 from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
@@ -55,7 +55,7 @@ def dress(
     cousin: Cousin,
     graph: SceneGraph,
     index: AssetIndex | None = None,
-    hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
+    hulls_of: Callable[[AssetRecord], HullSet] | None = None,
 ) -> Cousin:
     """A cousin with houses of the tradition of its graph's city; the same cousin if no tradition serves the city.
 
@@ -63,12 +63,12 @@ def dress(
       cousin: a cousin of the graph.
       graph: its source names the city.
       index: records of the cousin's assets; default: from the catalogue.
-      hulls_of: function that returns the collision hulls of a record.
+      hulls_of: function that returns the collision hulls of a record; default: those that the layout asks for.
     """
     name = regional.tradition_of(graph.source.city, graph.source.country)
     if name is None:
         return cousin
-    index = index or index_of(cousin.layout)
+    index, hulls_of = index or index_of(cousin.layout), hulls_of or hull_loader(cousin.layout.hulls)
     houses = {p.id: p for p in cousin.layout.objects if _is_house(p, index)}
     exact = graph.source.video == "hand"
     records, placed = _replaced(cousin, houses, regional.of_tradition(name), index, hulls_of, exact)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from ..assets import load_hulls
+from ..assets import hull_loader
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
 from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
@@ -42,7 +42,7 @@ def localise(
     cousin: Cousin,
     graph: SceneGraph,
     index: AssetIndex | None = None,
-    hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
+    hulls_of: Callable[[AssetRecord], HullSet] | None = None,
 ) -> Cousin:
     """A cousin with the look of its graph's city; the same cousin if its city has none.
 
@@ -52,9 +52,9 @@ def localise(
       cousin: a cousin of the graph.
       graph: its source names the city.
       index: records of the cousin's assets; default: from the catalogue.
-      hulls_of: function that returns the collision hulls of a record.
+      hulls_of: function that returns the collision hulls of a record; default: those that the layout asks for.
     """
-    index = index or index_of(cousin.layout)
+    index, hulls_of = index or index_of(cousin.layout), hulls_of or hull_loader(cousin.layout.hulls)
     dressed = dress(cousin, graph, index, hulls_of)
     layout, place = dressed.layout, (graph.source.city, graph.source.country)
     if not regional.is_served(*place):

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..datatypes import SceneGraph
 from ..datatypes import validation as v
+from ..datatypes.scene_layout import HULL_KINDS
 
 if TYPE_CHECKING:
     from ..assets import AssetIndex
@@ -27,6 +28,7 @@ def compile_graph(
     movable: bool = False,
     imported: bool = False,
     regional: bool = False,
+    hulls: str = "",
 ) -> "tuple[Cousin, CompiledScene]":
     """Reads a graph, materialises one of its cousins and compiles it; episodes are driven by COCO with differential
     drive.
@@ -44,6 +46,7 @@ def compile_graph(
       imported: whether to use the assets that the user imported too.
       movable: whether to write movable objects as free bodies at rest in C MuJoCo; otherwise `scene.xml` is static.
       regional: whether the scene has the look of the graph's city (`materialisation.regional`).
+      hulls: "close" for collision hulls that stand out less where a robot can touch them, "" for the first ones.
 
     Raises:
       ValidationError: the graph is invalid, or no tradition serves its city; no file is written.
@@ -52,6 +55,7 @@ def compile_graph(
     from ..scene.ground import check_regions
 
     v.choice(str(half), "--half", ("0", "1", "2"))
+    v.choice(hulls, "--hulls", HULL_KINDS)
     graph, out = pathlib.Path(graph), pathlib.Path(out)
     check_out_dir(out)
     scene = SceneGraph.load(graph)
@@ -77,7 +81,7 @@ def compile_graph(
         check_labels(scene, objects)
     if regional:
         check_city(scene)
-    made = materialise_cousin(scene, cousin, seed, objects=objects)
+    made = materialise_cousin(scene, cousin, seed, objects=objects, hulls=hulls)
     check_placed(scene, [made])
     if regional:
         made = localise(made, scene, index_of(made.layout, objects))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..assets import AssetIndex, build_mesh, load_hulls
+from ..assets import AssetIndex, build_mesh, hull_loader, load_hulls
 from ..assets.appearances.ground_friction import ground_friction
 from ..assets.appearances.ground_materials import build_material
 from ..assets.appearances.skies import build_sky
@@ -97,7 +97,8 @@ def compile_scene(
       controller: robot and controller that drive every episode once over the ground.
       size: size of the robot for route planning.
       rules: rules of the episode table.
-      source: source of the meshes and hulls of records; default: the packaged recipes and hull store.
+      source: source of the meshes and hulls of records; default: the packaged recipes, and the hulls that the layout
+        asks for.
       freeze_unstable: whether objects that do not keep their place for two seconds at rest (`stability.displacements`:
         a bicycle without its stand) become fixed in the compiled scene and in the folder's `layout.json`.
       place: city and country for `metadata.json`, the `source` of the layout's graph.
@@ -162,7 +163,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     ground.check_regions(layout.ground)
     objects = sorted(layout.objects, key=lambda o: (o.position[0], o.position[1], o.id))
     regions = sorted(layout.ground, key=lambda r: (min(p[0] for p in r.polygon), r.id))
-    library = _Assets(index, source or AssetSource(), layout.place is not None)
+    library = _Assets(index, source or AssetSource(hulls=hull_loader(layout.hulls)), layout.place is not None)
     kinds = [library.add(o) for o in objects]
     prisms = ground.ground_prisms(regions)
     crossings = {} if layout.place is None else roads.crosswalk_materials(regions)

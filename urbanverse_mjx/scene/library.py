@@ -11,12 +11,13 @@ from .. import settings
 from ..datatypes import SPLITS, SceneBank
 from ..datatypes import validation as v
 from ..datatypes.reach_count import most_objects_in_reach, most_prisms_in_reach
+from ..datatypes.scene_layout import HULL_KINDS
 
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
 #: Generators of sets whose graphs are not files: `citygen.craftbench` and `citygen.validation_streets` (hand-made),
 #: `citygen.procedural_streets` and `citygen.procedural_places` (from templates).
 GENERATORS = ("craft", "validation", "procedural", "places")
-_OPTIONAL = ("numbered", "builder", "validation", "regional")
+_OPTIONAL = ("numbered", "builder", "validation", "regional", "hulls")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,6 +33,7 @@ class SceneSet:
       numbered: whether scene ids end in _Cousin_<k>, like those of UrbanVerse's authors.
       builder: "" if graphs are files, otherwise their generator, one of `GENERATORS`.
       regional: whether scenes have the look of each graph's city (`materialisation.regional`).
+      hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
     """
 
     name: str
@@ -42,6 +44,7 @@ class SceneSet:
     builder: str = ""
     validation: tuple[str, ...] = ()
     regional: bool = False
+    hulls: str = ""
 
     def scene_id(self, layout: str, cousin: int) -> str:
         """Id of a layout's cousin number `cousin`, from 0."""
@@ -74,6 +77,7 @@ def sets() -> dict[str, SceneSet]:
         v.integer(row["cousins"], f"{TABLE}: {name}: cousins", 1, 64)
         v.choice(row.get("builder", ""), f"{TABLE}: {name}: builder", ("", *GENERATORS))
         v.boolean(row.get("regional", False), f"{TABLE}: {name}: regional")
+        v.choice(row.get("hulls", ""), f"{TABLE}: {name}: hulls", HULL_KINDS)
         where = f"{TABLE}: {name}: validation"
         layouts = tuple(v.text(x, where) for x in v.items(row.get("validation", ()), where))
         v.unique(layouts, where)

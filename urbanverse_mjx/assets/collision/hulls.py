@@ -2,6 +2,8 @@
 
 The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull
 after hull, and for every mesh key the range of its hulls. `assets.collision.decompose` makes missing ones.
+`close.npz` beside it holds, by the same keys, hulls that stand out less of some of the meshes, where a robot can touch
+them; frozen sets have the first ones, so these are read only on request (`SceneLayout.hulls`).
 """
 
 import dataclasses
@@ -9,7 +11,7 @@ import functools
 import hashlib
 import os
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -99,9 +101,26 @@ def regional_store_path() -> pathlib.Path:
     return asset_root() / "hulls" / "regional.npz"
 
 
+def close_store_path() -> pathlib.Path:
+    """The closer hulls of catalogue and regional buildings."""
+    return asset_root() / "hulls" / "close.npz"
+
+
 @functools.cache
 def _store() -> HullStore:
     return HullStore({**HullStore.load(regional_store_path()).hulls, **HullStore.load(store_path()).hulls})
+
+
+@functools.cache
+def _close_store() -> HullStore:
+    return HullStore.load(close_store_path())
+
+
+@functools.cache
+def close_hash() -> str:
+    """Hash of 64 hexadecimal digits over the store of closer hulls."""
+    path = close_store_path()
+    return hashlib.sha256(path.read_bytes() if path.is_file() else b"").hexdigest()
 
 
 def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
@@ -115,9 +134,12 @@ def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
     return 3 if largest < 1.1 else 6 if largest < 2.2 else 12
 
 
-def load_hulls(record: AssetRecord) -> HullSet:
+def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
     """The convex hulls of a record in the asset frame at scale 1 (for an instance, the scaled hulls of its base shape).
     Never runs CoACD.
+
+    Args:
+      close: whether to return closer hulls where the second store has some.
 
     Raises:
       ValidationError: the store (for an imported asset, the user's) has no hulls for this mesh; the message names the
@@ -127,7 +149,7 @@ def load_hulls(record: AssetRecord) -> HullSet:
         return _file_hulls(record)
     mesh = base_mesh(record)
     key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
-    found = _store().hulls.get(key)
+    found = (_close_store().hulls.get(key) if close else None) or _store().hulls.get(key)
     if found is None:
         raise ValidationError(
             f"asset {record.uid!r}: found no collision hulls for its mesh ({key}), needed them in {store_path().name}; "
@@ -137,6 +159,15 @@ def load_hulls(record: AssetRecord) -> HullSet:
     if instances.KEY not in record.params:
         return hulls
     return instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])
+
+
+def hull_loader(kind: str) -> Callable[[AssetRecord], HullSet]:
+    """The function that loads the hulls of a layout's records.
+
+    Args:
+      kind: `SceneLayout.hulls`.
+    """
+    return functools.partial(load_hulls, close=True) if kind == "close" else load_hulls
 
 
 def _file_hulls(record: AssetRecord) -> HullSet:

@@ -89,7 +89,7 @@ def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
     from ...materialisation import localise, materialise_cousins
 
     graph = graph_of(scenes, layout)
-    for k, made in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed)):
+    for k, made in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed, hulls=scenes.hulls)):
         cousin = localise(made, graph) if scenes.regional else made
         named = dataclasses.replace(cousin.layout, id=scenes.scene_id(layout, k))
         yield dataclasses.replace(cousin, layout=named)
@@ -104,6 +104,7 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
     Raises:
       ValidationError: a scene cannot be compiled; earlier ones are kept.
     """
+    from ...assets.collision.hulls import close_hash
     from ...assets.records.regional import regional_hash
     from ...assets.records.store import inputs_key
 
@@ -112,6 +113,8 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
     wanted: dict[str, Any] = {"cousins": scenes.cousins, "seed": scenes.seed}
     if scenes.regional:
         wanted["regional"] = regional_hash()
+    if scenes.hulls:
+        wanted["hulls"] = [scenes.hulls, close_hash()]
     key = key_of("library", graph=graph.content_hash(), assets=inputs_key(), **wanted)
     ids = [scenes.scene_id(layout, k) for k in range(scenes.cousins)]
     done = [_record(name, scene, key) for scene in ids]
