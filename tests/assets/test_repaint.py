@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets import build_mesh, load_index
-from urbanverse_mjx.assets.meshes import crowns, palette, repaint
+from urbanverse_mjx.assets.meshes import crowns, palette, repaint, sheets
 from urbanverse_mjx.assets.meshes.instances import pixels
 
 INDEX = load_index()
@@ -88,3 +88,24 @@ def test_sprays_use_the_triangles_of_the_lumps_and_leave_the_trunk() -> None:
     assert (cosine < 0.97).sum() > 500
     car = build_mesh(INDEX.by_leaf("sedan")[0])
     assert np.abs(crowns.with_sprays(car, "a").vertices - car.vertices).max() == 0.0
+
+
+def test_the_two_sides_of_printed_cloth_are_apart_and_each_is_outside() -> None:
+    """Back to back in one place, a renderer without culling mixes the letters of both sides."""
+    record = INDEX.by_leaf("banner")[0]
+    mesh = build_mesh(record)
+    apart = sheets.with_sides_apart(mesh)
+    assert record.leaf in sheets.LETTERED
+    cloth = ~(mesh.uv[mesh.faces] == mesh.uv[mesh.faces][:, :1]).all((1, 2))
+    for shown, gap in ((mesh, 0.0), (apart, sheets.APART)):
+        triangles = shown.vertices.astype(float)[shown.faces[cloth]]
+        towards = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])[:, 0] > 0
+        front, back = triangles[towards].mean(1), triangles[~towards].mean(1)
+        assert len(front) == len(back) > 50
+        nearest = np.abs(front[:, None, 1:] - back[None, :, 1:]).sum(-1).argmin(1)
+        assert (front[:, 0] - back[nearest, 0]) == pytest.approx(gap, abs=0.3 * sheets.APART)
+    assert np.array_equal(apart.uv, mesh.uv)
+    moved = np.unique(np.flatnonzero((apart.vertices != mesh.vertices).any(1)))
+    assert set(moved) == set(np.unique(mesh.faces[cloth]))
+    bench = build_mesh(INDEX.by_leaf("bollard")[0])
+    assert sheets.with_sides_apart(bench) is bench

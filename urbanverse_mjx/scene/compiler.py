@@ -12,7 +12,7 @@ from ..assets import AssetIndex, build_mesh, hull_loader, load_hulls
 from ..assets.appearances.ground_friction import ground_friction
 from ..assets.appearances.ground_materials import build_material
 from ..assets.appearances.skies import build_sky
-from ..assets.meshes import crowns, repaint
+from ..assets.meshes import crowns, repaint, sheets
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedGround, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
 from ..datatypes.ground import KIND_INDEX
@@ -278,6 +278,8 @@ class _Assets:
             mesh = repaint.repainted(mesh, [color for color in placed.paint if color != repaint.OWN])
             if self._regional and record.category[:2] == ("nature", "vegetation"):
                 mesh = crowns.with_sprays(mesh, record.uid)
+            if self._regional and record.leaf in sheets.LETTERED:
+                mesh = sheets.with_sides_apart(mesh)
             hulls = [h * scale for h in self._source.hulls(record).hulls]
             self._rows[key] = len(self.meshes)
             self.hull_rows.append(range(len(self.hulls), len(self.hulls) + len(hulls)))
