@@ -50,7 +50,17 @@ CODE: Mapping[str, Code] = {
         1,
         (
             *("assets.categories.physical", "assets.collision.hulls"),
-            *_below("assets.meshes", "base_shapes", "crowns", "glb", "instances", "repaint", "table_files", "tints"),
+            *_below(
+                "assets.meshes",
+                "base_shapes",
+                "crowns",
+                "glb",
+                "instances",
+                "repaint",
+                "sheets",
+                "table_files",
+                "tints",
+            ),
             *_below("assets.records", "catalogue", "index", "record_texts", "regional", "store", "user_store"),
         ),
         ("meshes",),

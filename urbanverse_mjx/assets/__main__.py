@@ -58,17 +58,22 @@ def index(jobs: int = 2) -> None:
     )
 
 
-def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
+def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False, close: bool = False) -> None:
     """Makes missing collision hulls of records' meshes and drops unused hulls.
 
     Args:
       jobs: processes at once.
       leaf: only this leaf.
       again: also make existing hulls again (after a change of the decomposition).
+      close: make closer hulls, of catalogue and regional buildings, instead of the first ones.
     """
+    from .collision.close_hulls import build_close
     from .collision.decompose import build_missing
 
-    build_missing(jobs, leaf, again, Console().print)
+    if close:
+        build_close(leaf, jobs, again, Console().print)
+    else:
+        build_missing(jobs, leaf, again, Console().print)
 
 
 def regional(jobs: int = 2) -> None:

@@ -251,9 +251,9 @@ def _without_contained(pieces: list[Piece], tolerance: float = 0.008) -> list[Pi
     return kept
 
 
-def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarray:
+def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES, enlarge: bool = True) -> np.ndarray:
     """Reduces a hull to at most `limit` corners, greedily those that protrude most, and enlarges it to cover most of
-    the lost volume."""
+    the lost volume, unless `enlarge` is false."""
     if len(corners) <= limit:
         return corners
     directions = np.concatenate([np.eye(3), -np.eye(3), np.array([[1, 1, 1], [-1, -1, 1]]) / np.sqrt(3)])
@@ -269,6 +269,8 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
         if missed < 1e-3 or len(chosen) == limit:
             break
         chosen.append(int(missing.argmax()))
+    if not enlarge:
+        return corners[chosen]
     # The hull keeps the piece's vertical extent, so that it does not penetrate the pavement.
     low, high = corners[:, 2].min(), corners[:, 2].max()
     grown = corners[chosen]

@@ -147,8 +147,7 @@ def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
     """
     if record.recipe == FILE_RECIPE:
         return _file_hulls(record)
-    mesh = base_mesh(record)
-    key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
+    key = hull_key(record)
     found = (_close_store().hulls.get(key) if close else None) or _store().hulls.get(key)
     if found is None:
         raise ValidationError(
@@ -159,6 +158,12 @@ def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
     if instances.KEY not in record.params:
         return hulls
     return instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])
+
+
+def hull_key(record: AssetRecord) -> str:
+    """Key of a record's base mesh in the stores."""
+    mesh = base_mesh(record)
+    return mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
 
 
 def hull_loader(kind: str) -> Callable[[AssetRecord], HullSet]:

@@ -1,0 +1,133 @@
+"""Closer collision hulls: they keep out of where a robot can be, cover the surface, and are made again bit-equal."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from tests.support.leaves import always, leaf_params
+from urbanverse_mjx.assets import build_mesh, hull_loader, load_hulls, load_index
+from urbanverse_mjx.assets.collision import close_hulls as c
+from urbanverse_mjx.assets.collision.hulls import HullStore, close_store_path, hull_key
+from urbanverse_mjx.assets.collision.overshoot import overshoot
+from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
+from urbanverse_mjx.assets.records.regional import load_regional
+from urbanverse_mjx.datatypes import AssetMesh
+from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES
+
+INDEX = load_index()
+STORE = HullStore.load(close_store_path()).hulls
+CLOSER = {r.uid: r for r in INDEX.records if hull_key(r) in STORE}
+LEAVES = sorted({r.leaf for r in CLOSER.values()})
+
+
+def outside(points: np.ndarray, hulls) -> np.ndarray:
+    """(n,) m by which points lie outside the nearest hull (its planes), 0 inside."""
+    planes = [ConvexHull(h).equations for h in hulls]
+    return np.maximum(np.min([(points @ p[:, :3].T + p[:, 3]).max(1) for p in planes], 0), 0.0)
+
+
+def made_of(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> AssetMesh:
+    b = MeshBuilder()
+    for size, at in boxes:
+        b.box(size, at)
+    return b.build("a test", recenter=False).mesh
+
+
+def shell(mesh: AssetMesh) -> np.ndarray:
+    return mesh.vertices[ConvexHull(mesh.vertices).vertices].astype(float)
+
+
+#: Shapes whose convex hull closes what a robot of 31 cm can enter, and the least number of hulls that do not.
+ENTERED = {
+    # A wall 1 m thick with a recess of a door, 1 m wide and 0.4 m deep.
+    "recess": ([((1, 4, 3), (-0.5, 0, 0)), ((0.4, 1.5, 3), (0.2, -1.25, 0)), ((0.4, 1.5, 3), (0.2, 1.25, 0))], 3),
+    # Two posts 1 m apart under a lintel.
+    "gate": ([((0.2, 0.2, 1), (0, -0.6, 0)), ((0.2, 0.2, 1), (0, 0.6, 0)), ((0.2, 1.4, 0.15), (0, 0, 1.0))], 3),
+    # A body over four wheels with 0.3 m of air below and 1.6 m between the axles.
+    "vehicle": (
+        [((4, 1.6, 0.9), (0, 0, 0.3)), *(((0.6, 0.2, 0.6), (x, y, 0)) for x in (-1.1, 1.1) for y in (-0.7, 0.7))],
+        3,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ENTERED)
+def test_what_a_robot_can_enter_stays_open(name: str) -> None:
+    mesh, least = made_of(*ENTERED[name][0]), ENTERED[name][1]
+    first = [shell(mesh)]
+    assert overshoot(mesh.vertices, mesh.faces, first).worst > 0.1
+    hulls = [h / 1000 for h in c.close_hulls(mesh, first)]
+    assert least <= len(hulls) <= c.close_budget(mesh)
+    assert overshoot(mesh.vertices, mesh.faces, hulls).worst <= 0.05
+    sides = np.concatenate([mesh.vertices[mesh.faces] @ np.diag((1, 1, 0)) + [0, 0, z] for z in (0.1, 0.5, 1.0)])
+    low, high = mesh.vertices[mesh.faces][..., 2].min(1), mesh.vertices[mesh.faces][..., 2].max(1)
+    upright = np.concatenate([(low < z) & (high > z) for z in (0.1, 0.5, 1.0)])
+    assert upright.sum() > 20
+    assert outside(sides[upright].reshape(-1, 3), hulls).max() <= c.OPTIONS.most_missed
+
+
+def test_a_closed_courtyard_may_be_filled() -> None:
+    """No robot gets in, so that the hull of the whole, which closes it, is kept as it is."""
+    walls = [((2.2, 0.1, 1.5), (0, y, 0)) for y in (-1.05, 1.05)]
+    mesh = made_of(*walls, *(((0.1, 2.0, 1.5), (x, 0, 0)) for x in (-1.05, 1.05)))
+    (only,) = c.close_hulls(mesh, [shell(mesh)])
+    assert ConvexHull(only / 1000).volume == pytest.approx(2.2 * 2.2 * 1.5, rel=1e-3)
+
+
+def test_a_grown_polyhedron_holds_no_forbidden_point() -> None:
+    rng = np.random.default_rng(0)
+    obstacles = rng.integers(-1000, 1000, (4000, 3))
+    obstacles = obstacles[np.linalg.norm(obstacles[:, :2], axis=1) > 60]
+    seed = np.array([3.0, 5.0, 7.0])
+    for metric in (np.eye(3), np.diag((1.0, 1.0, 0.06)), np.array([1.0, 6.0, 1.0])):
+        grown = c._Polyhedron(seed, metric, np.zeros((0, 4))).cut(obstacles)
+        assert len(grown.planes) >= 4
+        assert not c._within(obstacles, grown.planes - [0, 0, 0, 1e-6]).any()
+        assert c._within(seed[None], grown.planes).all()
+
+
+def test_the_store_is_small_and_of_known_meshes() -> None:
+    assert close_store_path().stat().st_size < 3 * 2**20
+    known = {hull_key(r) for r in (*INDEX.records, *load_regional().records)}
+    assert STORE
+    assert set(STORE) <= known
+
+
+@pytest.mark.parametrize("leaf", leaf_params(LEAVES))
+def test_closer_hulls_of_a_leaf(leaf: str) -> None:
+    """Less overshoot than the first hulls, none missing much of the surface, few enough, none below the ground."""
+    for record in (r for r in CLOSER.values() if r.leaf == leaf):
+        mesh, hulls = build_mesh(record), hull_loader("close")(record).hulls
+        before = overshoot(mesh.vertices, mesh.faces, load_hulls(record).hulls).worst
+        after = overshoot(mesh.vertices, mesh.faces, hulls).worst
+        assert after <= max(0.05, c.OPTIONS.better * before) + 1e-3, record.uid
+        assert len(hulls) <= c.close_budget(mesh), record.uid
+        assert all(len(h) <= MAX_HULL_VERTICES and h[:, 2].min() >= -0.002 for h in hulls), record.uid
+        points = c.surface_points(mesh.vertices.astype(float)[mesh.faces]) / 1000
+        missed = outside(points, hulls).max()
+        assert missed <= max(c.OPTIONS.most_missed, 0.01 * max(record.extent_xyz)) + 1e-3, record.uid
+
+
+@pytest.mark.parametrize("leaf", leaf_params(LEAVES))
+def test_a_robot_beside_it_meets_few_of_the_closer_hulls(leaf: str) -> None:
+    for record in (r for r in CLOSER.values() if r.leaf == leaf):
+        assert most_in_reach(record.extent_xyz, hull_loader("close")(record).hulls) <= 12, record.uid
+
+
+def most_in_reach(extent: tuple[float, float, float], hulls: tuple[np.ndarray, ...], reach: float = 0.85) -> int:
+    """Largest number of boxes of hulls within reach of a robot beside an asset."""
+    if len(hulls) <= 12:
+        return len(hulls)
+    boxes = np.array([(h.min(0), h.max(0)) for h in hulls])
+    x, y = extent[0] / 2 + 0.4, extent[1] / 2 + 0.4
+    ground = np.array([(px, py, 0.3) for px in np.linspace(-x, x, 25) for py in np.linspace(-y, y, 25)])
+    gap = np.maximum(np.maximum(boxes[None, :, 0] - ground[:, None], ground[:, None] - boxes[None, :, 1]), 0)
+    return int((np.linalg.norm(gap, axis=-1) <= reach).sum(1)[outside(ground, hulls) > 0.3].max(initial=0))
+
+
+@pytest.mark.parametrize("leaf", always(LEAVES)[:4])
+def test_the_store_is_made_again_bit_equal(leaf: str) -> None:
+    record = next(r for r in CLOSER.values() if r.leaf == leaf)
+    key, hulls = c.closer(record)
+    assert key == hull_key(record)
+    assert [h.tolist() for h in hulls] == [h.tolist() for h in STORE[key]]
