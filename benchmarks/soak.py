@@ -152,7 +152,7 @@ def _memory_and_files(pid: int) -> tuple[float, int]:
 def judged(samples: Sequence[Sample]) -> dict[str, Any]:
     """What changed after the warm-up, and whether it is `ok`.
 
-    Memory is compared between the medians of the first and the last tenth, files between the largest numbers of the
+    Memory is compared between the medians of the first and the last tenth, files between the smallest numbers of the
     first and second half, since a checkpoint opens some while it is written; `slope_mib_per_hour` is that of a line
     through all samples.
     """
@@ -166,7 +166,7 @@ def judged(samples: Sequence[Sample]) -> dict[str, Any]:
     slope = np.polyfit(found[:, 0] / 3600.0, found[:, 1], 1)[0]
     growth = (last[1] - first[1]) / first[1]
     on_device = (last[4] - first[4]) / first[4] if first[4] else 0.0
-    files = int(found[half:, 2].max(initial=0) - found[:half, 2].max())
+    files = int(found[half:, 2].min() - found[:half, 2].min())
     compiled = int(found[-1, 3] - found[0, 3])
     return {
         "minutes": round(samples[-1][0] / 60.0, 1),

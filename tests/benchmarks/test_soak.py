@@ -18,7 +18,8 @@ def samples(**changes: float) -> list[soak.Sample]:
     for k in range(240):
         late = max(k - 100, 0)
         memory = 1000.0 + 5.0 * min(k, 40) + changes.get("memory", 0.0) * late + (0.4 if k % 2 else -0.4)
-        files = 8 + (k % 10 == 0) + int(changes.get("files", 0.0) * late)
+        # Files of a checkpoint that is being written, seen once more than before.
+        files = 8 + (k % 10 == 0) + 3 * (k == 200) + int(changes.get("files", 0.0) * late)
         compiled = min(k, 40) + int(changes.get("compiled", 0.0) * late)
         found.append((15.0 * k, memory, files, compiled, 500.0 + changes.get("device", 0.0) * late, k // 20))
     return found
