@@ -13,7 +13,7 @@ Rows, of which `--rows` names patterns:
 
     teacher-SEED            privileged teacher on procedural and places
     student-SEED            its student, and PPO from there: the rows `student` and `best`
-    matte-SEED              the same in another shading
+    matte-SEED              the same in the shading of `fast`
     go2                     COCO's student of `--ship` imitates the same teacher on the Go2
     go2-teacher             a teacher on the Go2
     ideal-teacher-SEED, ideal-student-SEED, ideal-go2, ideal-go2-teacher  with sensors and motion that do not vary
@@ -186,7 +186,7 @@ def _conditions() -> tuple[str, ...]:
 @functools.cache
 def _varied(camera: bool) -> tuple[str, ...]:
     """Environment options in which the preset `best` differs from `fast`, of which the rows are made: those of the
-    robot, and with `camera` of its images too."""
+    robot, and with `camera` of its images and their shading too."""
     from urbanverse_mjx.envs.navigation.config import default_config
 
     best, fast = (default_config(name) for name in ("best", "fast"))
@@ -195,13 +195,25 @@ def _varied(camera: bool) -> tuple[str, ...]:
         for name, value in best.randomization.items()
         if value != fast.randomization[name] and (camera or name in OF_ROBOT)
     }
+    found |= {"vision_config.shading": best.vision_config.shading} if camera else {}
     return tuple(f"{name}={json.dumps(value)}" for name, value in found.items())
 
 
-def _shading() -> str:
-    from urbanverse_mjx.envs.navigation.config import default_config
+def _words(
+    role: str, trained: Sequence[object], holdout: Sequence[int], tests: Sequence[str], seed: int,
+    own: dict[str, object], env: Sequence[str] = (),
+) -> list[object]:  # fmt: skip
+    """The words of a command of `benchmarks.generalise` on the banks `trained`, with options of its `own`."""
+    words: list[object] = ["benchmarks.generalise", role, "--no-map", "--train", *trained]
+    words += ["--holdout", *holdout, "--test", *_banks(tests), "--seed", seed, "--env", *env, *_conditions()]
+    for key, value in own.items():
+        words += [f"--{key.replace('_', '-')}", *(value if isinstance(value, tuple) else (value,))]
+    return words
 
-    return f"vision_config.shading={json.dumps(default_config('best').vision_config.shading)}"
+
+def _of_teacher(steps: int, robot: str = "CocoNav") -> dict[str, object]:
+    """Options of a teacher's own."""
+    return {"steps": steps, "seconds": ENDLESS, "checkpoints": max(8, steps // 300_000), "environment": robot}
 
 
 def _generalise(
@@ -216,10 +228,7 @@ def _generalise(
         kept for row in rows for kept in (results.COMPARISONS[row.comparison].sets if row.comparison else BENCHMARKS)
     }
     tests = ("validation", *(x for x in BENCHMARKS if x in sets))
-    words: list[object] = ["benchmarks.generalise", role, "--no-map", "--train", *_banks(held)]
-    words += ["--holdout", *held.values(), "--test", *_banks(tests), "--seed", seed, "--env", *env, *_conditions()]
-    for key, value in own.items():
-        words += [f"--{key.replace('_', '-')}", *(value if isinstance(value, tuple) else (value,))]
+    words = _words(role, _banks(held), tuple(held.values()), tests, seed, own, env)
     memory = TEACHER if role == "teacher" else STUDENT if "finetune_steps" in own else IMITATION
     return _job(args, name, words, (*held, *tests), memory, rows, *needs)
 
@@ -228,8 +237,7 @@ def _teacher(
     args: argparse.Namespace, name: str, held: dict[str, int], seed: int, steps: int, row: Row, robot: str = "CocoNav",
     env: Sequence[str] = (),
 ) -> Job:  # fmt: skip
-    own = {"steps": steps, "seconds": ENDLESS, "checkpoints": max(8, steps // 300_000), "environment": robot}
-    return _generalise(args, name, "teacher", held, seed, own, [row], env=env)
+    return _generalise(args, name, "teacher", held, seed, _of_teacher(steps, robot), [row], env=env)
 
 
 def _student(
@@ -311,7 +319,7 @@ def _best(args: argparse.Namespace) -> Iterator[Job]:
     """The students after their teachers, and the Go2 after the student that it starts from."""
     for prefix, ending in RECIPES.items():
         varied = not prefix
-        env = (*_varied(camera=True), _shading()) if varied else ()
+        env = _varied(camera=True) if varied else ()
         relit = NOT_RELIT if varied else ()
         for seed in args.seeds:
             teacher = f"{prefix}teacher-{seed}"
@@ -321,7 +329,8 @@ def _best(args: argparse.Namespace) -> Iterator[Job]:
             yield _student(args, f"{prefix}student-{seed}", seed, own, rows, env=env, teacher=teacher)
             if varied:
                 rows = [Row("finetuned", "best, matte", seed=seed)]
-                yield _student(args, f"matte-{seed}", seed, own, rows, env=_varied(camera=True), teacher=teacher)
+                matte = (*env, 'vision_config.shading="matte"')
+                yield _student(args, f"matte-{seed}", seed, own, rows, env=matte, teacher=teacher)
         start = args.out / f"{prefix}student-{args.ship}"
         own = {"steps": args.go2, "seconds": ENDLESS, "validate_every": 20, "covered": (), "set": relit}
         own |= {"environment": "Go2Nav", "start": start / "finetuned"}
@@ -364,12 +373,10 @@ def _image_streets(args: argparse.Namespace) -> Iterator[Job]:
         for arm, called in IMAGE_ARMS.items():
             folder = args.out / IMAGE_STREETS
             trained = folder / arm / image_streets.BANK
-            words: list[object] = ["benchmarks.generalise", "teacher", "--no-map", "--train", trained]
-            words += ["--holdout", 2 * image_streets.COUSINS, "--test", *_banks(("validation", *BENCHMARKS))]
-            words += ["--seed", seed, "--env", *_conditions(), "--steps", args.street_steps, "--seconds", ENDLESS]
-            words += ["--checkpoints", max(8, args.street_steps // 300_000), "--environment", "CocoNav"]
-            row = Row("teacher", seed=seed, comparison="image_streets", arm=called)
             sets = ("validation", *BENCHMARKS)
+            held = (2 * image_streets.COUSINS,)
+            words = _words("teacher", [trained], held, sets, seed, _of_teacher(args.street_steps))
+            row = Row("teacher", seed=seed, comparison="image_streets", arm=called)
             name = f"{IMAGE_STREETS}-{arm}-{seed}"
             yield _job(args, name, words, sets, TEACHER, [row], folder / image_streets.BANKS)
 
