@@ -73,6 +73,15 @@ def test_images_are_blurred_each_by_its_strength() -> None:
     np.testing.assert_allclose(found, images + share * (soft - images), atol=1e-3)
 
 
+def test_light_is_blurred_and_not_its_encoding() -> None:
+    """A white line on black: half and a quarter of white's light are 188 and 137 in sRGB, not 128 and 64."""
+    line = np.zeros((5, 9, 3), np.uint8)
+    line[:, 4] = 255
+    np.testing.assert_allclose(seen(line, blur=1.0)[:, 3:6, 0], [[137, 188, 137]] * 5, atol=1)
+    half = seen(line, blur=1.0, exposure=-1.0)[2, 3:6, 0]
+    np.testing.assert_allclose(half, exposed(np.array([137, 188, 137]), -1.0, 0.0, np.random.default_rng(0)), atol=1)
+
+
 def test_each_episode_has_a_camera_and_keeps_it(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {**RANDOM, "randomization.appearance": 0.0}, vision=True)
     drawn = jax.jit(jax.vmap(env.begin))(jax.random.split(jax.random.key(0), 500))
