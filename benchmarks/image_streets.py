@@ -12,8 +12,9 @@ and poses, `images` its images alone (COLMAP's poses, the shipped network). Each
 whole scene, drives in them. Once all streets are done, DIR/<arm>/bank.npz holds the cousins of all streets of an arm:
 `python -m benchmarks.campaign --rows "image-streets-*"` trains teachers on them that differ in nothing else.
 
-DIR/work/<street> keeps every stage, so that a stopped run continues; a street that fails (no poses, no ground) is named
-with its reason in DIR/work/<street>/<arm>/failed.txt and left out of both banks. Remove that file to try again.
+DIR/streets/<street> keeps every stage, so that a stopped run continues; a street that fails (no poses, no ground) is
+named with its reason in DIR/streets/<street>/<arm>/failed.txt and left out of both banks. Remove that file to try
+again.
 """
 
 import argparse
@@ -141,7 +142,7 @@ def driven(arm: str, graph: pathlib.Path, work: pathlib.Path, args: argparse.Nam
 
 def street_done(street: str, args: argparse.Namespace) -> dict[str, Any]:
     """Works on one street; returns arm -> its figures, or the reason why it has none."""
-    work = args.out / "work" / street
+    work = args.out / "streets" / street
     done = work / DONE
     if done.is_file():
         return v.read_json(done, "street")
@@ -171,7 +172,7 @@ def join_banks(args: argparse.Namespace, found: dict[str, dict[str, Any]]) -> li
     """Writes the bank of each arm, of the streets that have cousins in both, and banks.json; returns their names."""
     both = [street for street, arms in found.items() if not any("failed" in row for row in arms.values())]
     for arm in ARMS if both else ():
-        banks = [SceneBank.load(args.out / "work" / street / arm / "run" / BANK) for street in both]
+        banks = [SceneBank.load(args.out / "streets" / street / arm / "run" / BANK) for street in both]
         (args.out / arm).mkdir(parents=True, exist_ok=True)
         join(banks).save(args.out / arm / BANK)
     if both:
@@ -181,12 +182,12 @@ def join_banks(args: argparse.Namespace, found: dict[str, dict[str, Any]]) -> li
 
 def page_text(out: pathlib.Path) -> str:
     """Markdown: both arms over the streets that have them, then street by street."""
-    files = sorted((out / "work").glob(f"*/{DONE}"))
+    files = sorted((out / "streets").glob(f"*/{DONE}"))
     found = {path.parent.name: v.read_json(path, "street") for path in files}
     whole = [street for street, arms in found.items() if not any("failed" in row for row in arms.values())]
     lines = []
     for arm in ARMS if whole else ():
-        rows = [fidelity_store.load(out / "work" / street / arm / "scores.json")[arm] for street in whole]
+        rows = [fidelity_store.load(out / "streets" / street / arm / "scores.json")[arm] for street in whole]
         pooled = scores.table_row([score for score, _ in rows])
         means = {k: float(np.mean([found[s][arm][k] for s in whole])) for k in ("trajectory_m", "planner_percent")}
         lines.append([f"all {len(whole)}", arm, *_cells({**pooled, **means})])

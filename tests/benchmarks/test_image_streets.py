@@ -46,11 +46,11 @@ def out(tmp_path: pathlib.Path) -> pathlib.Path:
     score = scores.score(found, true, [], {"a": True})
     row = {**scores.table_row([score]), "trajectory_m": 0.25, "planner_percent": 93.75}
     for arm in image_streets.ARMS:
-        fidelity_store.save(tmp_path / "work" / "one" / arm / "scores.json", {arm: (score, {"trajectory_m": 0.25})})
-    (tmp_path / "work" / "one" / image_streets.DONE).write_text(json.dumps(dict.fromkeys(image_streets.ARMS, row)))
-    (tmp_path / "work" / "two").mkdir()
+        fidelity_store.save(tmp_path / "streets" / "one" / arm / "scores.json", {arm: (score, {"trajectory_m": 0.25})})
+    (tmp_path / "streets" / "one" / image_streets.DONE).write_text(json.dumps(dict.fromkeys(image_streets.ARMS, row)))
+    (tmp_path / "streets" / "two").mkdir()
     failed = {"exact": row, "images": {"failed": "found poses for 0 of 80 frames, needed 3"}}
-    (tmp_path / "work" / "two" / image_streets.DONE).write_text(json.dumps(failed))
+    (tmp_path / "streets" / "two" / image_streets.DONE).write_text(json.dumps(failed))
     return tmp_path
 
 
@@ -88,6 +88,6 @@ def test_a_street_that_failed_is_in_neither_bank_and_not_tried_again(
     args = argparse.Namespace(out=out, cousins=5, length=200.0)
     found = {street: image_streets.street_done(street, args) for street in ("one", "two")}
     assert image_streets.join_banks(args, found) == ["one"]
-    work = out / "work" / "one"
+    work = out / "streets" / "one"
     assert joined == [[work / arm / "run" / "bank.npz"] for arm in image_streets.ARMS]
     assert json.loads((out / image_streets.BANKS).read_text())["streets"] == ["one"]

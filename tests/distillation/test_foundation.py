@@ -209,7 +209,7 @@ def test_an_endpoints_list_becomes_leaves() -> None:
     answer = chat('```json\n{"categories": ["park bench", "bench", "qqq zzz", "car"]}\n```')
     assert listing.leaves_of(answer) == ["bench", "car"]
     assert listing.leaves_of(chat('{"categories": ["qqq zzz"]}')) == []
-    for text in ("no JSON", '{"things": []}', '{"categories": 3}'):
+    for text in ("no JSON", '{"objects": []}', '{"categories": 3}'):
         with pytest.raises(VisionError):
             listing.leaves_of(chat(text))
 

@@ -141,7 +141,7 @@ def test_a_row_of_homes_stays_one_where_labels_are_exact() -> None:
     """Labels of a distilled graph may be wrong, so there a shop may stand for a house that was used often."""
     homes = tuple(placed(f"house_{k:02d}", "house", (10.0 * k, 8.7, 0.1), -math.pi / 2) for k in range(14))
     by_hand = graph("Toronto", "Canada")
-    distilled = dataclasses.replace(by_hand, source=dataclasses.replace(by_hand.source, video="synthetic tour"))
+    distilled = dataclasses.replace(by_hand, source=dataclasses.replace(by_hand.source, video="synthetic film"))
     trades = [
         [regional.load_regional().get(p.asset_uid).params["trade"] for p in made.layout.objects]
         for made in (dress(cousin(objects=homes), g, INDEX) for g in (by_hand, distilled))

@@ -480,9 +480,9 @@ def close_hulls(mesh: AssetMesh, first: Sequence[np.ndarray]) -> tuple[np.ndarra
         if not whole:
             continue
         lower = _joined([*known, *made], obstacles)
-        room = budget - len(lower)
-        if room >= min(len(upper), 1):
-            upper = merge_pieces(upper, room) if len(upper) > room else upper
+        left = budget - len(lower)
+        if left >= min(len(upper), 1):
+            upper = merge_pieces(upper, left) if len(upper) > left else upper
             return _stored([*lower, *upper], mesh)
     return ()
 

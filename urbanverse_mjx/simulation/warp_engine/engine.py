@@ -128,10 +128,10 @@ class WarpEngine(EngineBase):
             None if self.movable is None else self.body_table,
         )
         self.graphs = graphs
-        room = self.num_contacts + self.num_agent_contacts
+        contacts = self.num_contacts + self.num_agent_contacts
         number = 0 if self.agents is None else len(self.agents.radius)
         self._program = (
-            build_program(self._robot_model, self.num_slots + self.num_prism_slots, room, number) if fused else None
+            build_program(self._robot_model, self.num_slots + self.num_prism_slots, contacts, number) if fused else None
         )
         self._devices: DeviceStore[DeviceModel, WorldBatch | FusedBatch] = DeviceStore()
         number = register(self)

@@ -68,7 +68,7 @@ CUDA_CALLABLE inline float friction_of(const Robot& r, int s, float other, const
     return (set.least ? lesser(own, other) : larger(own, other)) * scale;
 }
 
-// Adds contacts of the listed candidates, in their order; `count` may exceed the room.
+// Adds contacts of the listed candidates, in their order; `count` may exceed MAX_CONTACTS.
 CUDA_CALLABLE inline void test_candidates(
     Work& k, const Robot& r, const Hulls& hulls, const Env& e, const Settings& set, int number, int agents_from,
     int& count)
@@ -108,7 +108,7 @@ CUDA_CALLABLE inline void test_candidates(
         }
         const bool touches = out.distance < 0.0f;
         const int place = append(touches, count);
-        if (touches && place < ROOM) k.contact[place] = out;
+        if (touches && place < MAX_CONTACTS) k.contact[place] = out;
     }
     sync();
 }

@@ -21,10 +21,11 @@ struct Work {
     float mass[NV][NV], hessian[NV][NV], inverse[NV];
     float smooth[NV], acc[NV], mass_acc[NV], gradient[NV], search[NV], mass_search[NV];
     // Contacts: rows of their frames, J acc - reference, the same of the search, weights, forces.
-    Contact contact[ROOM];
-    float rows[ROOM][3][NV], residual[ROOM][3], change[ROOM][3], stiffness[ROOM], weight[ROOM][5], force[ROOM][3];
-    int active[ROOM];
-    unsigned coupled[ROOM];  // of a contact that pushes: the velocities that move it
+    Contact contact[MAX_CONTACTS];
+    float rows[MAX_CONTACTS][3][NV], residual[MAX_CONTACTS][3], change[MAX_CONTACTS][3];
+    float stiffness[MAX_CONTACTS], weight[MAX_CONTACTS][5], force[MAX_CONTACTS][3];
+    int active[MAX_CONTACTS];
+    unsigned coupled[MAX_CONTACTS];  // of a contact that pushes: the velocities that move it
     float limit_sign[NL], limit_residual[NL], limit_change[NL], limit_stiffness[NL], limit_force[NL];
     int limit_active[NL];
     // Slots that hold a hull.

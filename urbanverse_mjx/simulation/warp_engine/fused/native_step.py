@@ -9,7 +9,7 @@ struct Touch {
 // Adds the touches of a physics step; see `kernels.note`.
 CUDA_CALLABLE inline void note(Work& k, Touch& t, int found)
 {
-    const int contacts = found < ROOM ? found : ROOM;
+    const int contacts = found < MAX_CONTACTS ? found : MAX_CONTACTS;
     EACH(f, NUM_FEET) {
         for (int c = 0; c < contacts; ++c)
             if (k.contact[c].foot == f) k.foot[f] += k.force[c][0];
@@ -32,7 +32,7 @@ CUDA_CALLABLE inline void note(Work& k, Touch& t, int found)
         t.force = larger(t.force, strength);
         ++t.count;
     }
-    if (found - ROOM > t.missed) t.missed = found - ROOM;
+    if (found - MAX_CONTACTS > t.missed) t.missed = found - MAX_CONTACTS;
 }
 
 // Semi-implicit Euler, damping implicit.
@@ -117,7 +117,8 @@ CUDA_CALLABLE inline void control_step(Work& k, const Robot& r, const Hulls& hul
         place_bodies(k, r);
         if (step == set.substeps) break;
         const V3 com = smooth_dynamics(k, r, e.mass_scale);
-        const int found = find_contacts(k, r, hulls, e, set, occupied), contacts = found < ROOM ? found : ROOM;
+        const int found = find_contacts(k, r, hulls, e, set, occupied);
+        const int contacts = found < MAX_CONTACTS ? found : MAX_CONTACTS;
         make_rows(k, r, com, contacts);
         minimise(k, r, contacts, set);
         const int before = t.count;

@@ -124,7 +124,7 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
         "NUM_AGENTS": agents,
         "AGENTS": max(agents, 1),
         "SLOTS": -(-slots // _SLOTS_STEP) * _SLOTS_STEP,
-        "ROOM": contacts,
+        "MAX_CONTACTS": contacts,
         "LEVELS": max(depth) + 1,
         "DEPTHS": int(depths.max()) + 1,
         "ENTRIES": len(entries),
