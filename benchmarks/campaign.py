@@ -456,13 +456,21 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
         yield Job(name, command, (), args.out / name / "result.json", args.gpu_memory, (Row(name, study=name),))
 
 
+def _with_env(job: Job, options: Sequence[str]) -> Job:
+    """A job with further environment options, if it takes any."""
+    if "--env" not in job.command:
+        return job
+    at = job.command.index("--env") + 1
+    return dataclasses.replace(job, command=(*job.command[:at], *options, *job.command[at:]))
+
+
 def chosen(args: argparse.Namespace) -> list[Job]:
     """The jobs that `--rows` names, after those that build the scenes which they need.
 
     Raises:
       SystemExit: a pattern names no row.
     """
-    known = list(trainings(args))
+    known = [_with_env(job, args.env) for job in trainings(args)]
     for pattern in args.rows:
         if not fnmatch.filter([job.name for job in known], pattern):
             names = ", ".join(job.name for job in known)
@@ -632,6 +640,9 @@ def arguments() -> argparse.Namespace:
         "--samples", type=int, default=20_000_000, help="env-steps of imitation-*-ppo-* and imitation-ppo-*"
     )
     cli.add_argument("--go2", type=int, default=100, help="iterations of the Go2's student")
+    cli.add_argument(
+        "--env", nargs="+", default=[], metavar="KEY=VALUE", help="environment options of all trainings, as impl=warp"
+    )
     cli.add_argument("--list", action="store_true", help="print the commands, run nothing")
     cli.add_argument("--add", action="store_true", help="add the rows of all results to benchmarks/scores")
     return cli.parse_args()
