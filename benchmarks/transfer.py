@@ -55,7 +55,7 @@ POLICIES = (
 )  # fmt: skip
 SINGLE = (("coco_best", "coco"), ("go2_best", "go2"))
 #: Policies that are not shipped any more, of which the tables have rows.
-FORMER = (("coco_best, ideal sensors", "coco"),)
+FORMER = (("coco_best, ideal sensors", "coco"), ("go2_best, ideal sensors", "go2"))
 ROBOTS = {"CocoNav": "coco", "Go2Nav": "go2"}
 EPISODES, HORIZON, RADIUS, PERIOD = 20, 60.0, 1.0, 0.2  # per place; s; m; s
 SHIPPED = pathlib.Path(__file__).with_name("policies")
