@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from .warp_engine import WarpEngine
 
 IMPLS = ("auto", "jax", "warp", "warp-fused")
+#: Platforms of JAX that Warp has too.
+_OF_WARP = ("cpu", "gpu", "cuda")
 
 
 def make_engine(
@@ -33,8 +35,8 @@ def make_engine(
     Args:
       bank, robot: what to simulate.
       impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), "warp-fused" (the same physics in one launch
-        per control step, for robots of at most 32 velocities without movable objects), or "auto": "warp" on CUDA, else
-        "jax".
+        per control step, CUDA and CPU, for robots of at most 32 velocities without movable objects), or "auto":
+        "warp-fused" where it serves, else "warp" on CUDA and "jax" on a CPU.
       control_dt: s, one control step.
       physics_dt: s, one physics step, default the robot's.
       num_slots: least number of object hulls streamed per control step, increased if the bank's streets need more; 0 =
@@ -54,21 +56,30 @@ def make_engine(
         robot = with_timestep(robot, physics_dt)
     same: dict[str, Any] = {"control_dt": control_dt, "num_slots": num_slots, "agents": agents, "movable": movable}
     same["friction"] = friction
-    if choose_impl(impl) != "jax":
-        # Warp takes a second to import and prints a message, so it is imported on first use.
+    # Warp takes a second to import and prints a message, so it is imported on first use.
+    if impl == "warp-fused" or (impl == "auto" and jax.default_backend() in _OF_WARP):
+        from .warp_engine import NotFusible, WarpEngine
+
+        try:
+            return WarpEngine(bank, robot, **same, fused=True, **sizes)
+        except NotFusible:
+            if impl != "auto":
+                raise
+    if general_impl(impl) == "warp":
         from .warp_engine import WarpEngine
 
-        return WarpEngine(bank, robot, **same, fused=impl == "warp-fused", **sizes)
+        return WarpEngine(bank, robot, **same, **sizes)
     from .jax_engine import JaxEngine
 
     return JaxEngine(bank, robot, **same, **sizes)
 
 
-def choose_impl(impl: str) -> str:
-    """Resolves the name of an engine on this machine to "jax" or "warp"."""
+def general_impl(impl: str) -> str:
+    """The engine, "jax" or "warp", that serves all robots: `impl` itself, or the one that "auto" takes here."""
     if impl != "auto":
         return impl
-    return "warp" if jax.default_backend() in ("gpu", "cuda") else "jax"
+    platform = jax.default_backend()
+    return "warp" if platform in _OF_WARP and platform != "cpu" else "jax"
 
 
 def with_timestep(robot: RobotSpec, timestep: float) -> RobotSpec:

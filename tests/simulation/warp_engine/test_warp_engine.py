@@ -17,6 +17,7 @@ from urbanverse_mjx.datatypes import SceneBank, SimState, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation import engines
 from urbanverse_mjx.simulation.collision_slots import hull_contact
+from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.warp_engine import WarpEngine, contact, kernels
 from urbanverse_mjx.simulation.warp_engine import batch as warp_batch
@@ -382,11 +383,23 @@ def test_on_cuda_a_graph_is_replayed_in_the_same_memory(small_bank: SceneBank, m
     assert wp.get_mempool_used_mem_current(batch.shared.device) <= used
 
 
-def test_auto_is_warp_on_cuda_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert engines.choose_impl("jax") == "jax"
+def test_the_general_engine_is_warp_on_cuda_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert engines.general_impl("jax") == "jax"
     for backend, impl in (("cpu", "jax"), ("gpu", "warp"), ("tpu", "jax")):
         monkeypatch.setattr(jax, "default_backend", lambda backend=backend: backend)
-        assert engines.choose_impl("auto") == impl
+        assert engines.general_impl("auto") == impl
+
+
+def test_auto_is_fused_where_the_robot_allows_it(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = make_coco()
+    made = engines.make_engine(small_bank, robot)
+    assert isinstance(made, WarpEngine) and made.fused
+    movable = engines.make_engine(small_bank, robot, movable=Sizes(1, 1))
+    assert isinstance(movable, JaxEngine)
+    with pytest.raises(ValidationError, match="bodies awake, needed none with impl='warp-fused'"):
+        engines.make_engine(small_bank, robot, impl="warp-fused", movable=Sizes(1, 1))
+    monkeypatch.setattr(jax, "default_backend", lambda: "tpu")
+    assert isinstance(engines.make_engine(small_bank, robot), JaxEngine)
 
 
 def test_engines_by_name(small_bank: SceneBank) -> None:

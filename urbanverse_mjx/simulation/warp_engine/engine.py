@@ -154,6 +154,11 @@ class WarpEngine(EngineBase):
         return after, Substeps(path, hit > 0)
 
     @property
+    def fused(self) -> bool:
+        """Whether all physics steps of a control step are one launch."""
+        return self._program is not None
+
+    @property
     def num_contexts(self) -> int:
         """Batches for which data is kept; made when a batch of a new size is first stepped."""
         return self._devices.num_batches

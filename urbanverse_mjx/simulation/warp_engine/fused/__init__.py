@@ -1,6 +1,6 @@
 """All physics steps of a control step in one launch, for robots of a tree of at most 32 velocities."""
 
 from .batch import FusedBatch
-from .program import RobotProgram, build_program
+from .program import NotFusible, RobotProgram, build_program
 
-__all__ = ["FusedBatch", "RobotProgram", "build_program"]
+__all__ = ["FusedBatch", "NotFusible", "RobotProgram", "build_program"]

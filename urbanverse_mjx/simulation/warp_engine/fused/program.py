@@ -45,22 +45,26 @@ class RobotProgram:
     numbers: np.ndarray
 
 
+class NotFusible(v.ValidationError):
+    """A robot that the fused step does not serve."""
+
+
 def check_fusible(robot: RobotModel) -> None:
     """Refuses robots for which MuJoCo Warp is the only path.
 
     Raises:
-      ValidationError: bodies that can be pushed, more than 32 velocities, another tree than one of free, slide and
+      NotFusible: bodies that can be pushed, more than 32 velocities, another tree than one of free, slide and
         hinge joints, one a body, or forces that the program does not know.
     """
     model = robot.model
     where, hint = f"robot {robot.physics.spec.name!r} with impl='warp-fused'", "use impl='warp'"
     if robot.bodies is not None:
-        raise v.fail("engine.movable", f"{robot.bodies.number} bodies awake", "none with impl='warp-fused'", hint)
+        raise _not_fusible("engine.movable", f"{robot.bodies.number} bodies awake", "none with impl='warp-fused'", hint)
     if model.nv > MAX_VELOCITIES:
-        raise v.fail(where, f"{model.nv} velocities", f"at most {MAX_VELOCITIES}", hint)
+        raise _not_fusible(where, f"{model.nv} velocities", f"at most {MAX_VELOCITIES}", hint)
     several = model.body_jntnum.max() > 1 or len(np.unique(model.body_rootid[1:])) != 1
     if several or any(int(t) not in _JOINTS for t in model.jnt_type):
-        raise v.fail(where, "other joints", "one tree of free, slide and hinge joints, at most one a body", hint)
+        raise _not_fusible(where, "other joints", "one tree of free, slide and hinge joints, at most one a body", hint)
     plain = (
         model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT,
         model.actuator_dyntype == mujoco.mjtDyn.mjDYN_NONE,
@@ -68,7 +72,7 @@ def check_fusible(robot: RobotModel) -> None:
         np.isin(model.actuator_biastype, (mujoco.mjtBias.mjBIAS_NONE, mujoco.mjtBias.mjBIAS_AFFINE)),
     )
     if not all(np.all(p) for p in plain):
-        raise v.fail(where, "other actuators", "joint actuators of fixed gain and affine bias", hint)
+        raise _not_fusible(where, "other actuators", "joint actuators of fixed gain and affine bias", hint)
     options = model.opt
     extra = {
         "joint springs": model.jnt_stiffness.any(),
@@ -83,14 +87,18 @@ def check_fusible(robot: RobotModel) -> None:
     }
     for what, found in extra.items():
         if found:
-            raise v.fail(where, what, "none", hint)
+            raise _not_fusible(where, what, "none", hint)
+
+
+def _not_fusible(where: str, found: str, needed: str, hint: str) -> NotFusible:
+    return NotFusible(str(v.fail(where, found, needed, hint)))
 
 
 def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> RobotProgram:
     """The program for so many slots of hulls, contacts at once and agents.
 
     Raises:
-      ValidationError: see `check_fusible`.
+      NotFusible: see `check_fusible`.
     """
     check_fusible(robot)
     model, spheres, limits = robot.model, robot.physics.spheres, robot.physics.limits
