@@ -393,7 +393,8 @@ def test_the_general_engine_is_warp_on_cuda_alone(monkeypatch: pytest.MonkeyPatc
 def test_auto_is_fused_where_the_robot_allows_it(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
     robot = make_coco()
     made = engines.make_engine(small_bank, robot)
-    assert isinstance(made, WarpEngine) and made.fused
+    assert isinstance(made, WarpEngine)
+    assert made.fused
     movable = engines.make_engine(small_bank, robot, movable=Sizes(1, 1))
     assert isinstance(movable, JaxEngine)
     with pytest.raises(ValidationError, match="bodies awake, needed none with impl='warp-fused'"):
