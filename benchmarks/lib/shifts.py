@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from urbanverse_mjx import srgb
 from urbanverse_mjx.datatypes import validation as v
 
 Range = tuple[float, float]
@@ -311,9 +312,7 @@ def exposed(image: np.ndarray, ev: float, noise: float, rng: np.random.Generator
     if ev == 0.0 and noise == 0.0:
         return image
     encoded = image / np.float32(255.0)
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4) * 2.0**ev
-    linear = np.clip(linear, 0.0, 1.0)
-    out = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    out = srgb.encoded(srgb.linear(encoded) * 2.0**ev)
     if noise:
         out = out + rng.normal(0.0, noise, out.shape)
     return np.clip(np.round(255.0 * out), 0, 255).astype(np.uint8)

@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 from PIL import Image
 
+from .. import srgb
 from ..datatypes import AssetMesh
 from .geometry import SceneGeometry, Sky
 from .hulls import convex_part
@@ -219,8 +220,8 @@ def _add_sky(
     rows = (np.arange(len(sky.radiance)) + 0.5) / len(sky.radiance) * np.pi
     weight = np.where(rows < np.pi / 2, np.cos(rows) * np.sin(rows), 0.0)
     shade = (sky.radiance.mean(1) * weight[:, None]).sum(0) / weight.sum()
-    ambient = _display(shade)
-    sun = _display(shade + np.asarray(sky.sun_irradiance) / np.pi) - ambient
+    ambient = srgb.encoded(shade)
+    sun = srgb.encoded(shade + np.asarray(sky.sun_irradiance) / np.pi) - ambient
     c, s = np.cos(scene.sky_yaw), np.sin(scene.sky_yaw)
     x, y, z = sky.sun_direction
     to_sun = np.array([c * x - s * y, s * x + c * y, z])
@@ -255,10 +256,4 @@ def _sky_face(radiance: np.ndarray, yaw: float, axes: Sequence[Sequence[int]]) -
     azimuth = np.arctan2(ray[..., 1], ray[..., 0]) - yaw
     column = np.floor(((azimuth + np.pi) / (2 * np.pi) % 1.0) * width).astype(int) % width
     row = np.minimum((np.arccos(np.clip(ray[..., 2], -1, 1)) / np.pi * height).astype(int), height - 1)
-    return np.round(_display(radiance[row, column]) * 255).astype(np.uint8)
-
-
-def _display(linear: np.ndarray) -> np.ndarray:
-    """Linear light to display values in [0, 1] (sRGB, IEC 61966-2-1)."""
-    linear = np.clip(linear, 0.0, 1.0)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.round(srgb.encoded(radiance[row, column]) * 255).astype(np.uint8)

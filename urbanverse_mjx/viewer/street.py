@@ -8,6 +8,7 @@ import functools
 
 import numpy as np
 
+from .. import srgb
 from ..datatypes import SceneBank
 from ..geometry import rotations
 from .gltf import Part, Surface, glb
@@ -170,16 +171,10 @@ def _irradiance(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _colour(light: np.ndarray, intensity: float | None = None) -> tuple[tuple[int, int, int], float]:
     """sRGB colour and intensity whose product is (3,) linear `light`; the intensity may be given."""
     intensity = float(max(light.max(), 1e-9)) if intensity is None else intensity
-    red, green, blue = (int(x) for x in _srgb(np.asarray(light, np.float64) / intensity))
+    red, green, blue = (int(x) for x in np.rint(255 * srgb.encoded(np.asarray(light, np.float64) / intensity)))
     return (red, green, blue), intensity
-
-
-def _srgb(linear: np.ndarray) -> np.ndarray:
-    """u8 sRGB of linear light in [0, 1] (IEC 61966-2-1)."""
-    x = np.clip(linear, 0.0, 1.0)
-    return np.rint(255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)).astype(np.uint8)
 
 
 def _displayed(radiance: np.ndarray) -> np.ndarray:
     """A sky as an image (H, W, 3) u8."""
-    return _srgb(radiance.astype(np.float64))
+    return np.rint(255 * srgb.encoded(radiance.astype(np.float64))).astype(np.uint8)

@@ -14,6 +14,7 @@ import trimesh.resolvers
 from PIL import Image
 from trimesh.visual.texture import TextureVisuals
 
+from ... import srgb
 from . import skinning
 from .screening import LIMITS, Limits, RefusedFileError, inside, screen
 
@@ -231,7 +232,7 @@ def _part(solid: trimesh.Trimesh, linear: bool) -> Part:
     colors = None
     if visual is not None and visual.kind == "vertex":
         colors = np.asarray(visual.vertex_colors, np.float64)[:, :3]
-        colors = 255.0 * _encoded(colors / 255.0) if linear else colors
+        colors = 255.0 * srgb.encoded(colors / 255.0) if linear else colors
     elif visual is not None and visual.kind == "face":
         vertices, faces, colors = _per_face(vertices, faces, np.asarray(visual.face_colors, np.float64)[:, :3])
     return Part(vertices, faces, None, None, WHITE, colors)
@@ -245,13 +246,7 @@ def _vertex_colors(solid: trimesh.Trimesh, linear: bool) -> np.ndarray | None:
     share = found[:, :3].astype(np.float64)
     if np.issubdtype(found.dtype, np.integer):
         share = share / np.iinfo(found.dtype).max
-    return 255.0 * _encoded(share) if linear else 255.0 * np.clip(share, 0.0, 1.0)
-
-
-def _encoded(linear: np.ndarray) -> np.ndarray:
-    """Linear light as sRGB shares (IEC 61966-2-1)."""
-    share = np.clip(linear, 0.0, 1.0)
-    return np.where(share <= 0.0031308, 12.92 * share, 1.055 * share ** (1 / 2.4) - 0.055)
+    return 255.0 * srgb.encoded(share) if linear else 255.0 * np.clip(share, 0.0, 1.0)
 
 
 def _per_face(vertices: np.ndarray, faces: np.ndarray, colors: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -271,7 +266,7 @@ def _srgb(color: np.ndarray, linear: bool) -> tuple[float, float, float]:
     """0-255; glTF's factors are linear light (glTF 2.0, section 3.9.2), OBJ's are not."""
     share = np.clip(color / (255.0 if color.max() > 1.0 else 1.0), 0.0, 1.0)
     if linear:
-        share = _encoded(share)
+        share = srgb.encoded(share)
     r, g, b = (float(255.0 * c) for c in share)
     return r, g, b
 

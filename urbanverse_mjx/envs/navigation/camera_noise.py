@@ -6,6 +6,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Key, UInt8
 
+from ... import srgb
+
 
 class CameraNoise(NamedTuple):
     """How the camera of an episode differs from an ideal one.
@@ -37,21 +39,10 @@ def blurred(x: Float[Array, "*n H W C"], strength: Float[Array, "*m"]) -> Float[
     return x + share * (soft - x)
 
 
-def to_linear(encoded: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Linear light of sRGB values in [0, 1] (IEC 61966-2-1)."""
-    return jnp.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-
-
-def from_linear(linear: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Inverse of `to_linear`; values outside [0, 1] are clipped."""
-    linear = jnp.clip(linear, 0.0, 1.0)
-    return jnp.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-
-
 def through_camera(image: UInt8[Array, "H W 3"], camera: CameraNoise, key: Key[Array, ""]) -> UInt8[Array, "H W 3"]:
     """An sRGB image as a camera with noise gives it: blurred and exposed in linear light, clipped at white, with
     independent normal noise on the encoded values; `key` is typed."""
-    linear = to_linear(image.astype(jnp.float32) / 255.0)
+    linear = srgb.linear(image.astype(jnp.float32) / 255.0)
     linear = blurred(linear, camera.blur) * camera.white_balance * 2.0**camera.exposure
     noise = camera.noise * jax.random.normal(key, image.shape, jnp.float32)
-    return jnp.clip(jnp.rint(255.0 * (from_linear(linear) + noise)), 0.0, 255.0).astype(jnp.uint8)
+    return jnp.clip(jnp.rint(255.0 * (srgb.encoded(linear) + noise)), 0.0, 255.0).astype(jnp.uint8)

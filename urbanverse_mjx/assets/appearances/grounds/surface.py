@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from .... import srgb
 from .board import Board, Field
 
 #: Light of the images: half past ten on a fair day, from the upper left. Unit vector in (u, v, up).
@@ -46,15 +47,14 @@ def lit(colour: np.ndarray, normal: np.ndarray, roughness: Field) -> np.ndarray:
     Diffuse light is Lambert's; what is smooth mirrors the sky by Schlick's approximation of Fresnel's law for water
     (0.02 at right angles) seen at 60 degrees, as a passer-by does.
     """
-    linear = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
+    linear = srgb.linear(colour)
     sun = np.maximum(normal @ _SUN, 0.0) / _SUN[2]
     light = 0.68 * sun[..., None] * np.array([1.03, 1.0, 0.95]) + 0.32 * normal[..., 2:] * np.array([0.92, 1.0, 1.1])
     mirrored = (0.02 + 0.98 * 0.5**5) * 3.0 * np.clip(1.0 - roughness / 0.5, 0.0, 1.0) ** 2
     # The mirror shows brighter sky where the surface tips towards the light.
     tipped = 0.55 + 1.5 * (normal[..., 1] - 0.6 * normal[..., 0])
     linear = linear * light + (mirrored * np.clip(tipped, 0.05, 3.0))[..., None] * np.array([0.82, 0.93, 1.05])
-    linear = np.clip(linear, 0.0, 1.0)
-    return eight_bits(np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055))
+    return eight_bits(srgb.encoded(linear))
 
 
 def shade_crevices(surface: Surface, board: Board, strength: float = 0.5) -> Surface:

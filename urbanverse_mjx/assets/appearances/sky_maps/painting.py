@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 
+from .... import srgb
 from .. import noise
 from .atmosphere import MIE_ALBEDO, RAYLEIGH_SCATTERING, SUN_LUX, Air, build_air, clear_sky
 from .clouds import Heaps, Light, Sheet, heap_clouds, sheet_clouds, sheet_depth
@@ -275,5 +276,4 @@ def with_disc(sky: SkyMap) -> np.ndarray:
 def preview(radiance: np.ndarray, gain: float = 2.0) -> np.ndarray:
     """uint8 sRGB of radiances, exposed for the sky: a film's shoulder 1 - exp(-gain x) keeps bright places."""
     shown = 1.0 - np.exp(-gain * np.maximum(radiance, 0.0))
-    shown = np.where(shown <= 0.0031308, shown * 12.92, 1.055 * np.maximum(shown, 1e-6) ** (1 / 2.4) - 0.055)
-    return np.round(np.clip(shown, 0.0, 1.0) * 255).astype(np.uint8)
+    return np.round(srgb.encoded(shown) * 255).astype(np.uint8)
