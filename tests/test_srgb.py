@@ -22,5 +22,5 @@ def test_eight_bits_survive_both_ways_and_light_outside_is_clipped() -> None:
 
 
 def test_values_keep_their_precision() -> None:
-    assert srgb.encoded(np.float32([0.3])).dtype == np.float32
-    assert srgb.linear(jnp.float32([0.3])).dtype == jnp.float32
+    assert srgb.encoded(np.asarray([0.3], np.float32)).dtype == np.float32
+    assert srgb.linear(jnp.asarray([0.3], np.float32)).dtype == jnp.float32
