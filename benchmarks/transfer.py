@@ -54,6 +54,8 @@ POLICIES = (
     ("go_to_goal", "coco"), ("coco_paper", "coco"), ("coco_best", "coco"), ("go_to_goal", "go2"), ("go2_best", "go2"),
 )  # fmt: skip
 SINGLE = (("coco_best", "coco"), ("go2_best", "go2"))
+#: Other seeds of coco_best, of which the first table has rows.
+SEEDS = (("best, seed 1", "coco"), ("best, seed 2", "coco"))
 #: Policies that are not shipped any more, of which the tables have rows.
 FORMER = (("coco_best, ideal sensors", "coco"), ("go2_best, ideal sensors", "go2"))
 ROBOTS = {"CocoNav": "coco", "Go2Nav": "go2"}
@@ -481,7 +483,7 @@ def rows_of(out: pathlib.Path, tested: TestedPolicy, shift: str, places: Sequenc
 def add(out: pathlib.Path, folder: pathlib.Path = results.SCORES) -> int:
     """Writes the rows of both tables that are there into transfer.csv; returns their number."""
     count = 0
-    for name, robot in (*POLICIES, *FORMER):
+    for name, robot in (*POLICIES, *SEEDS, *FORMER):
         for shift in all_shifts():
             rows = rows_of(out, TestedPolicy(name, "", robot), shift, place_names())
             about = {"policy": name, "robot": robot, "shift": shift}

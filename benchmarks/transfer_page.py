@@ -73,7 +73,7 @@ def text(rows: Rows) -> str:
     titles = {"coco": "COCO", "go2": "Go2"}
     together = [
         [name, titles[robot], *_cells(rows[name, robot, "all"])]
-        for name, robot in sorted((*transfer.POLICIES, *transfer.FORMER), key=lambda tested: tested[1])
+        for name, robot in sorted((*transfer.POLICIES, *transfer.SEEDS, *transfer.FORMER), key=lambda tested: tested[1])
         if (name, robot, "all") in rows
     ]
     alone = [
