@@ -7,7 +7,7 @@ from .hashing import content_hash
 from .label_prior import LabelPrior
 from .recording import Camera, Detection, Frame, Recording
 from .recording_writer import RecordingWriter
-from .robot import RobotSpec
+from .robot import Response, RobotSpec
 from .scene_bank import SPLITS, SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
@@ -45,6 +45,7 @@ __all__ = [
     "Recording",
     "RecordingWriter",
     "Renderer",
+    "Response",
     "RobotSpec",
     "SceneBank",
     "SceneGraph",

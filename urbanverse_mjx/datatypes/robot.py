@@ -1,10 +1,38 @@
 """`RobotSpec`: a robot as data: the MJCF, and parameters for driving, collision slots and hits."""
 
 import dataclasses
+import math
 from collections.abc import Callable
 from typing import Any
 
 from . import validation as v
+
+
+@dataclasses.dataclass(frozen=True)
+class Response:
+    """How a robot on wheels answers to a commanded body velocity (v, omega), for controllers that predict it.
+
+    Attributes:
+      speed_lag, turn_lag: s, time constants of the speed and of the yaw rate.
+      pivot: m behind the root body's origin, where the line across the robot lies that does not move sideways: the
+        axle that is not steered.
+      curvature: 1/m, largest curvature; infinite for a robot that turns on the spot.
+      lateral: m/s², largest sideways acceleration; in sharper bends the robot slows down.
+    """
+
+    speed_lag: float = 0.3
+    turn_lag: float = 0.3
+    pivot: float = 0.0
+    curvature: float = math.inf
+    lateral: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("speed_lag", "turn_lag"):
+            v.number(getattr(self, name), f"response.{name}", above=0.0, maximum=10.0)
+        v.number(self.pivot, "response.pivot", minimum=-10.0, maximum=10.0)
+        for name in ("curvature", "lateral"):
+            if getattr(self, name) != math.inf:
+                v.number(getattr(self, name), f"response.{name}", above=0.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,6 +53,7 @@ class RobotSpec:
         (`simulation.gait_engine`); pure, runs under jit.
       waypoint_to_velocity: (waypoint (2,) m in the body frame, control period s) -> (v, omega); the ideal PD.
       planner_radius, planner_height, step_height: m, dimensions for route planning.
+      response: how it answers to velocity commands; None where that was not described.
     """
 
     name: str
@@ -42,6 +71,7 @@ class RobotSpec:
     planner_radius: float
     planner_height: float
     step_height: float
+    response: Response | None = None
 
     def __post_init__(self) -> None:
         v.text(self.name, "robot.name")

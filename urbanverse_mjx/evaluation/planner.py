@@ -45,6 +45,7 @@ class Motion:
       pivot: m, distance behind the root body's origin of the point without lateral motion (the rear axle).
       curvature: 1/m, largest curvature; infinite for a robot that turns on the spot.
       dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which the robot stands still; 0 for none.
+      lateral: m/s², largest sideways acceleration, above which the robot slows down.
     """
 
     speed_lag: float
@@ -53,9 +54,12 @@ class Motion:
     curvature: float
     eases: float = np.inf
     dead: tuple[float, float] = (0.0, 0.0)
+    lateral: float = np.inf
 
     def obeyed(self, v: Any, omega: Any) -> tuple[Any, Any]:
         """The velocity that a command (v, omega) reaches; 0 if it is too small to move the robot."""
+        if np.isfinite(self.lateral):
+            v = jnp.minimum(v, self.lateral / jnp.maximum(jnp.abs(omega), 1e-6))
         if not all(self.dead):
             return v, omega
         moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
@@ -72,7 +76,7 @@ class Motion:
         return pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w]), new_v, new_w
 
 
-#: Robot -> motion; other robots use `DEFAULT`. tests/evaluation/test_planner.py compares those of COCO and Go2 with C
+#: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and Go2 with C
 #: MuJoCo. The Go2's gait stands still at small commands (docs/decisions/go2.md).
 MOTIONS = {
     "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
@@ -80,6 +84,14 @@ MOTIONS = {
     "go2": Motion(0.2, 0.05, 0.0, np.inf, dead=(0.28, 0.45)),
 }
 DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
+
+
+def motion_of(robot: RobotSpec) -> Motion:
+    """The model of a robot: that of `MOTIONS`, else of its description (`RobotSpec.response`), else `DEFAULT`."""
+    known = robot.response
+    if robot.name in MOTIONS or known is None:
+        return MOTIONS.get(robot.name, DEFAULT)
+    return Motion(known.speed_lag, known.turn_lag, known.pivot, known.curvature, lateral=known.lateral)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -157,7 +169,7 @@ class Planner:
         robot = env.robot
         self._env, self._people = env, people and env.dynamic is not None
         self._root = env.mj_model.body(robot.root_body).id
-        self._robot, self._motion = robot, MOTIONS.get(robot.name, DEFAULT)
+        self._robot, self._motion = robot, motion_of(robot)
         self._body = footprint(robot)
         self._slower = _OPTIONS.reference_speed / robot.max_speed
         self._steps = np.array(_OPTIONS.steps) * np.where(

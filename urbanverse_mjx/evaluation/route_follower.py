@@ -17,7 +17,7 @@ from ..datatypes import ValidationError
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..geometry import rotations
-from .planner import DEFAULT, MOTIONS, footprint, placed, waypoint_of
+from .planner import footprint, motion_of, placed, waypoint_of
 
 #: Shares of the top speed and of the top yaw rate that commands combine.
 SPEEDS = (0.0, 0.2, 0.4, 0.7, 1.0)
@@ -67,7 +67,7 @@ class RouteFollower:
             raise ValidationError(
                 f"route follower: found action_mode {mode!r}, needed 'waypoint'; take a preset of PPO."
             )
-        motion = MOTIONS.get(robot.name, DEFAULT)
+        motion = motion_of(robot)
         commands = np.array(list(itertools.product(SPEEDS, TURNS))) * [robot.max_speed, robot.max_yaw_rate]
         if np.isfinite(motion.curvature):
             commands = commands[np.abs(commands[:, 1]) <= commands[:, 0] * motion.curvature + 1e-9]

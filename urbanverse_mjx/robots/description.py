@@ -1,12 +1,13 @@
 """Loads robots from an MJCF and a description file.
 
-In: a folder with robot.json, or that file; or the name of a robot that ships with the package in this form. Out:
-`RobotSpec`. When: once, at construction.
+In: a folder with robot.json, or that file; or the name of a robot that ships with the package in this form, or of one
+of `catalogue`. Out: `RobotSpec`. When: once, at construction.
 
 docs/tutorials/own_robot.md describes the file and the requirements on the MJCF.
 """
 
 import functools
+import math
 import os
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
@@ -15,20 +16,21 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..datatypes import RobotSpec
+from ..datatypes import Response, RobotSpec
 from ..datatypes import validation as v
+from . import catalogue
 from .collision import Fit, is_fitted_sphere, replace_by_spheres
 from .model_limits import check_size
 from .sphere_fit import FitOptions
 from .waypoint import gait_command, pd_velocity
-from .wheel_drive import WheelDrive
+from .wheel_drive import Wheel, WheelDrive, WheelTable, largest_curvature
 
 SCHEMA = "urbanverse.robot/1"
 FILE = "robot.json"
 #: Robots in this form that ship with the package, each a folder beside this file.
 SHIPPED = ("wheelchair",)
 _REQUIRED = ("schema", "name", "mjcf", "root_body", "camera", "feet", "max_speed", "max_yaw_rate", "drive", "planner")
-_OPTIONAL = ("spawn_height", "circumradius", "fit")
+_OPTIONAL = ("spawn_height", "circumradius", "fit", "response")
 Command = Callable[[Any], Any]
 
 
@@ -36,7 +38,7 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
     """Loads a robot from its description.
 
     Args:
-      source: folder of the robot, its robot.json, or one of `SHIPPED`.
+      source: folder of the robot, its robot.json, one of `SHIPPED`, or a name of `catalogue.NAMES`.
 
     Raises:
       ValidationError: the description or its MJCF is incomplete or invalid.
@@ -50,15 +52,26 @@ def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit
     Raises:
       ValidationError: see `load`.
     """
+    if isinstance(source, str) and source in catalogue.NAMES:
+        row = catalogue.row(source)
+        described = catalogue.describe(row)
+        spec = mujoco.MjSpec.from_string(described["mjcf"])
+        return _make(described, spec, spec.compile(), f"robot {source!r}")
     path = _file_of(source)
     body = v.mapping(v.read_json(path, "robot"), str(path), _REQUIRED, _OPTIONAL)
     v.choice(body["schema"], f"{path}: schema", (SCHEMA,))
-    name = v.identifier(body["name"], f"{path}: name")
-    where = f"robot {name!r}"
+    where = f"robot {v.identifier(body['name'], f'{path}: name')!r}"
+    spec, model = _read_mjcf(path.parent / v.text(body["mjcf"], f"{where}.mjcf"), where)
+    return _make(body, spec, model, where)
+
+
+def _make(
+    body: Mapping[str, Any], spec: mujoco.MjSpec, model: mujoco.MjModel, where: str
+) -> tuple[RobotSpec, tuple[Fit, ...]]:
+    """The robot of a description and its MJCF."""
     feet = tuple(v.text(foot, f"{where}.feet[{i}]") for i, foot in enumerate(v.items(body["feet"], f"{where}.feet", 1)))
     fit = FitOptions(**v.mapping(body.get("fit", {}), f"{where}.fit", (), ("tolerance", "spheres")))
-    file = path.parent / v.text(body["mjcf"], f"{where}.mjcf")
-    spec, feet, fits = _read_mjcf(file, where, feet, fit)
+    feet, fits = _only_spheres(spec, model, feet, fit, where)
     model = spec.compile()
     root = _named(model, mujoco.mjtObj.mjOBJ_BODY, body["root_body"], f"{where}.root_body")
     _named(model, mujoco.mjtObj.mjOBJ_CAMERA, body["camera"], f"{where}.camera")
@@ -67,7 +80,7 @@ def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit
     planner = v.mapping(body["planner"], f"{where}.planner", ("radius", "height", "step"))
     drive = _drive(body["drive"], model, limits, f"{where}.drive")
     robot = RobotSpec(
-        name=name,
+        name=body["name"],
         mjcf=spec.to_xml(),
         root_body=body["root_body"],
         foot_geoms=feet,
@@ -80,6 +93,7 @@ def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit
         planner_radius=planner["radius"],
         planner_height=planner["height"],
         step_height=planner["step"],
+        response=_response(body.get("response"), drive, f"{where}.response"),
         **limits,
     )
     return robot, fits
@@ -91,8 +105,9 @@ def _file_of(source: str | os.PathLike[str]) -> pathlib.Path:
     path = pathlib.Path(source).expanduser()
     path = path / FILE if path.is_dir() else path
     if not path.is_file():
-        needed = f"coco, go2, {', '.join(SHIPPED)}, or a {FILE} or its folder"
-        raise v.fail("robot", v.show(os.fspath(source)), needed, "see docs/tutorials/own_robot.md")
+        known = f"coco, go2, {', '.join((*SHIPPED, *catalogue.NAMES))}"
+        needed = f"{known}, or a {FILE} or its folder"
+        raise v.fail("robot", v.show(os.fspath(source)), needed, "see docs/robots.md and docs/tutorials/own_robot.md")
     return path.absolute()
 
 
@@ -107,14 +122,8 @@ def _waypoint_to_velocity(waypoint: Any, control_period: float, max_speed: float
 # The MJCF.
 
 
-def _read_mjcf(
-    path: pathlib.Path, where: str, feet: tuple[str, ...], options: FitOptions
-) -> tuple[mujoco.MjSpec, tuple[str, ...], tuple[Fit, ...]]:
-    """Reads the robot's MJCF, with absolute paths of files; its spheres collide with the world, not with each other.
-
-    Returns:
-      also the feet, and the fits, see `replace_by_spheres`.
-    """
+def _read_mjcf(path: pathlib.Path, where: str) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
+    """Reads the robot's MJCF, with absolute paths of files."""
     if not path.is_file():
         raise v.fail(f"{where}.mjcf", f"no file {path}", "the robot's MJCF, named relative to the description")
     check_size(path, f"{where}.mjcf")
@@ -127,13 +136,24 @@ def _read_mjcf(
         raise v.fail(
             f"{where}.mjcf", "geoms of the world (a floor?)", "the robot alone: streets bring their own ground"
         )
-    for light in list(spec.lights):
-        spec.delete(light)
     for objects, folder in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
         for obj in objects:
             if obj.file:
                 obj.file = str((path.parent / folder / obj.file).absolute())
     spec.meshdir = spec.texturedir = ""
+    return spec, model
+
+
+def _only_spheres(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, feet: tuple[str, ...], options: FitOptions, where: str
+) -> tuple[tuple[str, ...], tuple[Fit, ...]]:
+    """Changes a robot's MJCF so that it has no lights, and spheres that collide with the world, not with each other.
+
+    Returns:
+      the feet, and the fits, see `replace_by_spheres`.
+    """
+    for light in list(spec.lights):
+        spec.delete(light)
     feet, fits = replace_by_spheres(spec, model, feet, options, where)
     for geom in spec.geoms:
         if geom.contype or geom.conaffinity:
@@ -144,7 +164,7 @@ def _read_mjcf(
         link.explicitinertial = True
         link.mass, link.ipos, link.iquat, link.inertia = float(same.mass[0]), same.ipos, same.iquat, same.inertia
         link.fullinertia = np.full(6, np.nan)
-    return spec, feet, fits
+    return feet, fits
 
 
 def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) -> int:
@@ -205,12 +225,15 @@ def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: st
     kinds = {
         "differential": ("left", "right", "wheel_radius", "track"),
         "ackermann": ("left", "right", "wheel_radius", "track", "steer", "wheelbase"),
+        "wheels": ("wheels",),
         "gait": (),
     }
     kind = v.choice(body.get("kind") if isinstance(body, Mapping) else None, f"{where}.kind", kinds)
-    m = v.mapping(body, where, ("kind", *kinds[kind]))
+    m = v.mapping(body, where, ("kind", *kinds[kind]), ("axle", "skid", "lateral", "bend", "slide") if kind == "wheels" else ())
     if kind == "gait":
         return functools.partial(gait_command, **limits)
+    if kind == "wheels":
+        return _wheel_table(m, model, limits, where)
     sizes = {k: v.number(m[k], f"{where}.{k}", above=0.0) for k in ("wheel_radius", "track", "wheelbase") if k in m}
     sides = {
         side: tuple(
@@ -230,3 +253,57 @@ def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: st
     if sorted(named) != list(range(model.nu)):
         raise v.fail(where, f"{len(set(named))} actuators named", f"each of the {model.nu} of the MJCF once")
     return WheelDrive(**sides, size=model.nu, **sizes, **limits, **steering)
+
+
+def _wheel_table(m: Mapping[str, Any], model: mujoco.MjModel, limits: dict[str, float], where: str) -> WheelTable:
+    wheels, named = [], []
+    for i, item in enumerate(v.items(m["wheels"], f"{where}.wheels", 1)):
+        at = f"{where}.wheels[{i}]"
+        one = v.mapping(item, at, ("x", "y", "radius"), ("motor", "steer"))
+        actuators = {
+            key: _named(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one[key], f"{at}.{key}")
+            for key in ("motor", "steer")
+            if key in one
+        }
+        if not actuators:
+            raise v.fail(at, "neither a motor nor a steer", "one of them; leave out wheels that roll freely")
+        end: dict[str, float] = {}
+        if "steer" in actuators:
+            high = float(model.actuator_ctrlrange[actuators["steer"], 1])
+            where_end = f"{at}.steer: upper end of the ctrlrange of {one['steer']!r}"
+            end["max_steer"] = v.number(high, where_end, above=0.0, maximum=math.pi)
+        place = {key: v.number(one[key], f"{at}.{key}") for key in ("x", "y")}
+        radius = v.number(one["radius"], f"{at}.radius", above=0.0)
+        wheels.append(Wheel(**place, radius=radius, **actuators, **end))
+        named += actuators.values()
+    if sorted(named) != list(range(model.nu)):
+        raise v.fail(where, f"{len(set(named))} actuators named", f"each of the {model.nu} of the MJCF once")
+    if not any(wheel.motor is not None for wheel in wheels):
+        raise v.fail(f"{where}.wheels", "no motor", "at least one driven wheel")
+    axle = v.number(m.get("axle", 0.0), f"{where}.axle")
+    turns = [(w.x, w.y, w.max_steer) for w in wheels if w.steer is not None]
+    # Wheels that are steered by 90 degrees, or wheels of two sides, turn the robot on the spot.
+    spot = not turns or min(angle for _, _, angle in turns) >= 0.5 * math.pi - 1e-6
+    return WheelTable(
+        wheels=tuple(wheels),
+        axle=axle,
+        skid=v.number(m.get("skid", 1.0), f"{where}.skid", minimum=1.0, maximum=10.0),
+        size=model.nu,
+        bend=v.number(m.get("bend", 0.0), f"{where}.bend"),
+        slide=v.number(m.get("slide", 0.0), f"{where}.slide", minimum=0.0),
+        curvature=math.inf if spot else largest_curvature(turns, axle),
+        lateral=v.number(m["lateral"], f"{where}.lateral", above=0.0) if "lateral" in m else math.inf,
+        **limits,
+    )
+
+
+def _response(body: Any, drive: Command, where: str) -> Response | None:
+    """What is described, or what is known of wheels."""
+    known: dict[str, float] = {}
+    if isinstance(drive, WheelTable):
+        known = {"pivot": -drive.axle, "curvature": drive.curvature, "lateral": drive.lateral}
+    if body is None:
+        return Response(**known) if known else None
+    names = [field for field in ("speed_lag", "turn_lag", "pivot", "curvature", "lateral") if field not in known]
+    m = v.mapping(body, where, (), tuple(names))
+    return Response(**known, **{key: v.number(m[key], f"{where}.{key}") for key in m})

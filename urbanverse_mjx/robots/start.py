@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from ..datatypes import RobotSpec
-from .wheel_drive import WheelDrive
+from .wheel_drive import WheelDrive, WheelTable
 
 #: Sliding friction of the streets' ground.
 _FRICTION = 1.0
@@ -61,13 +61,13 @@ def start(robot: RobotSpec, share: float = 1.0) -> Start | None:
       share: of the gain of its motors, see `WeakerMotors`.
     """
     command = robot.command
-    if not isinstance(command, WheelDrive):
+    if not isinstance(command, (WheelDrive, WheelTable)):
         return None
     spec = mujoco.MjSpec.from_string(robot.mjcf)
     ground = spec.worldbody.add_geom(name="_ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
     ground.friction[0], ground.contype, ground.conaffinity = _FRICTION, 1, 0
     model = spec.compile()
-    for actuator in {*command.left, *command.right}:
+    for actuator in command.motors:
         _weaken(model, actuator, share)
     data = mujoco.MjData(model)
     if model.nkey:
@@ -98,7 +98,7 @@ def weaker_motors(robot: RobotSpec) -> WeakerMotors | None:
     for share in _GAIN_SHARES:
         found = start(robot, share)
         if found is not None and found.touches is None and found.speed > MIN_SPEED_SHARE * robot.max_speed:
-            model, wheel = mujoco.MjModel.from_xml_string(robot.mjcf), robot.command.left[0]
+            model, wheel = mujoco.MjModel.from_xml_string(robot.mjcf), robot.command.motors[0]
             damping = _weaken(model, wheel, share)
             return WeakerMotors(share, float(model.actuator_gainprm[wheel, 0]), damping, found)
     return None
