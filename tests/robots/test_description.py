@@ -14,7 +14,7 @@ import pytest
 
 from tests.robots.test_coco_drive import Controller, ground
 from tests.support.box_bank import box_bank, box_scenes
-from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.datatypes import Response, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.robots import load, make_coco, make_go2
 from urbanverse_mjx.robots.model_limits import check_size
@@ -119,6 +119,31 @@ def test_an_axle_that_steers(folder: pathlib.Path) -> None:
     np.testing.assert_allclose([left, right], np.array([0.5 - 0.2 * turn, 0.5 + 0.2 * turn]) / 0.12, rtol=1e-5)
 
 
+def test_a_table_of_wheels(folder: pathlib.Path) -> None:
+    """The tug with its wheels in a table drives as with two sides; every wheel rolls at its own place's speed."""
+    wheels = [{"x": 0.0, "y": y, "radius": 0.12, "motor": f"{side}_motor"} for side, y in (("left", 0.2), ("right", -0.2))]
+    sides = load(folder)
+    change(folder, drive={"kind": "wheels", "wheels": wheels}, response={"speed_lag": 0.4})
+    table = load(folder)
+    for velocity in ((0.6, 0.5), (0.0, -0.8), (9.0, 9.0)):
+        np.testing.assert_allclose(table.command(np.array(velocity)), sides.command(np.array(velocity)), rtol=1e-6)
+    assert table.response == Response(speed_lag=0.4)
+    assert sides.response is None
+    change(folder, drive={"kind": "wheels", "wheels": wheels, "axle": -0.3, "lateral": 0.1, "skid": 1.5})
+    table = load(folder)
+    assert table.response == Response(pivot=0.3, lateral=0.1)
+    # At 0.5 rad/s it slows down to 0.2 m/s, and the sides differ by 1.5 times as much.
+    np.testing.assert_allclose(table.command(np.array([1.0, 0.5])), np.array([0.2 - 0.15, 0.2 + 0.15]) / 0.12, rtol=1e-5)
+    for wrong, words in (
+        (wheels[:1], "found 1 actuators named, needed each of the 2"),
+        ([*wheels, {"x": 0.0, "y": 0.0, "radius": 0.1}], r"wheels\[2\]: found neither a motor nor a steer"),
+        ([{**wheels[0], "motor": "wing"}, wheels[1]], r"wheels\[0\]\.motor: found 'wing'"),
+        ([{**wheels[0], "steer": "right_motor"}], "upper end of the ctrlrange"),
+    ):
+        with pytest.raises(ValidationError, match=words):
+            load(change(folder, drive={"kind": "wheels", "wheels": wrong}))
+
+
 def test_a_robot_told_by_a_gait(folder: pathlib.Path) -> None:
     change(folder, drive={"kind": "gait"})
     np.testing.assert_allclose(load(folder).command(np.array([0.7, -0.2])), [0.7, 0.0, -0.2], rtol=1e-6)
@@ -136,7 +161,9 @@ def test_a_robot_told_by_a_gait(folder: pathlib.Path) -> None:
         ({"camera": "eye"}, r"camera: found 'eye', needed a camera of the MJCF; it has front"),
         ({"feet": ["left_tyre", "paw"]}, r"feet\[1\]: found 'paw'"),
         ({"max_speed": -1.0}, "greater than 0"),
-        ({"drive": {"kind": "tracks"}}, "one of differential, ackermann, gait"),
+        ({"drive": {"kind": "tracks"}}, "one of differential, ackermann, wheels, gait"),
+        ({"response": {"speed_lag": 0.0}}, r"response\.speed_lag: found 0"),
+        ({"response": {"delay": 1.0}}, "delay"),
         ({"planner": {"radius": 0.3}}, "height"),
         ({"colour": "red"}, "colour"),
         ({"schema": "urbanverse.robot/9"}, "urbanverse.robot/1"),
@@ -156,7 +183,7 @@ def test_what_is_wrong_in_the_mjcf_is_said(folder: pathlib.Path) -> None:
         (folder / "tug.xml").write_text(xml.replace(old, new, 1))
         with pytest.raises(ValidationError, match=words):
             load(folder)
-    with pytest.raises(ValidationError, match=r"coco, go2, wheelchair, or a robot\.json"):
+    with pytest.raises(ValidationError, match=r"coco, go2, wheelchair, husky, .*, or a robot\.json"):
         load(folder / "nowhere")
 
 

@@ -21,7 +21,7 @@ _FINEST = 1 / 64
 _ROUNDING = 1e-4
 
 
-class _Boxes(NamedTuple):
+class Boxes(NamedTuple):
     """Boxes of one scene seen from above: centre (Q, 2) m, half (Q, 2) m, turn (Q, 2, 2), None where none is turned."""
 
     centre: np.ndarray
@@ -82,22 +82,30 @@ def most_objects_in_reach(bank: SceneBank, scene: int, reach: float, at_least: i
     Returns:
       A bound: 1 or 2 more than there are where that many lie within 11 mm beyond the reach.
     """
-    hull, turn = bank.inst_hull[scene], bank.inst_rotation[scene].astype(np.float64)
-    box = bank.hull_box[np.maximum(hull, 0)].astype(np.float64)
-    centre = bank.inst_position[scene] + np.einsum("qij,qj->qi", turn, box[:, 0])
-    boxes = _Boxes(centre[:, :2], box[:, 1, :2], turn[:, :2, :2])
-    return _most(bank, scene, bank.hull_grid[scene], boxes, reach, at_least)
+    return _most(bank, scene, bank.hull_grid[scene], object_boxes(bank, scene), reach, at_least)
 
 
 def most_prisms_in_reach(bank: SceneBank, scene: int, reach: float, at_least: int = 0) -> int:
     """Like `most_objects_in_reach`, for ground prisms."""
+    return _most(bank, scene, bank.prism_grid[scene], prism_boxes(bank, scene), reach, at_least)
+
+
+def object_boxes(bank: SceneBank, scene: int) -> Boxes:
+    """The boxes of a scene's object hulls."""
+    hull, turn = bank.inst_hull[scene], bank.inst_rotation[scene].astype(np.float64)
+    box = bank.hull_box[np.maximum(hull, 0)].astype(np.float64)
+    centre = bank.inst_position[scene] + np.einsum("qij,qj->qi", turn, box[:, 0])
+    return Boxes(centre[:, :2], box[:, 1, :2], turn[:, :2, :2])
+
+
+def prism_boxes(bank: SceneBank, scene: int) -> Boxes:
+    """The boxes of a scene's ground prisms."""
     box = bank.hull_box[np.maximum(bank.prism_hull[scene], 0)].astype(np.float64)
     centre = bank.prism_position[scene] + box[:, 0]
-    boxes = _Boxes(centre[:, :2], box[:, 1, :2], None)
-    return _most(bank, scene, bank.prism_grid[scene], boxes, reach, at_least)
+    return Boxes(centre[:, :2], box[:, 1, :2], None)
 
 
-def _most(bank: SceneBank, scene: int, grid: np.ndarray, boxes: _Boxes, reach: float, most: int) -> int:
+def _most(bank: SceneBank, scene: int, grid: np.ndarray, boxes: Boxes, reach: float, most: int) -> int:
     """The most of `boxes` within reach of a point of the scene's traversable ground, or `most` if that is more.
 
     Args:

@@ -1,6 +1,7 @@
 """Registry of environments by name, as in MuJoCo Playground; users can register their own."""
 
 import difflib
+import functools
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
@@ -10,12 +11,13 @@ from ml_collections import ConfigDict
 
 from .. import settings
 from ..datatypes import SceneBank, ValidationError
+from ..robots import catalogue
 from .joystick import JoystickEnv
 from .joystick.config import JOYSTICK_PRESETS, joystick_config
 from .joystick.make import make_joystick_env
 from .joystick.ppo import joystick_ppo_config
 from .navigation import NavEnv
-from .navigation.config import PRESETS, default_config, go2_nav_config
+from .navigation.config import PRESETS, catalogue_config, default_config, go2_nav_config
 from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import ppo_config
@@ -285,3 +287,9 @@ register_environment(
     JOYSTICK_PRESETS,
     joystick_ppo_config,
 )
+for _robot in catalogue.NAMES:
+    register_environment(
+        catalogue.environment_name(_robot),
+        make_walking_env if catalogue.row(_robot).drive == "balance" else make_wheeled_env,
+        functools.partial(catalogue_config, _robot),
+    )

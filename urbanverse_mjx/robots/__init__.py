@@ -1,7 +1,7 @@
 """Robot descriptions: MJCF, drive and gait of each robot."""
 
 from .coco import make_coco
-from .description import load
+from .description import gait_of, load
 from .go2 import make_go2
 
-__all__ = ["load", "make_coco", "make_go2"]
+__all__ = ["gait_of", "load", "make_coco", "make_go2"]

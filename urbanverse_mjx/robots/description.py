@@ -20,6 +20,8 @@ from ..datatypes import Response, RobotSpec
 from ..datatypes import validation as v
 from . import catalogue
 from .collision import Fit, is_fitted_sphere, replace_by_spheres
+from .gait import Gait
+from .go2 import load_gait
 from .model_limits import check_size
 from .sphere_fit import FitOptions
 from .waypoint import gait_command, pd_velocity
@@ -97,6 +99,17 @@ def _make(
         **limits,
     )
     return robot, fits
+
+
+def gait_of(robot: RobotSpec, path: str | os.PathLike[str] | None = None) -> Gait:
+    """The gait of a robot: that of a file, the controller of a balancer of `catalogue`, or else the Go2's.
+
+    Raises:
+      ValidationError: the file does not exist or is not a gait.
+    """
+    if path is None and robot.name in catalogue.NAMES:
+        return catalogue.balance_gait(catalogue.row(robot.name))
+    return load_gait(path)
 
 
 def _file_of(source: str | os.PathLike[str]) -> pathlib.Path:

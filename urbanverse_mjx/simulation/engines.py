@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import jax
 
 from ..datatypes import AgentShapes, RobotSpec, SceneBank, ValidationError
+from ..datatypes.bank_reach import with_reach
 from .collision_slots.body_slots import Sizes
 
 if TYPE_CHECKING:
@@ -48,10 +49,12 @@ def make_engine(
       sizes: other sizes of the engine, such as num_prism_slots, num_contacts, iterations, line_steps.
 
     Raises:
-      ValidationError: unknown engine or steps that do not divide.
+      ValidationError: unknown engine, steps that do not divide, or a robot that reaches farther in a control step than
+        the grids of a bank can be made to.
     """
     if impl not in IMPLS:
         raise ValidationError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
+    bank = with_reach(bank, robot.circumradius + robot.max_speed * control_dt)
     if physics_dt is not None and physics_dt != robot.physics_timestep:
         robot = with_timestep(robot, physics_dt)
     same: dict[str, Any] = {"control_dt": control_dt, "num_slots": num_slots, "agents": agents, "movable": movable}

@@ -9,6 +9,7 @@ from typing import Any
 from ml_collections import ConfigDict
 
 from ...datatypes import ValidationError
+from ...robots import catalogue
 from .draws import OFF
 
 
@@ -253,6 +254,21 @@ def go2_nav_config(preset: str = "paper") -> ConfigDict:
     config.gait = ""  # a file of `urbanverse export-gait`; "" = the one that ships with the package
     config.menagerie = ""  # folder unitree_go2 of mujoco_menagerie; "" = the built-in model
     config.sim_dt = 0.005  # as in the training of the gait
+    return config.lock()
+
+
+def catalogue_config(robot: str, preset: str = "paper") -> ConfigDict:
+    """COCO's task of a preset for a robot of `robots.catalogue`.
+
+    Raises:
+      ValidationError: the preset or the robot is unknown.
+    """
+    balances = catalogue.row(robot).drive == "balance"
+    config = go2_nav_config(preset) if balances else ConfigDict(default_config(preset).to_dict())
+    with config.unlocked():
+        for key in ("menagerie",) if balances else ("drive",):
+            del config[key]
+        config.robot = robot
     return config.lock()
 
 

@@ -78,7 +78,7 @@ def walking_engine(
     Raises:
       ValidationError: there are moving agents, which no engine supports for a robot with a gait.
     """
-    from ...robots.go2 import load_gait
+    from ...robots import gait_of
     from ...simulation.engines import make_engine
     from ...simulation.gait_engine import GaitEngine
 
@@ -86,7 +86,7 @@ def walking_engine(
         raise ValidationError(
             "config.scenario: found 'dynamic' or clutter for a robot with a gait, needed 'clean' or 'static' without."
         )
-    gait = load_gait(config.gait or None)
+    gait = gait_of(robot, config.gait or None)
     engine = make_engine(bank, robot, control_dt=gait.control_dt, **_options(config))
     return GaitEngine(engine, robot, gait, config.ctrl_dt)
 

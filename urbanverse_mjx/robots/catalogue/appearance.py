@@ -37,6 +37,7 @@ class _Sketch:
     def __init__(self, row: Row, root: float) -> None:
         self.row, self.root = row, root
         self.lines: list[str] = []
+        self.meshes: list[str] = []
 
     def _add(self, kind: str, material: str, rest: str) -> None:
         self.lines.append(f'<geom class="visual" type="{kind}" material="{material}" {rest}/>')
@@ -67,6 +68,14 @@ class _Sketch:
         self.tube(material, radius, *points)
         self.tube(material, radius, *((x, -y, z) for x, y, z in points))
 
+    def bullet(self, material: str, rings: Sequence[tuple[float, float, float]], corners: int = 32) -> None:
+        """A convex body through ellipses (height, half length, half width)."""
+        turn = [2.0 * math.pi * k / corners for k in range(corners)]
+        points = [(x * math.cos(a), y * math.sin(a), z - self.root) for z, x, y in rings for a in turn]
+        name = f"mesh_{len(self.meshes)}"
+        self.meshes.append(f'<mesh name="{name}" vertex="{" ".join(_text(*point) for point in points)}"/>')
+        self.lines.append(f'<geom class="visual" type="mesh" mesh="{name}" material="{material}"/>')
+
     def shell(self, material: str, box: Box, edge: float) -> None:
         """A box whose upright edges and whose upper rim are rounded by `edge` m."""
         (x0, x1), y, (z0, z1) = box.x, box.y, box.z
@@ -85,14 +94,14 @@ class _Sketch:
 
     def mast(self, camera: _Point) -> None:
         """A mast below a camera that is higher than the body, and the camera itself."""
-        x, z = camera
+        x, y, z = camera
         top = max(box.z[1] for box in self.row.body)
         x -= 0.05
-        if z > top + 0.02:
+        if z > top + 0.02 and not y:
             foot = min(x, self.row.body[0].x[1] - 0.03)
             self.tube("dark", 0.012, (foot, 0, top - 0.01), (foot, 0, z - 0.015), (x, 0, z - 0.015))
-        self.box("dark", (x, 0, z), (0.018, 0.045, 0.016))
-        self.disc("glass", (x + 0.02, 0, z), 0.011, 0.004, "1 0 0")
+        self.box("dark", (x, y, z), (0.018, 0.045, 0.016))
+        self.disc("glass", (x + 0.02, y, z), 0.011, 0.004, "1 0 0")
 
     def person(self, x: float, seat: float) -> None:
         """A person on a seat, with the hands before the body."""
@@ -120,12 +129,12 @@ class _Sketch:
         return _text(point[0], point[1], point[2] - self.root)
 
 
-def draw(row: Row, root: float, camera: _Point) -> list[str]:
-    """Visual geoms of a robot.
+def draw(row: Row, root: float, camera: _Point) -> tuple[list[str], list[str]]:
+    """Visual geoms of a robot, and the meshes that they need.
 
     Args:
       root: m, height of the root body's origin above the ground.
-      camera: x and height (m) of its camera.
+      camera: (3,) m of its camera, z above the ground.
     """
     sketch = _Sketch(row, root)
     _STYLES[row.style](sketch)
@@ -138,7 +147,7 @@ def draw(row: Row, root: float, camera: _Point) -> list[str]:
     sketch.mast(camera)
     if row.rider is not None:
         sketch.person(*row.rider)
-    return sketch.lines
+    return sketch.lines, sketch.meshes
 
 
 def _rover(s: _Sketch) -> None:
@@ -263,19 +272,18 @@ def _rollator(s: _Sketch) -> None:
 
 
 def _guard(s: _Sketch) -> None:
-    low, middle, top = s.row.body
-    s.shell("paint", low, 0.24)
-    s.shell("paint", middle, 0.22)
-    s.ball("paint", (0, 0, top.z[0] + 0.10), (top.y + 0.02, top.y + 0.02, 0.39))
-    s.box("dark", (0, 0, low.z[0] + 0.02), (0.33, 0.28, 0.03))
-    for z, radius in ((0.62, 0.335), (1.04, 0.275)):
-        s.disc("glass", (0, 0, z), radius, 0.025)
-    s.disc("blue", (0, 0, 1.20), 0.243, 0.012)
-    s.box("glass", (0.30, 0, 0.84), (0.05, 0.10, 0.10))
-    for y in (-0.10, 0.10):
-        s.disc("glass", (0.225, y, 1.28), 0.035, 0.02, "1 0 0")
-    for x in (-1, 1):
-        s.box("blue", (x * 0.385, 0, 0.40), (0.02, 0.12, 0.012))
+    low, top = s.row.body[0], s.row.body[-1].z[1]
+    z0, half, wide = low.z[0], low.x[1], low.y
+    share = ((0.0, 0.92), (0.05, 1.0), (0.30, 0.97), (0.55, 0.84), (0.75, 0.68), (0.88, 0.52), (0.96, 0.34), (1.0, 0.10))
+    s.bullet("paint", [(z0 + z * (top - z0), half * r, wide * r) for z, r in share])
+    s.box("dark", (0, 0, z0), (0.33, 0.26, 0.03))
+    for z, r in ((0.62, 0.80), (0.80, 0.635)):
+        at = z0 + z * (top - z0)
+        s.bullet("glass", [(at, half * r + 0.006, wide * r + 0.006), (at + 0.05, half * (r - 0.03) + 0.006, wide * (r - 0.03) + 0.006)])
+    s.bullet("blue", [(0.30, half * 1.0, wide * 1.0), (0.325, half * 1.0, wide * 1.0)])
+    s.box("glass", (0.352, 0, 0.74), (0.02, 0.09, 0.11), (0, -0.22, 0))
+    for y in (-0.09, 0.09):
+        s.disc("glass", (0.225, y, 1.30), 0.03, 0.02, "1 0 0.3")
 
 
 def _balancer(s: _Sketch) -> None:
@@ -290,7 +298,9 @@ def _balancer(s: _Sketch) -> None:
     s.disc("blue", (0.0, 0, head.z[1] - 0.015), 0.06, 0.012)
     s.box("glass", (0.12, 0, 0.5 * sum(head.z)), (0.004, 0.09, 0.06))
     for y in (-1, 1):
-        s.box("dark", (0, y * (wheel.y - 0.005), 2 * wheel.radius + 0.02), (0.14, 0.055, 0.008))
+        for x, turn in ((-0.14, -0.6), (0.0, 0.0), (0.14, 0.6)):
+            z = wheel.radius + math.sqrt((wheel.radius + 0.02) ** 2 - x * x)
+            s.box("dark", (x, y * (wheel.y - 0.01), z), (0.085, 0.055, 0.007), (0, turn, 0))
 
 
 def _tracked(s: _Sketch) -> None:
@@ -307,8 +317,11 @@ def _tracked(s: _Sketch) -> None:
             for z in (0.004, 2 * radius + 0.004):
                 s.box("dark", (x, side, z), (0.006, half + 0.002, 0.006))
         outer = side + math.copysign(0.055, side)
-        s.box("dark", (first + 0.04, outer, radius + 0.03), (0.10, 0.012, 0.025), (0, -0.4, 0))
-        s.disc("tyre", (first + 0.125, outer, radius + 0.066), 0.035, 0.014, "0 1 0")
+        tip = (first + 0.13, outer, radius + 0.075)
+        for z in (-0.032, 0.032):
+            s.tube("tyre", 0.009, (first - 0.02, outer, radius + 1.7 * z), (tip[0], outer, tip[2] + z))
+        s.disc("tyre", tip, 0.04, 0.016, "0 1 0")
+        s.box("dark", (first + 0.06, outer, radius + 0.037), (0.075, 0.008, 0.03), (0, -0.5, 0))
     s.shell("paint", box, 0.02)
     s.box("metal", (0, 0, box.z[1] + 0.006), (0.12, 0.08, 0.006))
     s.tube("orange", 0.008, (-0.15, -0.07, 0.18), (-0.15, -0.07, 0.24), (-0.15, 0.07, 0.24), (-0.15, 0.07, 0.18))

@@ -196,7 +196,8 @@ def slide(row: Row) -> float:
 def make_mjcf(row: Row) -> str:
     """MJCF text of one free body without ground and light."""
     height, (mass, centre, inertia) = root_height(row), chassis(row)
-    camera = (row.body[0].x[1] + 0.02, min(max(0.8 * row.size[2], 0.35), 1.1))
+    camera = row.camera or (row.body[0].x[1] + 0.02, 0.0, min(max(0.8 * row.size[2], 0.35), 1.1))
+    shapes, meshes = draw(row, height, camera)
     spheres = [
         f'<geom name="body_{i}" class="body" size="{radius:.4g}" pos="{_text(x, y, z - height)}"/>'
         for i, (x, y, z, radius) in enumerate(body_spheres(row))
@@ -226,13 +227,13 @@ def make_mjcf(row: Row) -> str:
     </default>
     <default class="visual"><geom group="2" contype="0" conaffinity="0" mass="0"/></default>
   </default>
-  <asset>{paint}{MATERIALS}</asset>
+  <asset>{paint}{MATERIALS}{"".join(meshes)}</asset>
   <worldbody>
     <body name="base_link" pos="0 0 {height:g}">
       <freejoint name="root"/>
       <inertial pos="{_text(*(centre - [0, 0, height]))}" mass="{mass:.6g}" diaginertia="{_text(*inertia)}"/>
-      <camera name="front_cam" pos="{_text(camera[0], 0.0, camera[1] - height)}" xyaxes="0 -1 0 0 0 1" fovy="75"/>
-      {new.join([*spheres, *casters, *draw(row, height, camera), *wheels])}
+      <camera name="front_cam" pos="{_text(*camera[:2], camera[2] - height)}" xyaxes="0 -1 0 0 0 1" fovy="75"/>
+      {new.join([*spheres, *casters, *shapes, *wheels])}
     </body>
   </worldbody>
   <actuator>{"".join(actuators)}</actuator>

@@ -28,7 +28,7 @@ _REQUIRED = (
     *("title", "kind", "drive", "style", "paint", "size", "body", "mass", "centre", "top_speed", "max_yaw_rate"),
     *("wheels", "source", "typical"),
 )
-_OPTIONAL = ("axle", "rider", "lateral")
+_OPTIONAL = ("axle", "rider", "lateral", "camera")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -80,6 +80,7 @@ class Row:
       body: parts that collide. rider: x and height of the seat of a person who rides on it; None for nobody.
       mass: kg of everything. centre: x and z of its centre of mass.
       axle: x of the axle that is not steered.
+      camera: x, y, z of its camera; None for one in front of the first part of the body.
       top_speed: m/s of the real robot, at most `PAVEMENT_SPEED` of it is used. max_yaw_rate: rad/s.
       lateral: m/s², largest sideways acceleration, above which it slows down in bends.
       wheels: see `WheelRow`.
@@ -104,6 +105,7 @@ class Row:
     axle: float = 0.0
     rider: tuple[float, ...] | None = None
     lateral: float = math.inf
+    camera: tuple[float, ...] | None = None
 
     @property
     def max_speed(self) -> float:
@@ -154,6 +156,7 @@ def _row(name: str, table: Any) -> Row:
         **{key: v.number(m[key], f"{where}.{key}", above=0.0) for key in ("mass", "top_speed", "max_yaw_rate")},
         wheels=tuple(_wheel(w, f"{where}.wheels[{i}]") for i, w in enumerate(v.items(m["wheels"], f"{where}.wheels", 1))),
         axle=v.number(m.get("axle", 0.0), f"{where}.axle"),
+        camera=vector("camera", 3) if "camera" in m else None,
         rider=vector("rider", 2) if "rider" in m else None,
         lateral=v.number(m["lateral"], f"{where}.lateral", above=0.0) if "lateral" in m else math.inf,
     )
