@@ -1,4 +1,4 @@
-"""Drives every robot of the catalogue: on level ground, in both engines against C MuJoCo, and by the planner in streets.
+"""Drives every robot of the catalogue: on level ground, in engines against C MuJoCo, and by the planner in streets.
 
     python -m benchmarks.robots --drive                        # straight, brake, arc, turn: in C MuJoCo
     python -m benchmarks.robots --parity warp jax              # engines against C MuJoCo in box streets
@@ -14,7 +14,6 @@ line.
 import argparse
 import csv
 import json
-import math
 import pathlib
 import sys
 from collections.abc import Sequence
@@ -95,8 +94,9 @@ def kept(path: pathlib.Path = SCORES) -> dict[str, dict[str, dict[str, Any]]]:
 
 def robots_text() -> str:
     """Markdown of the robots of the catalogue, with their sources."""
-    head = "| `robot` | environment | what it is | length x width x height, m | mass, kg | top speed, m/s | turning radius, m |"
-    lines = [head, f"|{' --- |' * 7}"]
+    head = ["`robot`", "environment", "what it is", "length x width x height, m", "mass, kg", "top speed, m/s"]
+    head += ["turning radius, m"]
+    lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
     notes = ["", "Sources, and what is typical of the class because no public source that could be read gives it:", ""]
     for name in catalogue.NAMES:
         row = catalogue.row(name)
@@ -104,7 +104,9 @@ def robots_text() -> str:
         speed = f"{row.top_speed:g}" + ("" if row.top_speed == row.max_speed else f" ({row.max_speed:g})")
         size = " x ".join(f"{x:.2f}" for x in row.size)
         cells = [f"`{name}`", f"`{catalogue.environment_name(name)}`", f"{row.title}: {row.kind}", size]
-        lines.append(f"| {' | '.join([*cells, f'{row.mass:g}', speed, f'{radius:.2f}' if radius else 'on the spot'])} |")
+        lines.append(
+            f"| {' | '.join([*cells, f'{row.mass:g}', speed, f'{radius:.2f}' if radius else 'on the spot'])} |"
+        )
         notes.append(f"* `{name}`: {row.source}. Typical: {row.typical}.")
     return "\n".join([*lines, *notes])
 
@@ -154,7 +156,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--parity", nargs="+", choices=("warp", "jax"), default=())
     parser.add_argument("--planner", action="store_true")
     parser.add_argument("--episodes", type=int, default=32, help="of the planner with each robot")
-    parser.add_argument("--impl", choices=("auto", "jax", "warp"), default="auto", help="engine of the planner's streets")
+    parser.add_argument(
+        "--impl", choices=("auto", "jax", "warp"), default="auto", help="engine of the planner's streets"
+    )
     parser.add_argument("--sheet", action="store_true")
     parser.add_argument("--page", action="store_true")
     arguments = parser.parse_args(argv)

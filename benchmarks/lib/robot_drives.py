@@ -179,7 +179,7 @@ def image_of(robot: RobotSpec, height: int = _HEIGHT, width: int = _WIDTH) -> np
     long = float((np.abs(data.geom_xpos[shown, 0]) + 0.5 * model.geom_rbound[shown]).max())
     camera, seen = mujoco.MjvCamera(), mujoco.MjvOption()
     camera.lookat[:] = 0.0, 0.0, 0.46 * top
-    camera.distance, camera.azimuth, camera.elevation = 1.7 * max(top, 1.3 * long) + 0.2, 215.0, -16.0
+    camera.distance, camera.azimuth, camera.elevation = 1.85 * max(top, 1.3 * long) + 0.2, 215.0, -16.0
     seen.geomgroup[:] = [1, 1, 1, 0, 0, 0]
     with mujoco.Renderer(model, height, width) as renderer:
         renderer.update_scene(data, camera, seen)

@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.lib.robot_drives import LevelGround, drive_figures, image_of, parity_figures
 from tests.support.box_bank import box_bank
-from urbanverse_mjx.datatypes import RobotSpec, ValidationError
+from urbanverse_mjx.datatypes import Response, RobotSpec, ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.evaluation.planner import DEFAULT, motion_of
 from urbanverse_mjx.robots import catalogue, gait_of, load, make_coco
@@ -30,6 +30,12 @@ MOST_VELOCITIES, MOST_SPHERES = 32, 43
 @pytest.fixture(scope="module")
 def robots() -> dict[str, RobotSpec]:
     return {name: load(name) for name in catalogue.NAMES}
+
+
+def response_of(name: str) -> Response:
+    response = load(name).response
+    assert response is not None
+    return response
 
 
 # The table.
@@ -81,7 +87,9 @@ def test_every_row_has_a_source_a_task_and_its_lines_on_the_page() -> None:
         assert environment in registry.ALL_ENVS
         config = registry.get_default_config(environment, "cpu")
         assert config.robot == name
-        assert f"| `{name}` | `{environment}` | {row.title}: {row.kind} |" in page, "run python -m benchmarks.robots --page"
+        assert f"| `{name}` | `{environment}` | {row.title}: {row.kind} |" in page, (
+            "run python -m benchmarks.robots --page"
+        )
         assert f"* `{name}`: {row.source}. Typical: {row.typical}." in page
         # A source names a place: an address, or a repository with the file in it.
         assert re.search(r"\.(com|org|ch|xacro|urdf|yaml|py)\b", row.source), name
@@ -115,7 +123,7 @@ def test_a_wrong_row_is_a_sentence(tmp_path: pathlib.Path, old: str, new: str, w
 
 
 def test_an_unknown_robot_is_a_sentence() -> None:
-    with pytest.raises(ValidationError, match="robot: found 'huskie'.*husky, jackal"):
+    with pytest.raises(ValidationError, match=r"robot: found 'huskie'.*husky, jackal"):
         catalogue.row("huskie")
 
 
@@ -194,7 +202,7 @@ def test_commands_have_derivatives_at_rest() -> None:
 
 def test_the_planner_knows_how_a_robot_answers() -> None:
     car, base = motion_of(load("hunter")), motion_of(load("mir"))
-    assert car.curvature == pytest.approx(load("hunter").response.curvature)
+    assert car.curvature == pytest.approx(response_of("hunter").curvature)
     assert (car.pivot, base.pivot) == (0.2744, -0.0376)
     assert motion_of(make_coco("ackermann")).curvature < 1.0
     assert motion_of(load("wheelchair")) == DEFAULT
@@ -211,7 +219,7 @@ def test_a_robot_drives_straight_in_arcs_and_brakes(name: str) -> None:
     robot, found = load(name), drive_figures(name)
     assert found["speed"] == pytest.approx(robot.max_speed, rel=0.02)
     assert found["drift"] < 0.05
-    assert found["lag"] == pytest.approx(robot.response.speed_lag, abs=0.06)
+    assert found["lag"] == pytest.approx(response_of(name).speed_lag, abs=0.06)
     # From full speed at the largest deceleration of its motors, and its lag.
     shortest = robot.max_speed**2 / (2.0 * mjcf.acceleration(catalogue.row(name)))
     assert 0.8 * shortest < found["brake_distance"] < 1.3 * shortest + 0.1 * robot.max_speed
@@ -249,12 +257,12 @@ def test_the_controller_of_the_balancer_is_stable() -> None:
     """The poles of the plant with the gains of the gait, and those of the plant alone."""
     row = catalogue.row("balancer")
     a, b, _ = balance.plant(row)
-    assert np.linalg.eigvals(a).real.max() > 1.0
+    assert np.real(np.linalg.eigvals(a)).max() > 1.0
     kernel, radius = gait_of(load("balancer")).kernels[0], row.wheels[0].radius
     speed = -kernel[10].mean()
     rate = kernel[1].mean() * balance.RATE_UNIT - speed * radius
     gains = np.array([kernel[3].mean(), rate, speed])
-    assert np.linalg.eigvals(a + np.outer(b, gains)).real.max() < -0.5
+    assert np.real(np.linalg.eigvals(a + np.outer(b, gains))).max() < -0.5
 
 
 @pytest.mark.parametrize(
@@ -282,9 +290,14 @@ def test_a_task_of_the_catalogue_is_cocos_with_another_robot() -> None:
         k: x for k, x in config.to_dict().items() if k != "robot"
     }
     overrides = {"preset": "cpu", "vision": False, "scenes": "all", "impl": "warp"}
-    env = registry.load_nav_env("BalancerNav", registry.with_overrides(registry.get_default_config("BalancerNav", "cpu"), {
-        key: x for key, x in overrides.items() if key != "preset"
-    }), box_bank(1))
+    env = registry.load_nav_env(
+        "BalancerNav",
+        registry.with_overrides(
+            registry.get_default_config("BalancerNav", "cpu"),
+            {key: x for key, x in overrides.items() if key != "preset"},
+        ),
+        box_bank(1),
+    )
     assert env.robot.name == "balancer"
     assert env.action_size == 2
     with pytest.raises(ValidationError, match="'dynamic' or clutter for a robot with a gait"):

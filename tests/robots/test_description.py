@@ -121,7 +121,9 @@ def test_an_axle_that_steers(folder: pathlib.Path) -> None:
 
 def test_a_table_of_wheels(folder: pathlib.Path) -> None:
     """The tug with its wheels in a table drives as with two sides; every wheel rolls at its own place's speed."""
-    wheels = [{"x": 0.0, "y": y, "radius": 0.12, "motor": f"{side}_motor"} for side, y in (("left", 0.2), ("right", -0.2))]
+    wheels = [
+        {"x": 0.0, "y": y, "radius": 0.12, "motor": f"{side}_motor"} for side, y in (("left", 0.2), ("right", -0.2))
+    ]
     sides = load(folder)
     change(folder, drive={"kind": "wheels", "wheels": wheels}, response={"speed_lag": 0.4})
     table = load(folder)
@@ -133,7 +135,9 @@ def test_a_table_of_wheels(folder: pathlib.Path) -> None:
     table = load(folder)
     assert table.response == Response(pivot=0.3, lateral=0.1)
     # At 0.5 rad/s it slows down to 0.2 m/s, and the sides differ by 1.5 times as much.
-    np.testing.assert_allclose(table.command(np.array([1.0, 0.5])), np.array([0.2 - 0.15, 0.2 + 0.15]) / 0.12, rtol=1e-5)
+    np.testing.assert_allclose(
+        table.command(np.array([1.0, 0.5])), np.array([0.2 - 0.15, 0.2 + 0.15]) / 0.12, rtol=1e-5
+    )
     for wrong, words in (
         (wheels[:1], "found 1 actuators named, needed each of the 2"),
         ([*wheels, {"x": 0.0, "y": 0.0, "radius": 0.1}], r"wheels\[2\]: found neither a motor nor a steer"),

@@ -18,7 +18,7 @@ class RobotArgs:
     fit, the robot's stance, whether it falls over when it starts or stops, and one JSON line."""
 
     source: Annotated[str, tyro.conf.Positional]
-    """A robot.json, its folder, or wheelchair."""
+    """A robot.json, its folder, wheelchair, or a robot of docs/robots.md, such as courier."""
     picture: pathlib.Path | None = None
     """PNG file to write, with the shapes and spheres from three sides."""
 

@@ -30,7 +30,9 @@ def with_reach(bank: SceneBank, reach: float) -> SceneBank:
         return bank
     if reach > has + side:
         needed = f"at most {has + side:g} m, that of the bank's grids and the side of a cell"
-        raise v.fail("robot's reach", f"{reach:g} m", needed, "take a smaller or slower robot, or a shorter control step")
+        raise v.fail(
+            "robot's reach", f"{reach:g} m", needed, "take a smaller or slower robot, or a shorter control step"
+        )
     scenes = range(bank.num_scenes)
     hulls = [_wider(bank.hull_grid[z], object_boxes(bank, z), bank.grid_origin[z], side, reach) for z in scenes]
     prisms = [_wider(bank.prism_grid[z], prism_boxes(bank, z), bank.grid_origin[z], side, reach) for z in scenes]

@@ -6,8 +6,8 @@ from ..datatypes import RobotSpec
 
 
 def make_robot(config: ConfigDict) -> RobotSpec:
-    """Loads the robot of a config: "coco", "go2", "wheelchair", a name of `robots.catalogue`, or the path of a robot.json
-    (see `robots.load`)."""
+    """Loads the robot of a config: "coco", "go2", "wheelchair", a name of `robots.catalogue`, or the path of a
+    robot.json (see `robots.load`)."""
     from .. import robots
 
     if config.robot == "go2":

@@ -76,8 +76,8 @@ class Motion:
         return pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w]), new_v, new_w
 
 
-#: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and Go2 with C
-#: MuJoCo. The Go2's gait stands still at small commands (docs/decisions/go2.md).
+#: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and Go2
+#: with C MuJoCo. The Go2's gait stands still at small commands (docs/decisions/go2.md).
 MOTIONS = {
     "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),

@@ -101,7 +101,7 @@ def _make(
     return robot, fits
 
 
-def gait_of(robot: RobotSpec, path: str | os.PathLike[str] | None = None) -> Gait:
+def gait_of(robot: RobotSpec, path: str | pathlib.Path | None = None) -> Gait:
     """The gait of a robot: that of a file, the controller of a balancer of `catalogue`, or else the Go2's.
 
     Raises:
@@ -242,7 +242,9 @@ def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: st
         "gait": (),
     }
     kind = v.choice(body.get("kind") if isinstance(body, Mapping) else None, f"{where}.kind", kinds)
-    m = v.mapping(body, where, ("kind", *kinds[kind]), ("axle", "skid", "lateral", "bend", "slide") if kind == "wheels" else ())
+    m = v.mapping(
+        body, where, ("kind", *kinds[kind]), ("axle", "skid", "lateral", "bend", "slide") if kind == "wheels" else ()
+    )
     if kind == "gait":
         return functools.partial(gait_command, **limits)
     if kind == "wheels":
@@ -280,14 +282,15 @@ def _wheel_table(m: Mapping[str, Any], model: mujoco.MjModel, limits: dict[str, 
         }
         if not actuators:
             raise v.fail(at, "neither a motor nor a steer", "one of them; leave out wheels that roll freely")
-        end: dict[str, float] = {}
+        end = math.inf
         if "steer" in actuators:
             high = float(model.actuator_ctrlrange[actuators["steer"], 1])
             where_end = f"{at}.steer: upper end of the ctrlrange of {one['steer']!r}"
-            end["max_steer"] = v.number(high, where_end, above=0.0, maximum=math.pi)
+            end = v.number(high, where_end, above=0.0, maximum=math.pi)
         place = {key: v.number(one[key], f"{at}.{key}") for key in ("x", "y")}
         radius = v.number(one["radius"], f"{at}.radius", above=0.0)
-        wheels.append(Wheel(**place, radius=radius, **actuators, **end))
+        motor, steer = actuators.get("motor"), actuators.get("steer")
+        wheels.append(Wheel(**place, radius=radius, motor=motor, steer=steer, max_steer=end))
         named += actuators.values()
     if sorted(named) != list(range(model.nu)):
         raise v.fail(where, f"{len(set(named))} actuators named", f"each of the {model.nu} of the MJCF once")

@@ -5,6 +5,7 @@ In: `Row`, the height of its root. Out: MJCF text. When: once, at construction.
 The shapes are drawn for recognition, not after the makers' meshes.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 
@@ -57,7 +58,7 @@ class _Sketch:
 
     def tube(self, material: str, radius: float, *points: _Point) -> None:
         """Capsules along a line."""
-        for a, b in zip(points, points[1:], strict=False):
+        for a, b in itertools.pairwise(points):
             if math.dist(a, b) < 1e-3:
                 continue
             ends = f"{self._at(a)} {self._at(b)}"
@@ -189,7 +190,7 @@ def _courier(s: _Sketch) -> None:
 
 def _racecar(s: _Sketch) -> None:
     box = s.row.body[0]
-    (x0, x1), (z0, z1) = box.x, box.z
+    (x0, x1), z0 = box.x, box.z[0]
     s.box("dark", (0, 0, z0 + 0.01), (0.5 * (x1 - x0), 0.75 * box.y, 0.01))
     s.box("paint", (0.0, 0, z0 + 0.045), (0.5 * (x1 - x0) - 0.03, box.y - 0.01, 0.025))
     s.box("paint", (x1 - 0.09, 0, z0 + 0.05), (0.10, 0.55 * box.y, 0.018), (0, 0.12, 0))
@@ -274,12 +275,27 @@ def _rollator(s: _Sketch) -> None:
 def _guard(s: _Sketch) -> None:
     low, top = s.row.body[0], s.row.body[-1].z[1]
     z0, half, wide = low.z[0], low.x[1], low.y
-    share = ((0.0, 0.92), (0.05, 1.0), (0.30, 0.97), (0.55, 0.84), (0.75, 0.68), (0.88, 0.52), (0.96, 0.34), (1.0, 0.10))
+    share = (
+        (0.0, 0.92),
+        (0.05, 1.0),
+        (0.30, 0.97),
+        (0.55, 0.84),
+        (0.75, 0.68),
+        (0.88, 0.52),
+        (0.96, 0.34),
+        (1.0, 0.10),
+    )
     s.bullet("paint", [(z0 + z * (top - z0), half * r, wide * r) for z, r in share])
     s.box("dark", (0, 0, z0), (0.33, 0.26, 0.03))
     for z, r in ((0.62, 0.80), (0.80, 0.635)):
         at = z0 + z * (top - z0)
-        s.bullet("glass", [(at, half * r + 0.006, wide * r + 0.006), (at + 0.05, half * (r - 0.03) + 0.006, wide * (r - 0.03) + 0.006)])
+        s.bullet(
+            "glass",
+            [
+                (at, half * r + 0.006, wide * r + 0.006),
+                (at + 0.05, half * (r - 0.03) + 0.006, wide * (r - 0.03) + 0.006),
+            ],
+        )
     s.bullet("blue", [(0.30, half * 1.0, wide * 1.0), (0.325, half * 1.0, wide * 1.0)])
     s.box("glass", (0.352, 0, 0.74), (0.02, 0.09, 0.11), (0, -0.22, 0))
     for y in (-0.09, 0.09):

@@ -2,8 +2,8 @@
 
 In: `Row` with the drive "balance". Out: `Gait` with one linear layer. When: once, at construction.
 
-A linear-quadratic regulator of the pendulum on wheels (pitch, pitch rate, speed), and a proportional one of the yaw rate:
-the sensors of a gait hold all of these, so `simulation.gait_engine` runs it like the gait of a robot with legs.
+A linear-quadratic regulator of the pendulum on wheels (pitch, pitch rate, speed), and a proportional one of the yaw
+rate: the sensors of a gait hold all of these, so `simulation.gait_engine` runs it like the gait of a robot with legs.
 """
 
 import numpy as np

@@ -112,7 +112,7 @@ def fill(box: Box) -> list[tuple[float, float, float, float]]:
     grid = itertools.product(*(range(len(axis)) for axis in axes))
     # Those in the middle, seen from above, are behind the ones around them.
     outer = [at for at in grid if any(at[k] in (0, len(axes[k]) - 1) for k in (0, 1))]
-    return [(*(float(axis[i]) for i, axis in zip(at, axes, strict=True)), radius) for at in outer]
+    return [(float(axes[0][i]), float(axes[1][j]), float(axes[2][k]), radius) for i, j, k in outer]
 
 
 def _centres(low: float, high: float, spacing: float) -> np.ndarray:
@@ -203,7 +203,7 @@ def make_mjcf(row: Row) -> str:
         for i, (x, y, z, radius) in enumerate(body_spheres(row))
     ]
     casters = [
-        f'<geom name="{name}_wheel" class="caster" size="{w.radius:g}" pos="{_text(w.x, y, w.radius + w.lift - height)}"/>'
+        f'<geom name="{name}_wheel" class="caster" size="{w.radius:g}" pos="{_hub(w, y, height)}"/>'
         for name, w, y in placed_wheels(row)
         if w.caster
     ]
@@ -243,27 +243,34 @@ def make_mjcf(row: Row) -> str:
 
 def _wheel(row: Row, name: str, wheel: WheelRow, y: float, height: float) -> str:
     """A wheel on its hinge; a steered one on a knuckle."""
-    place = _text(wheel.x, y, wheel.radius + wheel.lift - height)
+    place = _hub(wheel, y, height)
     spin, side = 0.5 * wheel.mass * wheel.radius**2, wheel.mass * (wheel.radius**2 / 4 + wheel.width**2 / 12)
     inertia = motor(row, wheel).inertia if wheel.driven else 0.0
     damping = 0.0 if wheel.driven else 0.002 * wheel.mass * wheel.radius
+    r, half = wheel.radius, wheel.width / 2
     where = "" if wheel.steer else f' pos="{place}"'
     body = f"""<body name="{name}_link"{where}>
         <inertial pos="0 0 0" mass="{wheel.mass:g}" diaginertia="{_text(side, spin, side)}"/>
         <joint name="{name}_joint" axis="0 1 0" damping="{damping:.6g}" armature="{inertia:.6g}"/>
         <geom name="{name}_wheel" class="tyre" size="{wheel.radius:g}"/>
-        <geom class="visual" type="cylinder" size="{wheel.radius:g} {wheel.width / 2:g}" zaxis="0 1 0" material="tyre"/>
-        <geom class="visual" type="cylinder" size="{0.6 * wheel.radius:g} {wheel.width / 2 + 0.004:g}" zaxis="0 1 0" material="hub"/>
-        <geom class="visual" type="box" size="{0.5 * wheel.radius:g} {wheel.width / 2 + 0.006:g} {0.08 * wheel.radius:g}" material="dark"/>
+        <geom class="visual" type="cylinder" size="{_text(r, half)}" zaxis="0 1 0" material="tyre"/>
+        <geom class="visual" type="cylinder" size="{_text(0.6 * r, half + 0.004)}" zaxis="0 1 0" material="hub"/>
+        <geom class="visual" type="box" size="{_text(0.5 * r, half + 0.006, 0.08 * r)}" material="dark"/>
       </body>"""
     if not wheel.steer:
         return body
     damping = _STEER_STIFFNESS * _STEER_DAMPING
     return f"""<body name="{name}_knuckle" pos="{place}">
         <inertial pos="0 0 0" mass="1e-4" diaginertia="1e-5 1e-5 1e-5"/>
-        <joint name="{name}_steer_joint" axis="0 0 1" range="{-wheel.steer:g} {wheel.steer:g}" damping="{damping:g}" armature="0.02"/>
+        <joint name="{name}_steer_joint" axis="0 0 1" range="{-wheel.steer:g} {wheel.steer:g}" damping="{damping:g}"
+               armature="0.02"/>
         {body}
       </body>"""
+
+
+def _hub(wheel: WheelRow, y: float, height: float) -> str:
+    """Place of a wheel's centre in the root body."""
+    return _text(wheel.x, y, wheel.radius + wheel.lift - height)
 
 
 def _actuators(row: Row, name: str, wheel: WheelRow) -> str:
@@ -272,7 +279,8 @@ def _actuators(row: Row, name: str, wheel: WheelRow) -> str:
         servo = motor(row, wheel)
         text += f'<general name="{name}_motor" joint="{name}_joint" gainprm="{servo.gain:.6g}"'
         if math.isfinite(servo.torque):
-            text += f' biastype="affine" biasprm="0 0 {-servo.gain:.6g}" forcerange="{-servo.torque:.6g} {servo.torque:.6g}"'
+            text += f' biastype="affine" biasprm="0 0 {-servo.gain:.6g}"'
+            text += f' forcerange="{-servo.torque:.6g} {servo.torque:.6g}"'
         text += "/>"
     if wheel.steer:
         end, gain = wheel.steer, _STEER_STIFFNESS

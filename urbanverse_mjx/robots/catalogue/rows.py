@@ -146,15 +146,22 @@ def _row(name: str, table: Any) -> Row:
 
     made = Row(
         name=name,
-        **{key: v.text(m[key], f"{where}.{key}") for key in ("title", "kind", "source", "typical")},
+        title=v.text(m["title"], f"{where}.title"),
+        kind=v.text(m["kind"], f"{where}.kind"),
+        source=v.text(m["source"], f"{where}.source"),
+        typical=v.text(m["typical"], f"{where}.typical"),
         drive=v.choice(m["drive"], f"{where}.drive", DRIVES),
         style=v.choice(m["style"], f"{where}.style", STYLES),
         paint=vector("paint", 3),
         size=vector("size", 3),
         body=tuple(_box(b, f"{where}.body[{i}]") for i, b in enumerate(v.items(m["body"], f"{where}.body", 1))),
         centre=vector("centre", 2),
-        **{key: v.number(m[key], f"{where}.{key}", above=0.0) for key in ("mass", "top_speed", "max_yaw_rate")},
-        wheels=tuple(_wheel(w, f"{where}.wheels[{i}]") for i, w in enumerate(v.items(m["wheels"], f"{where}.wheels", 1))),
+        mass=v.number(m["mass"], f"{where}.mass", above=0.0),
+        top_speed=v.number(m["top_speed"], f"{where}.top_speed", above=0.0),
+        max_yaw_rate=v.number(m["max_yaw_rate"], f"{where}.max_yaw_rate", above=0.0),
+        wheels=tuple(
+            _wheel(w, f"{where}.wheels[{i}]") for i, w in enumerate(v.items(m["wheels"], f"{where}.wheels", 1))
+        ),
         axle=v.number(m.get("axle", 0.0), f"{where}.axle"),
         camera=vector("camera", 3) if "camera" in m else None,
         rider=vector("rider", 2) if "rider" in m else None,
@@ -175,7 +182,9 @@ def _check(made: Row, where: str) -> None:
         raise v.fail(f"{where}.wheels", f"{len(made.wheels)} rows", "one pair of wheels for the drive 'balance'")
     on_wheels = sum(wheel.mass * len(wheel.sides()) for wheel in made.wheels)
     if on_wheels >= made.mass:
-        raise v.fail(f"{where}.mass", f"{made.mass:g} kg, of which {on_wheels:g} kg are wheels", "a body that is heavier")
+        raise v.fail(
+            f"{where}.mass", f"{made.mass:g} kg, of which {on_wheels:g} kg are wheels", "a body that is heavier"
+        )
     low = min(box.z[0] for box in made.body)
     if low <= 0.0:
         raise v.fail(f"{where}.body", f"a part {low:g} m above the ground", "parts above it; only wheels touch it")
@@ -214,4 +223,3 @@ NAMES = tuple(_rows())
 def row(name: str) -> Row:
     """The robot of that name, one of `NAMES`."""
     return _rows()[v.choice(name, "robot", NAMES)]
-
