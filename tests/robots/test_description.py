@@ -133,7 +133,7 @@ def test_a_table_of_wheels(folder: pathlib.Path) -> None:
     assert sides.response is None
     change(folder, drive={"kind": "wheels", "wheels": wheels, "axle": -0.3, "lateral": 0.1, "skid": 1.5})
     table = load(folder)
-    assert table.response == Response(pivot=0.3, lateral=0.1)
+    assert table.response == Response(speed_lag=0.4, pivot=0.3, lateral=0.1)
     # At 0.5 rad/s it slows down to 0.2 m/s, and the sides differ by 1.5 times as much.
     np.testing.assert_allclose(
         table.command(np.array([1.0, 0.5])), np.array([0.2 - 0.15, 0.2 + 0.15]) / 0.12, rtol=1e-5
