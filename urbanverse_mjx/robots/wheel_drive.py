@@ -161,7 +161,7 @@ def skid_factor(xs: Sequence[float], y: float) -> float:
     On a turn on the spot all tyres slide. With Coulomb friction and equal loads at distance a before and behind the
     centre of the turn and y to both sides, the moments of the friction forces sum to 0 at 1 + (a / y)^2: 1.85 for the
     Husky and 1.49 for the Jackal, whose makers drive them with 1.875 and 1.5 (`wheel_separation_multiplier` in
-    clearpath_common). A rigid chassis with more axles turns on the outer ones (tests/robots/test_catalogue.py).
+    clearpath_common). With more axles, the outer ones are those that carry.
 
     Args:
       xs: m, places of one side's wheels ahead of the centre of the turn.

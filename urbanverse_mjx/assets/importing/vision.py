@@ -19,7 +19,7 @@ ANSWER_BYTES = 2**20
 TRIES = 3
 WAIT = 2.0  # s before the second try, doubled for each further one
 AGAIN = (408, 409, 429, 500, 502, 503, 504)
-_PROMPT = """The four images show one 3-D object from its sides; image 0 is the side that its file calls the front,
+PROMPT = """The four images show one 3-D object from its sides; image 0 is the side that its file calls the front,
 images 1, 2 and 3 are seen from 90, 180 and 270 degrees counter-clockwise. Its file is called {name}. The
 images have no scale. Answer with one JSON object and these fields only:
 category (exactly one name of the list below), description (one sentence), description_view_0, description_view_1,
@@ -47,7 +47,7 @@ def annotate(endpoint: VisionEndpoint, images: Sequence[bytes], name: str) -> tu
     Raises:
       VisionError: no answer, none in JSON, or one whose category is no leaf.
     """
-    question = _PROMPT.format(name=json.dumps(name[:120]), leaves=", ".join(ontology.categories()))
+    question = PROMPT.format(name=json.dumps(name[:120]), leaves=", ".join(ontology.categories()))
     content: list[dict[str, Any]] = [{"type": "text", "text": question}]
     for image in images:
         url = "data:image/png;base64," + base64.b64encode(image).decode()

@@ -61,6 +61,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
         "goals_m": list(rules.distance),
         "usd": with_usd,
         "seconds": round(clock.seconds, 3),
+        **clock.resources,
         "kept_fixed": fixed,
     }
     v.write_json(folder / CHECK, check)

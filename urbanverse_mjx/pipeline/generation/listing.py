@@ -24,9 +24,9 @@ from ...settings import VisionEndpoint, cache_dir
 #: One frame of so many is shown, as in the paper; frames in a request; pixels of an image's longer side.
 EVERY, PER_REQUEST, SIDE = 3, 8, 768
 #: Tokens that an image of `SIDE` pixels counts for at most by OpenAI's tiles of 512 pixels (170 each, and 85).
-_TOKENS_PER_IMAGE = 85 + 4 * 170
-_LETTERS_PER_TOKEN = 4
-_ASK = """These frames are from one walk or drive through a street. Name every kind of object that stands, is parked or
+TOKENS_PER_IMAGE = 85 + 4 * 170
+LETTERS_PER_TOKEN = 4
+ASK = """These frames are from one walk or drive through a street. Name every kind of object that stands, is parked or
 moves in it. Answer with one JSON object with the single field "categories": a list of names, taken from this list
 where one fits. Categories: {leaves}"""
 
@@ -89,7 +89,7 @@ def cost_of(bodies: Sequence[dict[str, Any]], endpoint: VisionEndpoint) -> Cost:
     new = [body for body in bodies if not _cached(endpoint, body).is_file()]
     texts = [body["messages"][0]["content"][0]["text"] for body in new]
     images = sum(len(body["messages"][0]["content"]) - 1 for body in new)
-    tokens = images * _TOKENS_PER_IMAGE + sum(map(len, texts)) // _LETTERS_PER_TOKEN
+    tokens = images * TOKENS_PER_IMAGE + sum(map(len, texts)) // LETTERS_PER_TOKEN
     size = sum(len(json.dumps(body)) for body in new)
     return Cost(len(new), images, size, tokens, len(bodies) - len(new))
 
@@ -125,7 +125,7 @@ def _small(path: pathlib.Path) -> bytes:
 
 def request(model: str, images: Sequence[bytes]) -> dict[str, Any]:
     """The request with JPEG images, in the format of OpenAI's chat completions."""
-    content: list[dict[str, Any]] = [{"type": "text", "text": _ASK.format(leaves=", ".join(ontology.categories()))}]
+    content: list[dict[str, Any]] = [{"type": "text", "text": ASK.format(leaves=", ".join(ontology.categories()))}]
     for image in images:
         url = "data:image/jpeg;base64," + base64.b64encode(image).decode()
         content.append({"type": "image_url", "image_url": {"url": url}})

@@ -91,7 +91,7 @@ class RunFolder:
         return bool(entry and entry["key"] == key and all((self.path / name).exists() for name in files))
 
     def finish(self, stage: str, key: str, seconds: float, **facts: Any) -> None:
-        """Records that a stage is done."""
+        """Records that a stage is done, with `Clock.resources` among the facts."""
         now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
         self.record["stages"][stage] = {"key": key, "seconds": round(seconds, 3), "finished": now, **facts}
         v.write_json(self.path / FILE, self.record)
@@ -144,11 +144,36 @@ def _read(path: pathlib.Path, source: str) -> dict[str, Any]:
 
 
 class Clock:
-    """Seconds since it was made."""
+    """What a stage takes: seconds since the clock was made, processor seconds of this process and of its children that
+    have ended, and the largest memory of this process since then."""
 
     def __init__(self) -> None:
-        self._start = time.perf_counter()
+        self._start, self._processor = time.perf_counter(), _processor()
+        # Linux forgets the largest memory of this process.
+        with contextlib.suppress(OSError):
+            pathlib.Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
 
     @property
     def seconds(self) -> float:
         return time.perf_counter() - self._start
+
+    @property
+    def resources(self) -> dict[str, float]:
+        """processor_s, and memory_mb where the system tells it."""
+        memory = _largest_memory()
+        found = {"processor_s": round(_processor() - self._processor, 3)}
+        return found if memory is None else {**found, "memory_mb": memory}
+
+
+def _processor() -> float:
+    spent = os.times()
+    return spent.user + spent.system + spent.children_user + spent.children_system
+
+
+def _largest_memory() -> float | None:
+    """MB, largest resident memory of this process since it was forgotten; None where /proc does not tell."""
+    with contextlib.suppress(OSError):
+        for line in pathlib.Path("/proc/self/status").read_text(encoding="ascii", errors="replace").splitlines():
+            if line.startswith("VmHWM:"):
+                return round(int(line.split()[1]) / 1024.0, 1)
+    return None

@@ -107,7 +107,7 @@ def _recording(
                 photograph_to(given.path, folder, video)
             else:
                 sample_to(given.path, folder, video, report)
-        run.finish(FRAMES, key, clock.seconds)
+        run.finish(FRAMES, key, clock.seconds, **clock.resources)
     report(1, 1)
     key = key_of("perception", stage="recording", before=key, tour=dataclasses.asdict(video))
     report = progress.task("recording")
@@ -120,7 +120,7 @@ def _recording(
                 perceive_photograph_to(run.path / FRAMES, folder, given.path, video)
             else:
                 perceive_to(run.path / FRAMES, folder, given.path, video, report)
-        run.finish(RECORDING, key, clock.seconds)
+        run.finish(RECORDING, key, clock.seconds, **clock.resources)
     report(1, 1)
     return run.path / RECORDING, key
 
@@ -141,7 +141,7 @@ def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.
                 graph = distil_to(Recording.load(recording), folder, report)
                 check_ground(graph)
                 leave_out_implausible(folder, graph)
-        run.finish(GRAPH, key, clock.seconds)
+        run.finish(GRAPH, key, clock.seconds, **clock.resources)
     report(1, 1)
     return key
 
@@ -170,7 +170,7 @@ def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, bef
                 compiling.save_layout(folder / str(k), cousin.layout, index_of(cousin.layout))
                 report(k + 1, options.cousins)
         v.write_json(run.path / MATERIALISATION, record_of(graph, made))
-        run.finish(COUSINS, key, clock.seconds)
+        run.finish(COUSINS, key, clock.seconds, **clock.resources)
     report(options.cousins, options.cousins)
     return key
 
@@ -197,7 +197,8 @@ def _compile_all(run: RunFolder, missing: list[int], options: GenerationOptions,
     tasks = [(run.path / COUSINS / str(k), options.usd) for k in missing]
     checks = results_as_completed(compiling.compile_cousin, tasks, options.workers or settings.num_threads())
     for number, (task, check) in enumerate(checks, 1):
-        run.finish(f"scenes/{missing[task]}", key, check["seconds"])
+        taken = {name: check[name] for name in ("processor_s", "memory_mb") if name in check}
+        run.finish(f"scenes/{missing[task]}", key, check["seconds"], **taken)
         report(options.cousins - len(missing) + number, options.cousins)
 
 
@@ -211,7 +212,7 @@ def _bank(run: RunFolder, progress: Progress, options: GenerationOptions, before
         clock = Clock()
         folders = [run.path / COUSINS / str(k) / compiling.SCENE for k in range(options.cousins)]
         pack_bank(folders, ["test"] * len(folders)).save(run.path / BANK)
-        run.finish("bank", key, clock.seconds)
+        run.finish("bank", key, clock.seconds, **clock.resources)
     report(1, 1)
     return key
 
@@ -236,7 +237,7 @@ def _report(
         # Reports were once a page with a folder of images.
         shutil.rmtree(run.path / REPORT, ignore_errors=True)
         v.write_atomically(run.path / "report.html", lambda p: p.write_text(html, encoding="utf-8"))
-        run.finish(REPORT, key, clock.seconds)
+        run.finish(REPORT, key, clock.seconds, **clock.resources)
     report(1, 1)
 
 

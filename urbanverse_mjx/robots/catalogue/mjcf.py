@@ -156,6 +156,11 @@ def lags(row: Row) -> tuple[float, float]:
     return speed, max(servo * inertia / (row.mass * half * half), 0.15)
 
 
+def carrying(row: Row) -> int:
+    """Number of driven wheels on the ground."""
+    return sum(len(wheel.sides()) for wheel in row.driven if not wheel.lift)
+
+
 @dataclasses.dataclass(frozen=True)
 class Motor:
     """A speed servo: gain (N m s/rad), largest torque (N m), inertia behind its gear (kg m^2)."""
@@ -170,7 +175,7 @@ def motor(row: Row, wheel: WheelRow) -> Motor:
     if row.drive == "balance":
         return Motor(1.0, math.inf, 0.0)
     more = motor_inertia(row)
-    share = row.mass * wheel.radius**2 / sum(len(w.sides()) for w in row.driven)
+    share = row.mass * wheel.radius**2 / carrying(row)
     torque = (1.0 + more) * share / wheel.radius * acceleration(row)
     return Motor(more * share / (_SERVO_STEPS * _STEP), torque, more * share)
 
@@ -179,7 +184,7 @@ def bend(row: Row) -> float:
     """m/s per m/s², see `WheelTable.bend`."""
     wheel = row.driven[0]
     moment = row.mass * (row.centre[0] - row.axle)
-    return moment / (2.0 * wheel.y * len(row.driven)) * wheel.radius**2 / motor(row, wheel).gain
+    return moment / (wheel.y * carrying(row)) * wheel.radius**2 / motor(row, wheel).gain
 
 
 def factor_of(row: Row) -> float:
@@ -189,7 +194,7 @@ def factor_of(row: Row) -> float:
 
 def slide(row: Row) -> float:
     """m/s, see `WheelTable.slide`: the error of a motor's speed at which it holds against a tyre that slides."""
-    wheel, load = row.driven[0], row.mass * _GRAVITY / sum(len(w.sides()) for w in row.driven)
+    wheel, load = row.driven[0], row.mass * _GRAVITY / carrying(row)
     return _SLIDE_FRICTION * load * wheel.radius**2 / motor(row, wheel).gain
 
 

@@ -172,8 +172,8 @@ def _row(name: str, table: Any) -> Row:
 
 
 def _check(made: Row, where: str) -> None:
-    if not made.driven:
-        raise v.fail(f"{where}.wheels", "none that is driven", "at least one with driven = true")
+    if not any(not wheel.lift for wheel in made.driven):
+        raise v.fail(f"{where}.wheels", "none on the ground that is driven", "at least one with driven = true")
     steered = [wheel for wheel in made.wheels if wheel.steer]
     if bool(steered) != (made.drive in ("ackermann", "swerve")):
         found = f"{len(steered)} rows of steered wheels for the drive {made.drive!r}"
