@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from benchmarks import robots as figures_of
 from benchmarks.lib.robot_drives import LevelGround, drive_figures, image_of, parity_figures
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.datatypes import Response, RobotSpec, ValidationError
@@ -268,7 +269,7 @@ def test_the_controller_of_the_balancer_is_stable() -> None:
 @pytest.mark.parametrize(
     ("name", "impl"),
     [
-        ("courier", "warp"),
+        ("tracked", "warp"),
         ("mobility", "warp"),
         ("balancer", "warp"),
         pytest.param("courier", "jax", marks=pytest.mark.slow),
@@ -309,3 +310,20 @@ def test_wheels_of_a_table_are_data() -> None:
     table = WheelTable((one,), 0.0, 1.0, 1, 1.0, 1.0)
     assert table.motors == (0,)
     np.testing.assert_allclose(table(np.array([0.5, 1.0])), [4.0], rtol=1e-6)
+
+
+# Figures.
+
+
+def test_figures_are_kept_and_shown(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "robots.csv"
+    planner = {"success": 0.75, "interval": [0.5, 0.9], "ends": {"goal": 12, "hit": 4}}
+    drive = {"speed": 1.0, "brake_distance": 0.15, "yaw_ratio": [0.9, 1.1], "turning_radius": None}
+    for figures in ({**planner, "success": 0.0}, planner):
+        figures_of.keep("husky", "planner", figures, path)
+    figures_of.keep("husky", "drive", drive, path)
+    assert figures_of.kept(path)["husky"] == {"planner": planner, "drive": drive}
+    row = "| `husky` | 1.00 | 0.15 | 0.90-1.10 | on the spot |  |  | 75 % [50, 90] | 12 goal, 4 hit |"
+    assert row in figures_of.measured_text(path)
+    with pytest.raises(ValidationError, match="--robots: found huskie"):
+        figures_of.main(["--drive", "--robots", "huskie"])

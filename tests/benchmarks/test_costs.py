@@ -1,0 +1,80 @@
+"""Costs: read from the records of runs and of the library, and estimated for an endpoint."""
+
+import json
+import pathlib
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks import costs
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.importing import vision
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.pipeline.generation.run_folder import Clock
+
+
+def written(path: pathlib.Path, body: Any) -> pathlib.Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(body), encoding="utf-8")
+    return path
+
+
+def test_a_clock_tells_processor_time_and_the_largest_memory_since_it_was_made() -> None:
+    clock = Clock()
+    before = clock.resources
+    large = np.ones(8 * 2**20)  # 64 MB
+    while clock.resources["processor_s"] < before["processor_s"] + 0.05:
+        large.sum()
+    after = clock.resources
+    del large
+    assert after["memory_mb"] >= before["memory_mb"] + 40.0
+    assert Clock().resources["memory_mb"] < after["memory_mb"] - 30.0, "a new clock forgets"
+
+
+def test_stages_of_a_run(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(ValidationError, match=r"no run\.json"):
+        costs.run_costs(tmp_path)
+    stage = {"key": "k", "seconds": 9.0}
+    written(tmp_path / "run.json", {"stages": {"graph": stage}})
+    with pytest.raises(ValidationError, match=r"no processor time.*run `urbanverse gen` again"):
+        costs.run_costs(tmp_path)
+    taken = {**stage, "processor_s": 4.0, "memory_mb": 300.0}
+    written(
+        tmp_path / "run.json", {"stages": {"graph": taken, "scenes": stage, "scenes/0": {**taken, "processor_s": 6.0}}}
+    )
+    found = costs.run_costs(tmp_path)
+    assert found["stages"] == {
+        "graph": {"processor_s": 4.0, "memory_mb": 300.0},
+        "scenes/0": {"processor_s": 6.0, "memory_mb": 300.0},
+    }
+
+
+def test_scenes_an_hour_are_core_hours_over_the_mean(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    with pytest.raises(ValidationError, match="urbanverse scene library places"):
+        costs.library_costs("places")
+    for k, spent in enumerate((10.0, 20.0, 30.0)):
+        written(tmp_path / f"library/places/records/{k}.json", {"processor_s": spent, "objects": 100 + k})
+    found = costs.library_costs("places")
+    assert (found["processor_s"], found["most_s"], found["objects"]) == (20.0, 30.0, 101)
+    assert (found["scenes_an_hour_2_cores"], found["scenes_an_hour_16_cores_estimated"]) == (360, 2880)
+
+
+def test_tokens_of_an_annotation() -> None:
+    """Four images of at most 765 tokens, the letters of the prompt by four, and the prices."""
+    found = costs.endpoint_costs()["asset"]
+    letters = len(vision.PROMPT.format(name='""', leaves=", ".join(ontology.categories())))
+    assert found["sent"] == 4 * 765 + letters // 4
+    assert found["dollars"] == pytest.approx((found["sent"] * 1.0 + 500 * 4.0) / 1e6, abs=1e-4)
+
+
+def test_the_page_has_every_stage_and_a_sum(tmp_path: pathlib.Path) -> None:
+    stages = {"graph": {"processor_s": 4.0, "memory_mb": 300.0}, "frames": {"processor_s": 2.0, "memory_mb": None}}
+    path = tmp_path / "costs.csv"
+    costs.keep("walk", "run", {"frames": 8, "perceived": True, "stages": stages}, path)
+    costs.keep("walk", "run", {"frames": 4, "perceived": True, "stages": stages}, path)
+    text = costs.page_text(path)
+    assert text.index("| frames | 2.0 | 0.50 |") < text.index("| graph | 4.0 | 1.00 | 300 |")
+    assert "| all | 6.0 |" in text
+    assert "8 frames" not in text, "a later run replaces an earlier one"
