@@ -6,11 +6,14 @@ import tyro
 
 
 def list_envs() -> None:
-    """List the registered environments and their presets."""
+    """List the registered environments and their presets, and the robots of docs/robots.md."""
     from ..envs import registry
+    from ..robots import catalogue
 
+    robots = {catalogue.environment_name(name): catalogue.row(name) for name in catalogue.NAMES}
     for name in registry.all_envs():
-        print(f"{name}  (presets: {', '.join(registry.presets(name))})")
+        what = f"  {robots[name].title}: {robots[name].kind}" if name in robots else ""
+        print(f"{name}  (presets: {', '.join(registry.presets(name))}){what}")
 
 
 def main(argv: Sequence[str]) -> int:
