@@ -14,10 +14,15 @@ MODULE = '''
 import numpy as np
 LIMIT = 2.0
 
+@dataclasses.dataclass(frozen=True)
+class Range:
+    """Of numbers."""
+
 def inside(x: int, *more: "1 < 2") -> bool:
     """Whether x < LIMIT + 1."""
     if not x > 0 and x != 3:
         raise ValueError(f"found {x + 1}")
+    abs(x, x)
     return np.minimum(x, LIMIT) - 1 < min(x, 5) + abs(x, 5)
 '''
 
@@ -26,15 +31,15 @@ def test_changes_are_of_code_each_of_one_place() -> None:
     found = [plant("m.py", MODULE, place) for place in places_of(MODULE)]
     small = {(m.line, m.before, m.after) for m in found if len(m.before) < 12}
     assert small == {
-        (4, "2.0", "4.0"), (8, "x > 0", "x >= 0"), (8, "x != 3", "x == 3"), (8, "0", "1"), (8, "3", "4"),
-        (8, "not x > 0", "not not x > 0"), (10, "min(x, 5)", "max(x, 5)"), (10, "abs(x, 5)", "abs(5, x)"),
-        (10, "1", "2"), (10, "5", "6"), (10, "np.minimum", "np.maximum"),
+        (4, "2.0", "4.0"), (12, "x > 0", "x >= 0"), (12, "x != 3", "x == 3"), (12, "0", "1"), (12, "3", "4"),
+        (12, "not x > 0", "not not x > 0"), (15, "min(x, 5)", "max(x, 5)"), (15, "abs(x, 5)", "abs(5, x)"),
+        (15, "1", "2"), (15, "5", "6"), (15, "np.minimum", "np.maximum"),
     }  # fmt: skip
     plain = ast.unparse(ast.parse(MODULE)).splitlines()
     for mutant in found:
         lines = difflib.ndiff(plain, mutant.source.rstrip().splitlines())
         assert sum(line.startswith("+ ") for line in lines) == 1, mutant
-        assert (mutant.statement, mutant.line) in ((4, 4), (8, 8), (10, 10))
+        assert (mutant.statement, mutant.line) in ((4, 4), (12, 12), (15, 15))
     assert len({mutant.name for mutant in found}) == len(found)
 
 

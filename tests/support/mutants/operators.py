@@ -21,7 +21,7 @@ _NAMES = {
 
 #: Functions whose arguments may change places.
 _SYMMETRIC = frozenset(
-    {"max", "min", "maximum", "minimum", "logical_and", "logical_or", "hypot", "allclose", "isclose"}
+    {"max", "min", "maximum", "minimum", "logical_and", "logical_or", "hypot", "allclose", "isclose", "cw_mul", "dot"}
 )
 
 
@@ -79,6 +79,8 @@ def _not_code(node: ast.AST) -> Iterator[ast.AST]:
     elif isinstance(node, ast.FunctionDef):
         yield from [node.returns] if node.returns is not None else []
         yield from node.decorator_list
+    elif isinstance(node, ast.ClassDef):
+        yield from node.decorator_list
     elif isinstance(node, ast.Raise | ast.Assert):
         yield node
     elif (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) or (
@@ -99,7 +101,8 @@ def _changes(node: ast.AST) -> Iterator[Callable[[Any], None]]:
             yield lambda x: setattr(x.func, "id", _NAMES[x.func.id])
         name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
         plain = not any(isinstance(a, ast.Starred) for a in node.args[-2:])
-        if len(node.args) > 1 and plain and name not in _SYMMETRIC:
+        other = len(node.args) > 1 and ast.dump(node.args[-1]) != ast.dump(node.args[-2])
+        if other and plain and name not in _SYMMETRIC:
             yield lambda x: x.args.__setitem__(slice(-2, None), x.args[:-3:-1])
     elif isinstance(node, ast.Return) and isinstance(node.value, ast.BinOp):
         yield lambda x: setattr(x, "value", ast.UnaryOp(ast.USub(), x.value))
