@@ -8,24 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from tests.support import disturbed_steps
 from tests.support.unicycle import UnicycleEngine, unicycle_env, unicycle_robot
 from tests.support.unsound import NO_NUMBERS, float_leaves, spoil, unsound
 from urbanverse_mjx.datatypes import AgentMotion, SceneBank, SimState
-from urbanverse_mjx.envs import NavEnv, Result, registry
+from urbanverse_mjx.envs import NavEnv, Result
 from urbanverse_mjx.envs.finite import MAX_MAGNITUDE, is_sound
-
-#: Of 500 envs in each scenario: a million steps of each engine.
-ROUNDS = 1000
-#: As few people as have all parts of a crowd, so that JAX compiles the step in minutes: walkers, one vehicle, and one
-#: object that they may push.
-FEW_PEOPLE = {
-    **{f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist")},
-    "crowd.slots.pedestrian": 3,
-    "crowd.slots.car": 1,
-    "movable.bodies": 1,
-    "movable.awake": 1,
-    "movable.hulls": 1,
-}
 
 
 class BrokenEngine(UnicycleEngine):
@@ -113,19 +101,7 @@ def test_the_largest_number_is_sound_and_the_next_is_not() -> None:
 @pytest.mark.parametrize("impl", ["jax", "warp"])
 @pytest.mark.parametrize("scenario", ["static", "dynamic"])
 def test_half_a_million_spoilt_steps_of_an_engine(small_bank: SceneBank, impl: str, scenario: str) -> None:
-    overrides = {"preset": "cpu", "scenes": "all", "vision": False, "impl": impl, "scenario": scenario}
-    overrides |= FEW_PEOPLE if scenario == "dynamic" else {}
-    env = registry.load("CocoNav", config_overrides=overrides, bank=small_bank)
-    envs, rng = 500, np.random.default_rng(0)
-    state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), envs))
-    step = jax.jit(jax.vmap(env.step))
-    for k in range(ROUNDS):
-        spoilt = np.flatnonzero(rng.random(envs) < 0.3)
-        action = rng.uniform(-2.0, 2.0, (envs, 2)).astype(np.float32)
-        pushed = np.flatnonzero(rng.random(envs) < 0.1)
-        action[pushed, rng.integers(2, size=len(pushed))] = rng.choice(NO_NUMBERS, len(pushed))
-        after = step(dataclasses.replace(state, data=spoil(state.data, rng, spoilt, k)), jnp.asarray(action))
-        assert unsound(after) == [], k
-        assert (np.asarray(after.info["result"])[spoilt] == Result.NON_FINITE).all()
-        # Half of the steps continue from the result of the last corrupted state.
-        state = after if k % 2 else state
+    env = disturbed_steps.env_of(small_bank, impl, scenario)
+    programs = disturbed_steps.programs(env)
+    for part in range(500_000 // disturbed_steps.PART):
+        disturbed_steps.disturb_part(*programs, part)
