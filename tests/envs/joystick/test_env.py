@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.support.unsound import float_leaves, spoil, unsound
-from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.datatypes import GroundRegion, SceneBank, ValidationError
 from urbanverse_mjx.envs import JoystickEnv, Result, State, check_env, joystick_config, registry
 from urbanverse_mjx.envs.joystick import terms
 from urbanverse_mjx.envs.joystick.draws import draw_body, draw_command, draw_push
@@ -22,11 +22,28 @@ from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_reg
 Compiled = tuple[Callable[..., State[Any]], Callable[..., State[Any]]]
 
 
+#: m, middle of the ground of the scenes; not 0, where a wrong factor changes nothing.
+MIDDLE = (2.0, -1.5)
+
+
+def moved_ground(kind: str, level: int) -> list[GroundRegion]:
+    """Regions of a terrain around `MIDDLE`."""
+    dx, dy = MIDDLE
+    return [
+        dataclasses.replace(
+            r,
+            polygon=tuple((x + dx, y + dy) for x, y in r.polygon),
+            plane=(r.plane[0], r.plane[1], r.plane[2] - r.plane[0] * dx - r.plane[1] * dy),
+        )
+        for r in terrain_regions(kind, level)
+    ]
+
+
 @functools.cache
 def small_bank() -> SceneBank:
     """Two levels of level ground and of kerbs."""
     names = [(kind, level) for kind in ("flat", "kerbs") for level in (0, 1)]
-    return pack_regions([region_scene(f"{k}-{n}", terrain_regions(k, n)) for k, n in names])
+    return pack_regions([region_scene(f"{k}-{n}", moved_ground(k, n)) for k, n in names])
 
 
 def load(**overrides: Any) -> JoystickEnv:
@@ -60,6 +77,9 @@ def test_an_episode_begins_near_the_standing_pose(calm: JoystickEnv, two_calm: C
     assert abs(joints.mean()) < 0.02
     assert 0.25 < np.abs(speeds[:, :6]).max() < 0.3001
     assert (speeds[:, 6:] == 0.0).all()
+    away = np.concatenate([np.asarray(s.qpos[:, :2]) for s in states]) - MIDDLE
+    reach = joystick_config().terrain.start_range
+    assert 0.8 * reach < np.abs(away).max() < reach + 0.01, "around the middle of the ground"
 
 
 def test_standing_still_earns_more_than_falling(two_calm: Compiled) -> None:
