@@ -319,6 +319,30 @@ def test_a_graph_of_another_model_is_refused_with_both_signatures(tmp_path: path
         agent(observation((12, 16), [0], [[1.0, 0.0]]))
 
 
+def test_a_robot_of_several_bodies_is_turned_and_moved_as_a_whole(small_bank: SceneBank) -> None:
+    """Leaning, with wheels that are turned, and from a start that is not at height 0."""
+    env = unicycle_env(small_bank, vision=True)
+    nav = jax.jit(env.begin_at)(jax.random.key(0), jnp.int32(0), jnp.int32(1))
+    rng = np.random.default_rng(0)
+    xpos = np.float32([[0, 0, 0], [4.0, -3.0, 0.9], [4.4, -2.8, 0.5], [3.7, -3.3, 0.4]])
+    xquat = rng.normal(size=(4, 4)).astype(np.float32)
+    xquat[1] = [1.0, 0.1, -0.2, 2.0]
+    xquat /= np.linalg.norm(xquat, axis=1, keepdims=True)
+    start = jnp.float32([4.0, -3.0, 0.35, 1.7])
+    sim = nav.sim._replace(xpos=jnp.asarray(xpos), xquat=jnp.asarray(xquat))
+    there = at_goal(nav._replace(sim=sim, start=start), 1).sim
+    moved = np.asarray(there.xpos)
+    np.testing.assert_allclose(moved[1], [*nav.goal[:2], nav.goal[2] + 0.9 - 0.35], atol=1e-5)
+    np.testing.assert_array_equal(moved[0], xpos[0])
+    np.testing.assert_array_equal(there.xquat[0], xquat[0])
+    turn = np.asarray(jax.vmap(rotations.matrix)(there.xquat)) @ np.asarray(
+        jax.vmap(rotations.matrix)(xquat)
+    ).transpose(0, 2, 1)
+    np.testing.assert_allclose(turn[1:, 2], np.tile([0.0, 0.0, 1.0], (3, 1)), atol=1e-5, err_msg="about the vertical")
+    np.testing.assert_allclose(turn[2:], turn[1:-1], atol=1e-5, err_msg="all bodies alike")
+    np.testing.assert_allclose(moved[2:] - moved[1], (xpos[2:] - xpos[1]) @ turn[1].T, atol=1e-5)
+
+
 def test_the_goal_is_seen_from_the_goal_in_the_direction_of_arrival(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, vision=True)
     begin = jax.vmap(env.begin_at)
