@@ -25,7 +25,7 @@ from urbanverse_mjx.crowds import (
 )
 from urbanverse_mjx.crowds.crowd import Crowd, CrowdModel, CrowdTables, make_tables
 from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
-from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.datatypes import GROUND_KINDS, SceneBank, ValidationError
 
 NOBODY = spawning.Observer(jnp.float32(0), jnp.float32(0), jnp.float32(0), jnp.array(False))
 
@@ -160,6 +160,19 @@ def test_ways_lead_to_their_goals(spaces: dict[str, FreeSpace], group: str) -> N
             raise AssertionError(f"{start} does not lead to {goals[goal]}")
     if group == "drive":
         assert np.mean(on_right) > 0.75
+
+
+@pytest.mark.parametrize(("side", "goes"), [(4.5, False), (5.9, True)])
+def test_a_yard_of_less_than_25_square_metres_has_no_walkers(side: float, goes: bool) -> None:
+    """Nodes half a clearance of 0.35 m inside its walls count: 3.8² m² of the small one, 5.2² of the other."""
+    cells = round(8.0 / CELL)
+    kind = np.zeros((cells, cells), np.int8)
+    inner = slice(round(1.0 / CELL), round((1.0 + side) / CELL))
+    kind[inner, inner] = GROUND_KINDS.index("sidewalk")
+    space = FreeSpace(np.zeros(2), kind > 0, kind)
+    fields, goals, places, place_goal = goal_fields.fields_of(space, goal_fields.RULES["foot"])
+    assert (len(goals) >= 2) == (len(places) > 0) == goes
+    assert (len(fields), len(place_goal)) == (len(goals), len(places))
 
 
 @pytest.mark.parametrize("degrees", [0.0, 90.0, 30.0, 45.0, 160.0])

@@ -184,17 +184,19 @@ def test_roads_are_seen_and_never_touched() -> None:
     assert models[1].ngeom - models[0].ngeom == extra
     for scene, place, drawn in ((plain, None, {}), (marked, ("Osaka", "Japan"), {"drawn": extra})):
         made, index = layout(place)
-        one = dataclasses.replace(scene, episodes=one_episode())
+        one = dataclasses.replace(scene, episodes=three_episodes())
         counts = scene_metadata(made, index, one, make_coco(), RobotSize())["counts"]
         assert counts["regions"] == len(made.ground)
         assert {k: n for k, n in counts.items() if k == "drawn"} == drawn
+        assert (counts["episodes"], counts["goals"], counts["objects"]) == (3, 2, 1)
+        assert (counts["hulls"], counts["prisms"]) == (len(scene.inst_hull), len(scene.prism_hull))
 
 
-def one_episode() -> EpisodeTable:
-    no = np.zeros(1, bool)
-    return EpisodeTable(
-        np.zeros((1, 4)), np.zeros((1, 3)), np.zeros((1, 1, 3)), np.ones(1, np.int32), np.ones(1), no, no, np.ones(1)
-    )
+def three_episodes() -> EpisodeTable:
+    """Of which two have the same goal."""
+    no, one = np.zeros(3, bool), np.ones(3)
+    goal = np.array([[5.0, 2.0, 0.0], [5.0, 4.0, 0.0], [5.0, 2.0, 0.0]])
+    return EpisodeTable(np.zeros((3, 4)), goal, np.zeros((3, 1, 3)), np.ones(3, np.int32), one, no, no, one)
 
 
 def test_a_layout_without_a_place_has_the_json_and_the_image_of_before() -> None:

@@ -64,6 +64,32 @@ def test_slopes_have_no_edge_and_the_slope_of_their_level() -> None:
     assert slopes == {0.0, 0.45}
 
 
+def lengths(kind: str, level: int) -> tuple[np.ndarray, np.ndarray]:
+    """m, along x, of the level strips of some terrains and of the inclined ones, the last of each left out."""
+    level_ones, inclined = [], []
+    for seed in range(12):
+        for region in terrain.terrain_regions(kind, level, seed)[:-1]:
+            (inclined if region.plane[0] else level_ones).append(np.ptp([p[0] for p in region.polygon]))
+    return np.array(level_ones), np.array(inclined)
+
+
+@pytest.mark.parametrize(("kind", "low", "high"), [("kerbs", 1.0, 2.5), ("stairs", 0.3, 1.6), ("slopes", 1.0, 1.6)])
+def test_strips_are_as_long_as_the_kind_says(kind: str, low: float, high: float) -> None:
+    """m; docs/decisions/go2.md has the distance of kerbs, steps out of doors have treads of 0.30 to 0.38 m."""
+    found, inclined = lengths(kind, 5)
+    for ends, part in [((low, high), found), ((1.5, 3.0), inclined)]:
+        if len(part):
+            assert ends[0] - 1e-6 <= part.min() < ends[0] + 0.1
+            assert ends[1] - 0.1 < part.max() <= ends[1] + 1e-6
+    if kind == "stairs":
+        treads = found[found < 0.9]
+        assert treads.max() <= 0.38 + 1e-6
+        assert treads.max() > 0.37
+        # Three treads of a flight of four steps, then a landing.
+        assert (found > 0.9).sum() == pytest.approx(len(treads) / 3, rel=0.1)
+    assert (len(inclined) > 0) == (kind == "slopes")
+
+
 def test_unknown_kinds_and_levels_are_refused() -> None:
     with pytest.raises(ValidationError, match="terrain kind"):
         terrain.terrain_regions("moon", 0)
