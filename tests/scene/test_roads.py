@@ -192,6 +192,27 @@ def test_roads_are_seen_and_never_touched() -> None:
         assert (counts["hulls"], counts["prisms"]) == (len(scene.inst_hull), len(scene.prism_hull))
 
 
+def test_bays_are_drawn_around_the_parked_cars_of_a_layout() -> None:
+    """Across the road half the length of a car and at most a metre before and behind it."""
+    made, index = layout(("Rome", "Italy"))
+    (car,) = made.objects
+    cars = (
+        dataclasses.replace(car, position=(20.0, 2.5, 0.0)),
+        dataclasses.replace(car, id="longer", position=(34.0, 2.5, 0.0), yaw=np.pi, scale=(1.3, 1.0, 1.0)),
+    )
+    scene = scene_geometry(dataclasses.replace(made, objects=cars), index)
+    rows = [i for i, name in enumerate(scene.region_ids) if name.startswith("drawn/blue/road_marking")]
+    meshes = [scene.meshes[scene.region_mesh[i]] for i in rows]
+    places = [scene.region_position[i] for i in rows]
+    corners = np.concatenate([(m.vertices + p)[m.faces] for m, p in zip(meshes, places, strict=True)])
+    across = corners[np.ptp(corners[..., 0], axis=1) < 0.2][..., 0].ravel()
+    for placed in cars:
+        half = index.get(placed.asset_uid).extent_xyz[0] * placed.scale[0] / 2
+        for side in (-1, 1):
+            line = across[(across - placed.position[0]) * side > 0]
+            assert half < np.abs(line - placed.position[0]).min() < half + 1.0
+
+
 def three_episodes() -> EpisodeTable:
     """Of which two have the same goal."""
     no, one = np.zeros(3, bool), np.ones(3)

@@ -72,6 +72,38 @@ def test_paper_rewards() -> None:
     assert float(terms.reward_progress(jnp.float32(7.0), jnp.float32(6.5))) == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize(
+    ("distance", "reward"), [(0.0, 1.0), (0.4, 1.0), (0.7, 0.5), (0.85, 0.25), (1.0, 0.0), (3.0, 0.0)]
+)
+def test_nearness_of_hulls_grows_from_a_metre_to_forty_centimetres(distance: float, reward: float) -> None:
+    assert float(terms.reward_near_object(jnp.float32(distance))) == pytest.approx(reward, abs=1e-6)
+
+
+def test_terms_of_ends_and_hits_are_one_on_their_step() -> None:
+    for result in Result:
+        code = jnp.int32(result)
+        assert float(terms.reward_arrived(code)) == (result == Result.GOAL)
+        assert float(terms.reward_off_traversable(code)) == (result == Result.OFF_TRAVERSABLE)
+    assert [float(terms.reward_hit(jnp.bool_(hit))) for hit in (False, True)] == [0.0, 1.0]
+    # A standing robot's jitter earns less the slower it is.
+    slow = terms.reward_velocity_cosine(jnp.array([0.01, 0.0]), jnp.array([10.0, 0.0]))
+    assert float(slow) == pytest.approx(0.2)
+
+
+def test_places_beside_a_route_and_their_distances_to_it() -> None:
+    """Along an L that rises by 1 m over its second leg; left of its first leg is north, of its second west."""
+    corners = jnp.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 5.0, 1.0]])
+    along, aside = jnp.array([0.0, 2.0, 5.0, 7.5, 12.0]), jnp.array([0.0, 1.0, -2.0, 0.5, 0.0])
+    points, piece = terms.beside_route(corners, along, aside)
+    expected = [[0, 0, 0], [2, 1, 0], [7, 0, 0], [4.5, 2.5, 0.5], [5, 7, 1.4]]
+    np.testing.assert_allclose(points, expected, atol=1e-5)
+    assert piece.tolist() == [0, 0, 1, 1, 1]
+    away = terms.distance_to_route(jnp.asarray(points)[:, :2], corners[:, :2])
+    np.testing.assert_allclose(away, [0.0, 1.0, 2.0, 0.5, 2.0], atol=1e-5)
+    flat, _ = terms.beside_route(corners[:, :2], along, aside)
+    np.testing.assert_allclose(flat, np.array(expected)[:, :2], atol=1e-5)
+
+
 def test_result_precedence() -> None:
     flags = {
         "finite": True,
