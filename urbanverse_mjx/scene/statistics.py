@@ -56,7 +56,8 @@ _OPTIONS = SectionOptions()
 
 @dataclasses.dataclass(frozen=True)
 class PavementWidths:
-    """Cross-sections of all pavements of a scene, every half metre along their middle lines.
+    """Cross-sections of all pavements of a scene, one in each square of half a metre that their middle lines cross:
+    every half metre along x or y, at 45 degrees every 0.71 m.
 
     Attributes:
       full: (n,) m between kerb and house.
