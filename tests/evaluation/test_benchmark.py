@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import pathlib
+from typing import Any
 
 import jax
 import numpy as np
@@ -15,7 +16,7 @@ from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, SceneBank, ValidationError
 from urbanverse_mjx.evaluation import benchmark, go_to_goal
 from urbanverse_mjx.evaluation.agents import zero
-from urbanverse_mjx.evaluation.frozen import RUNS, Protocol, freeze, half_rows
+from urbanverse_mjx.evaluation.frozen import RUNS, FrozenEpisode, Protocol, freeze, half_rows
 from urbanverse_mjx.evaluation.scores import by_scene, over_runs, over_scenes, scores
 from urbanverse_mjx.scene import library
 
@@ -234,3 +235,14 @@ def test_contact_is_counted_where_an_episode_goes_on(hashed: SceneBank) -> None:
     assert touched, "some path leads beyond the wall"
     assert not any(r.success for r in touched)
     assert all(r.touches and r.hit_time > 0.0 for r in touched)
+
+
+def test_the_least_episode_is_accepted_and_less_is_refused() -> None:
+    fields: dict[str, Any] = {"start": (0, 0, 0, 0), "goal": (1, 0, 0), "way": ((1, 0, 0),), "length": 1e-3, "seed": 0}
+    assert FrozenEpisode(**fields).way == ((1.0, 0.0, 0.0),)
+    for name, wrong in [
+        *[("seed", -1), ("length", 0.0), ("way", ()), ("start", (0, 0, 0)), ("goal", (1, 0)), ("goal", (1, 0, np.nan))],
+        *[("seed", 0.5), ("way", ((1, 0),))],
+    ]:
+        with pytest.raises(ValidationError, match=rf"episode\.{name}"):
+            FrozenEpisode(**{**fields, name: wrong})
