@@ -109,6 +109,15 @@ def test_a_car_behind_a_person_counts_whole(robot: RobotSpec) -> None:
     absent = standing((24.0, 6.1, 0.0, False), (29.0, 6.0, 0.0, True))
     image = jax.jit(lambda: renderer.view(0, CAMERA_POSITION, cases.AHEAD, 0.9, agents=absent))()
     assert np.asarray(image["coverage"])[slots:].tolist() == [0, found[1]]
+    # Each world has its own: elsewhere in the third, where nobody is where the others of the first stand.
+    aside = standing((24.0, 7.5, 0.0, True), (35.0, 4.0, 0.7, True))
+    worlds = jax.tree.map(lambda *x: jnp.stack(x), absent, agents, aside)
+    view = jax.jit(jax.vmap(lambda a: renderer.view(0, CAMERA_POSITION, cases.AHEAD, 0.9, agents=a)["coverage"]))
+    alone = jax.jit(lambda: renderer.view(0, CAMERA_POSITION, cases.AHEAD, 0.9, agents=aside)["coverage"])()
+    counted = np.asarray(view(worlds))[:, slots:]
+    assert counted.tolist() == [[0, found[1]], found.tolist(), np.asarray(alone)[slots:].tolist()]
+    assert (counted[2] > 5).all()
+    assert (np.abs(counted[2] - counted[1]) > 5).all()
 
 
 def test_a_pushed_object_counts_where_it_is(bank: SceneBank) -> None:
@@ -125,6 +134,8 @@ def test_a_pushed_object_counts_where_it_is(bank: SceneBank) -> None:
     np.testing.assert_allclose(found(pushed), wanted, atol=1)
     assert wanted[slots[0]] > 20
     assert np.asarray(found(home))[slots[0]] != wanted[slots[0]]
+    worlds = jax.tree.map(lambda *x: jnp.stack(x), home, pushed, home)
+    np.testing.assert_array_equal(jax.vmap(found)(worlds), [found(home), found(pushed), found(home)])
 
 
 def test_it_needs_labels_and_a_camera(bank: SceneBank) -> None:
