@@ -2,7 +2,12 @@
 
 import ast
 import difflib
+import os
 import pathlib
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 
 import pytest
 
@@ -79,6 +84,41 @@ def test_a_fault_is_judged_by_the_tests_of_its_line(project: pathlib.Path) -> No
     text = mutants.summary(list(rows.values()))
     assert "1 of 2 faults noticed (50.0 %)" in text
     assert "| urbanverse_mjx/half.py:3 | `-x` | `+x` | 3 |" in text
+
+
+@pytest.mark.skipif(not pathlib.Path("/proc/self").exists(), reason="no list of processes")
+def test_an_interrupted_run_leaves_no_tests_running(tmp_path: pathlib.Path) -> None:
+    """They run in a session of their own, which a signal to the terminal's group does not reach."""
+    note = tmp_path / "running"
+    (tmp_path / "test_long.py").write_text(
+        f"import os, pathlib, time\n\ndef test_long():\n    pathlib.Path({str(note)!r}).write_text(str(os.getpid()))\n"
+        "    time.sleep(300)\n"
+    )
+    program = (
+        "import os, pathlib\nfrom tests.support.mutants import child\nchild.LIBRARIES = ('pytest',)\n"
+        "words = ['-p', 'no:cacheprovider', 'test_long.py']\n"
+        f"if __name__ == '__main__':\n    child.run_tests(pathlib.Path({str(tmp_path)!r}), os.environ, words, 200.0)\n"
+    )
+    (tmp_path / "program.py").write_text(program)
+    environment = {**os.environ, "PYTHONPATH": str(mutants.ROOT)}
+    run = subprocess.Popen([sys.executable, str(tmp_path / "program.py")], env=environment, cwd=tmp_path)
+    assert waited(note.is_file, 120.0)
+    assert waited(lambda: note.read_text() != "", 10.0)
+    tests = pathlib.Path(f"/proc/{note.read_text()}")
+    assert tests.exists()
+    run.kill()
+    run.wait()
+    assert waited(lambda: not tests.exists() or "Z" in tests.joinpath("stat").read_text().rpartition(")")[2], 60.0)
+
+
+def waited(condition: Callable[[], bool], seconds: float) -> bool:
+    """Whether a condition holds within this time."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
 
 
 def test_tests_of_a_line_come_first_then_the_others_of_their_files() -> None:

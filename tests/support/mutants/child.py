@@ -9,6 +9,7 @@ import os
 import pathlib
 import signal
 import sys
+import threading
 from collections.abc import Mapping, Sequence
 
 #: Starts no threads and no device of JAX.
@@ -40,6 +41,7 @@ def run_tests(
 
 def _child(folder: pathlib.Path, environment: dict[str, str], words: list[str], output: pathlib.Path) -> None:
     os.setsid()
+    _end_with_parent()
     file = os.open(output, os.O_WRONLY | os.O_CREAT)
     for stream in (1, 2):
         os.dup2(file, stream)
@@ -57,3 +59,15 @@ def _child(folder: pathlib.Path, environment: dict[str, str], words: list[str], 
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     os._exit(int(status))
+
+
+def _end_with_parent() -> None:
+    """Ends this session as soon as the process that planted the fault has ended for any reason."""
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+            os.killpg(os.getpid(), signal.SIGKILL)
+
+    threading.Thread(target=watch, daemon=True).start()
