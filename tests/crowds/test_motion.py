@@ -47,6 +47,89 @@ def test_a_vehicle_backs_up_as_fast_as_it_wants_in_any_direction() -> None:
         assert float(speed[0, 0]) == pytest.approx(-0.8, abs=1e-4)
 
 
+def planes(*rows: tuple[float, float, float]) -> HalfPlanes:
+    """Velocities v with x v_x + y v_y >= offset."""
+    columns = np.array(rows, np.float32).reshape(-1, 3).T
+    return HalfPlanes(*(jnp.asarray(column)[:, None, None] for column in columns))
+
+
+def chosen_control(
+    preferred_velocity: PreferredVelocity,
+    bodies: Bodies,
+    lines: HalfPlanes | None = None,
+    place: float = 0.0,
+    front: HalfPlanes | None = None,
+    rear: HalfPlanes | None = None,
+) -> tuple[float, float, np.ndarray]:
+    """Acceleration (m/s²) and turn rate (rad/s) of a car, and how far (m) it comes in a second."""
+    traits, none = traits_of([KINDS["car"]]), planes()
+    some = none if lines is None else lines
+    # As many walls for the front as for the rear.
+    walls = front or none, rear or planes(*[(1.0, 0.0, -99.0)] * (front.offset.shape[0] if front else 0))
+    if front is None and rear is not None:
+        walls = planes(*[(1.0, 0.0, -99.0)] * rear.offset.shape[0]), rear
+    push, turn = motion.drive(some, jnp.full(some.offset.shape, place), walls, preferred_velocity, bodies, traits)
+    at, dt = bodies, 0.01
+    for _ in range(100):
+        at = motion.roll(push, turn, preferred_velocity, at, traits, dt)
+    moved = np.array([float((at.x - bodies.x)[0, 0]), float((at.y - bodies.y)[0, 0])])
+    return float(push[0, 0]), float(turn[0, 0]), moved
+
+
+@pytest.mark.parametrize("error", [-0.09, 0.0, 0.05, 0.09])
+@pytest.mark.parametrize("heading", [0.0, 2.1])
+def test_a_car_alone_takes_the_arc_whose_end_lies_where_it_wants_to_go(heading: float, error: float) -> None:
+    speed = 6.0
+    wanted = to(speed * math.cos(heading + error), speed * math.sin(heading + error), heading)
+    push, turn, moved = chosen_control(wanted, rolling(heading, speed))
+    assert abs(push) < 0.1
+    assert turn == pytest.approx(2 * error, abs=0.01)
+    np.testing.assert_allclose(moved, [wanted.x[0, 0], wanted.y[0, 0]], atol=0.1)
+
+
+def test_a_car_speeds_up_and_brakes_within_its_limits() -> None:
+    traits = traits_of([KINDS["car"]])
+    faster, slower = (chosen_control(to(v, 0.0, 0.0), rolling(0.0, 5.0)) for v in (8.0, 0.0))
+    assert faster[:2] == pytest.approx((float(np.ravel(traits.acceleration)[0]), 0.0), abs=1e-4)
+    assert slower[0] == pytest.approx(-float(np.ravel(traits.braking)[0]), abs=1e-4)
+    assert slower[2][0] < 5.0 < faster[2][0]
+
+
+def test_a_car_keeps_to_what_its_neighbours_and_walls_permit() -> None:
+    """Where a control does: slower than 3 m/s ahead; to the left of a neighbour; off a wall on its left."""
+    wanted, bodies = to(6.0, 0.0, 0.0), rolling(0.0, 6.0)
+    push, turn, moved = chosen_control(wanted, bodies, planes((-1.0, 0.0, -3.0)))
+    assert push < -2.0
+    assert moved[0] < 5.0
+    _, turn, moved = chosen_control(wanted, bodies, planes((0.0, 1.0, 0.5)))
+    assert turn > 0.1
+    assert moved[1] > 0.3
+    left = to(6.0 * math.cos(0.2), 6.0 * math.sin(0.2), 0.0)
+    _, free, _ = chosen_control(left, bodies)
+    _, turn, moved = chosen_control(left, bodies, front=planes((0.0, -1.0, -0.3)))
+    assert turn < 0.5 * free
+    assert moved[1] < 0.5
+
+
+def test_the_front_and_the_rear_of_a_turning_car_swing_to_opposite_sides() -> None:
+    """Turning left, its front moves to the left more than its middle does, and its rear to the right."""
+    slow = KINDS["car"].turn_radius
+    speed = 2.0
+    left, bodies = to(speed * math.cos(0.25), speed * math.sin(0.25), 0.0), rolling(0.0, speed)
+    _, free, moved = chosen_control(left, bodies)
+    assert 0.0 < free <= speed / slow + 1e-3
+    right_wall = planes((0.0, 1.0, -0.05))  # velocities to the right of at most 5 cm/s
+    assert chosen_control(left, bodies, front=right_wall)[1] == pytest.approx(free, abs=1e-4)
+    assert chosen_control(left, bodies, rear=right_wall)[1] < free - 0.02
+    left_wall = planes((0.0, -1.0, -moved[1] - 0.1))  # the middle may, the front may not
+    assert chosen_control(left, bodies, rear=left_wall)[1] == pytest.approx(free, abs=1e-4)
+    assert chosen_control(left, bodies, front=left_wall)[1] < free - 0.02
+    # A neighbour beside its front, its middle or its rear.
+    assert chosen_control(left, bodies, left_wall, place=1.0)[1] < free - 0.02
+    assert chosen_control(left, bodies, left_wall, place=0.0)[1] == pytest.approx(free, abs=1e-4)
+    assert chosen_control(left, bodies, right_wall, place=-1.0)[1] < free - 0.02
+
+
 WALKER = dataclasses.replace(KINDS["pedestrian"], acceleration=2.0, braking=3.0, wall_horizon=0.8)
 NO_WALLS = HalfPlanes(*(jnp.zeros((0, 1, 1)),) * 3)
 

@@ -53,6 +53,23 @@ def test_kerbs_grow_with_the_level_and_leave_the_tests_heights_out() -> None:
         assert np.abs(found[:, None] - np.array([0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20])).min() > 0.0029
 
 
+def test_kerbs_lead_up_from_the_street_by_one_or_two_and_down_again() -> None:
+    """Three of ten first kerbs are followed by a second one; nothing is lower than the street."""
+    second = first = 0
+    for seed in range(20):
+        heights = [r.plane[2] for r in terrain.terrain_regions("kerbs", 7, seed)]
+        assert heights[0] == 0.0
+        up = [0]
+        for a, b in itertools.pairwise(heights):
+            up.append(up[-1] + (1 if b > a else -1))
+            first += up[-2] == 0
+            second += up[-2] == 1 and up[-1] == 2
+            assert (up[-1] == 0) == (abs(b) < 1e-9)
+        assert set(up) <= {0, 1, 2}
+    assert first > 40
+    assert second / first == pytest.approx(0.3, abs=0.15)
+
+
 def test_stairs_rise_and_fall_by_one_height() -> None:
     steps = np.abs(_edges("stairs", 9))
     np.testing.assert_allclose(steps, 0.17, atol=1e-6)
