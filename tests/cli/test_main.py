@@ -2,6 +2,8 @@
 
 import errno
 import importlib
+import io
+import os
 import pathlib
 import subprocess
 import sys
@@ -152,6 +154,32 @@ def test_a_reader_that_goes_away_is_no_traceback() -> None:
     done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
     assert done.stdout == "x" * 10
     assert "Traceback" not in done.stderr
+
+
+def test_text_that_the_terminal_does_not_have_is_escaped(command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A street of a city with an umlaut, and the bars of progress, on a terminal of plain ASCII."""
+    command(lambda _: print("Zürich ━") or print("Łódź", file=sys.stderr))
+    written = {}
+    for name in ("stdout", "stderr"):
+        written[name] = io.BytesIO()
+        monkeypatch.setattr(sys, name, io.TextIOWrapper(written[name], encoding="ascii"))
+    assert cli.main(["probe"]) == 0
+    sys.stderr.flush()
+    assert written["stdout"].getvalue() == b"Z\\xfcrich \\u2501\n"
+    assert written["stderr"].getvalue() == b"\\u0141\\xf3d\\u017a\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a folder in use cannot be removed")
+@pytest.mark.parametrize("path", ["a/b.json", None])
+def test_a_working_folder_that_was_removed_is_named(
+    path: str | None, command, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    command(lambda _: os.getcwd() if path is None else pathlib.Path(path).read_text())
+    assert cli.main(["probe"]) == 2
+    assert capsys.readouterr().err.startswith("error: the working folder: found that it was removed, needed")
 
 
 @pytest.mark.skipif(not pathlib.Path("/dev/full").exists(), reason="no device that is always full")

@@ -8,10 +8,12 @@ found a problem or a bug was hit, 2 wrong use or wrong input (one sentence on st
 import difflib
 import gc
 import importlib
+import io
 import os
 import pathlib
 import sys
 from collections.abc import Sequence
+from typing import TextIO
 
 from .. import __version__, settings
 from ..pipeline.errors import refusal
@@ -64,6 +66,8 @@ def usage() -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command line (`sys.argv` by default) and returns the exit status."""
     cache = None
+    for stream in (sys.stdout, sys.stderr):
+        _print_any_text(stream)
     if argv is None:
         # Must run before JAX is imported.
         cache = settings.use_compilation_cache()
@@ -82,6 +86,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _refuse(f"standard output: {sentence}") if sentence else 1
+
+
+def _print_any_text(stream: TextIO) -> None:
+    """Prints characters that the terminal's encoding does not have as escapes, in place of an error in the middle of a
+    command: names of streets, and the bars of progress."""
+    if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+        stream.reconfigure(errors="backslashreplace")
 
 
 def _choose(argv: list[str], cache: pathlib.Path | None) -> int:

@@ -2,6 +2,7 @@
 
 import difflib
 import functools
+import math
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
@@ -12,6 +13,7 @@ from ml_collections import ConfigDict
 from .. import settings
 from ..datatypes import SceneBank, ValidationError
 from ..robots import catalogue
+from ..datatypes import validation as v
 from .joystick import JoystickEnv
 from .joystick.config import JOYSTICK_PRESETS, joystick_config
 from .joystick.make import make_joystick_env
@@ -227,12 +229,42 @@ def load(
         preset.
       config_overrides: flat dotted keys; "preset" selects the base if `config` is None.
       bank: bank of scenes; None for the one that `urbanverse scene bank` (for locomotion: `scene terrain`) built last.
+
+    Raises:
+      ValidationError: a name or key is unknown, or a value is not possible.
     """
     entry = _entry(name)
     overrides = dict(config_overrides or {})
     if config is None:
         config = entry.make_config(overrides.pop("preset", entry.preset))
-    return entry.make(with_overrides(config, overrides), bank if bank is not None else entry.load_bank())
+    config = with_overrides(config, overrides)
+    check_numbers(config)
+    return entry.make(config, bank if bank is not None else entry.load_bank())
+
+
+def check_numbers(config: ConfigDict) -> None:
+    """Refuses a config with numbers that no environment can have.
+
+    Raises:
+      ValidationError: a number is NaN or infinite, a time step is not positive, or an episode has no step.
+    """
+    _refuse_infinite(config.to_dict(), "config")
+    for key in ("ctrl_dt", "sim_dt"):
+        if key in config:
+            v.number(config[key], f"config.{key}", above=0.0)
+    if "episode_length" in config:
+        v.integer(config.episode_length, "config.episode_length", 1)
+
+
+def _refuse_infinite(value: Any, where: str) -> None:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            _refuse_infinite(inner, f"{where}.{key}")
+    elif isinstance(value, list | tuple):
+        for i, inner in enumerate(value):
+            _refuse_infinite(inner, f"{where}[{i}]")
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise v.fail(where, v.show(value), "a finite number")
 
 
 def load_nav_env(name: str, config: ConfigDict, bank: SceneBank) -> NavEnv:

@@ -24,6 +24,8 @@ def refusal(error: Exception) -> str | None:
     # A ValidationError, or a ValueError raised by this package, is about the input; one from a library is a bug.
     if isinstance(error, ValueError) and _is_ours(error):
         sentence = str(error)
+    elif isinstance(error, FileNotFoundError) and _is_removed_here():
+        sentence = "the working folder: found that it was removed, needed one that exists; change to another folder."
     elif isinstance(error, _FILE_ERRORS) and error.filename is not None:
         sentence = f"{error.filename}: {error.strerror}."
     elif isinstance(error, _FILE_ERRORS) and error.errno is not None:
@@ -36,6 +38,15 @@ def refusal(error: Exception) -> str | None:
     else:
         return None
     return " ".join(sentence.split())
+
+
+def _is_removed_here() -> bool:
+    """Whether the process stands in a folder that no longer exists."""
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        return True
+    return False
 
 
 def _is_ours(error: Exception) -> bool:

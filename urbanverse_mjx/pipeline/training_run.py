@@ -69,6 +69,9 @@ def train(
       ValidationError: a name or key is unknown, or the request differs from the record of the resumed run.
     """
     from ..datatypes import ValidationError
+    from ..datatypes import validation as v
+    from ..envs import registry
+    from ..training.config import check_numbers
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
 
@@ -80,6 +83,11 @@ def train(
     configs = configs_of(request) if options.resume is None else resumed_configs(options.resume, request)
     if options.demonstrations is not None:
         configs = (*configs[:2], _cloning_config(configs[2], request, options))
+    registry.check_numbers(configs[1])
+    check_numbers(configs[2])
+    v.integer(options.num_episodes, "--num-episodes", 0)
+    if "/" in options.suffix or "\0" in options.suffix:
+        raise v.fail("--suffix", v.show(options.suffix), "a part of a folder's name", "take another --logdir")
     with _folder(configs[0], options) as folder:
         try:
             return _train(*configs, folder, options, quiet)

@@ -1,10 +1,12 @@
 """PPO hyper-parameters of the registry, and their conversion to Brax's arguments."""
 
+import math
 from typing import Any
 
 from ml_collections import ConfigDict
 
 from ..datatypes import ValidationError
+from ..datatypes import validation as v
 from ..envs import registry
 
 
@@ -15,6 +17,31 @@ def default_ppo_config(preset: str = "paper", environment: str = "CocoNav") -> C
       ValidationError: the environment or preset is unknown.
     """
     return registry.get_ppo_config(environment, preset)
+
+
+#: Fields of which there is at least one, and the largest seed.
+_COUNTS = (
+    *("num_envs", "num_timesteps", "unroll_length", "minibatch", "minibatches", "epochs", "num_updates_per_batch"),
+    "num_checkpoints",
+)
+_LAST_SEED = 2**32 - 1
+
+
+def check_numbers(config: ConfigDict, where: str = "ppo") -> None:
+    """Refuses hyper-parameters with which no training begins, before streets are compiled for it.
+
+    Raises:
+      ValidationError: a number is NaN or infinite, a size below 1, or a seed not one of 32 bits.
+    """
+    for key, value in config.items():
+        if isinstance(value, ConfigDict):
+            check_numbers(value, f"{where}.{key}")
+        elif isinstance(value, float) and not math.isfinite(value):
+            raise v.fail(f"{where}.{key}", v.show(value), "a finite number")
+        elif key in _COUNTS and value is not None:
+            v.integer(value, f"{where}.{key}", 1)
+        elif key == "seed" and value is not None:
+            v.integer(value, f"{where}.{key}", 0, _LAST_SEED)
 
 
 #: Fields that have the same name in Brax's `ppo.train`.

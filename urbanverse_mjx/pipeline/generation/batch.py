@@ -23,7 +23,7 @@ from ...progress import Progress
 from . import one_source
 from .executors import EXECUTORS, Job, Outcome
 from .run_folder import key_of
-from .stages import GenerationOptions
+from .stages import GenerationOptions, check_options
 
 JOURNAL = "journal.jsonl"
 #: Exit status for an invalid source, for which a retry is useless.
@@ -99,6 +99,9 @@ def run_batch(
     """
     v.choice(executor, "--executor", tuple(EXECUTORS))
     v.integer(retries, "--retries", 0)
+    check_options(options)
+    if workers is not None:
+        v.integer(workers, "--workers", 1, 1024)
     out = pathlib.Path(out).absolute()
     listed = read_list(pathlib.Path(sources))
     try:

@@ -49,6 +49,21 @@ class GenerationOptions:
     retrieval: str = "built-in"
 
 
+def check_options(options: GenerationOptions) -> None:
+    """Refuses numbers that no run can have, before anything is written.
+
+    Raises:
+      ValidationError: one is out of its range.
+    """
+    v.integer(options.cousins, "--cousins", 1, 64)
+    v.integer(options.seed, "--seed", 0)
+    v.number(options.kerb, "--kerb", 0.0, 1.0)
+    v.number(options.video.rate, "--rate", above=0.0, maximum=1000.0)
+    v.number(options.video.camera_height, "--camera-height", above=0.0, maximum=1000.0)
+    if options.workers is not None:
+        v.integer(options.workers, "--workers", 1, 1024)
+
+
 def generate(
     source: str | os.PathLike[str],
     out: str | os.PathLike[str],
@@ -69,7 +84,7 @@ def generate(
       ValidationError: the source or the folder is invalid; no partly written file is left.
     """
     options = options or GenerationOptions()
-    v.integer(options.cousins, "--cousins", 1, 64)
+    check_options(options)
     check_packages(options.retrieval)
     given = recognise(os.fspath(source))
     with RunFolder.open(out, str(given.path)) as run, Progress(quiet) as progress:
