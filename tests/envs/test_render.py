@@ -18,6 +18,8 @@ from tests.support.playground_page import run_block
 from urbanverse_mjx.datatypes import AgentMotion, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, State, registry
 from urbanverse_mjx.envs.playground import register_with_playground
+from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 HEIGHT, WIDTH = 90, 160
 
@@ -154,3 +156,26 @@ def test_the_page_about_playground_runs(
     moved = found["trajectory"][2].data.qpos[:2] - found["trajectory"][0].data.qpos[:2]
     assert float(jnp.linalg.norm(moved)) > 0.02
     assert differ(found["frames"][0], found["frames"][2]) > 0.5
+
+
+def test_depth_is_a_fourth_channel_in_tenths_of_a_metre_and_the_sky_is_farthest(small_bank: SceneBank) -> None:
+    overrides = {
+        "preset": "cpu",
+        "impl": "jax",
+        "scenes": "all",
+        "vision_config.depth": True,
+        "vision_config.height": 54,
+    }
+    env = registry.load("CocoNav", config_overrides={**overrides, "vision_config.width": 96}, bank=small_bank)
+    nav = jax.jit(env.begin_at)(jax.random.key(0), jnp.int32(0), jnp.int32(0))
+    image = np.asarray(jax.jit(env.observe)(nav)["pixels/front"])
+    assert image.shape == (54, 96, 4)
+    assert env.renderer is not None
+    robot = make_coco()
+    plain = Renderer(small_bank, robot, 54, 96, outputs=("depth",))
+    metres = np.asarray(plain(nav.sim.scene, nav.sim.xpos, nav.sim.xquat)["depth"])
+    sky = metres == 0.0
+    assert 0.05 < sky.mean() < 0.9
+    assert (image[..., 3][sky] == 255).all()
+    np.testing.assert_allclose(image[..., 3][~sky], np.minimum(np.floor(10.0 * metres[~sky]), 255.0), atol=1.0)
+    assert image[..., 3][~sky].min() < 30, "the ground before the robot"

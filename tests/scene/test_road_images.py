@@ -117,6 +117,25 @@ def test_dirt_of_a_gutter_lies_against_the_kerb(name: str) -> None:
     assert light.min() > 0.15
 
 
+def test_paints_and_patches_have_the_colours_of_their_names() -> None:
+    """Bitumen, new and worn asphalt, concrete and steel are grey, in this order; markings have the hues of theirs."""
+    colours = {name: np.array(colour) for name, (colour, _) in PAINTS.items()}
+    grey = ("groove", "seam", "patch", "track", "steel", "pale patch", "bed", "white")
+    for name in grey:
+        assert np.ptp(colours[name]) < 0.035, name
+    dark, light = ("groove", "seam"), ("steel", "pale patch", "bed")
+    assert all(0.05 < colours[name].mean() < 0.1 for name in dark), "bitumen reflects a hundredth"
+    assert all(0.14 < colours[name].mean() < 0.2 for name in ("patch", "track")), "asphalt two to three"
+    assert all(0.45 < colours[name].mean() < 0.65 for name in light)
+    assert colours["white"].mean() > 0.8
+    hues = {name: 360 * colorsys.rgb_to_hsv(*colours[name])[0] for name in ("yellow", "blue")}
+    assert 38 < hues["yellow"] < 55
+    assert 205 < hues["blue"] < 225
+    shares = {name: share for name, (_, share) in PAINTS.items()}
+    assert all(shares[name] == 1.0 for name in ("white", "yellow", "blue", "steel", "groove"))
+    assert shares["track"] < 0.2 < shares["pale patch"] < shares["patch"] < shares["seam"] < 1.0
+
+
 @pytest.mark.parametrize("wear", [0.0, 0.2, 0.5, 0.8])
 @pytest.mark.parametrize("paint", ["white", "yellow"])
 def test_as_much_of_a_paint_is_gone_as_its_wear_says(paint: str, wear: float) -> None:

@@ -1,7 +1,9 @@
 """Go2Joystick: the contract of all environments, rewards computed by hand, levels, effects of disturbances."""
 
+import copy
 import dataclasses
 import functools
+import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +17,9 @@ from urbanverse_mjx.datatypes import GroundRegion, SceneBank, ValidationError
 from urbanverse_mjx.envs import JoystickEnv, Result, State, check_env, joystick_config, registry
 from urbanverse_mjx.envs.joystick import terms
 from urbanverse_mjx.envs.joystick.draws import draw_body, draw_command, draw_push
+from urbanverse_mjx.envs.joystick.legs import Legs
 from urbanverse_mjx.envs.joystick.schedule import TerrainLevels
+from urbanverse_mjx.robots import make_go2
 from urbanverse_mjx.robots.gait import sensor_frame
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
 
@@ -256,6 +260,43 @@ def test_episodes_are_on_the_kinds_and_levels_chosen() -> None:
     assert set(names) == {"flat-1", "kerbs-0"}
     with pytest.raises(ValidationError, match="needed terrains"):
         TerrainLevels(pack_regions([region_scene("flat-1", terrain_regions("flat", 1))]), joystick_config().terrain)
+
+
+def without_keyframe(model: ET.Element) -> None:
+    model.remove(model.findall("keyframe")[0])
+
+
+def without_the_last_servo(model: ET.Element) -> None:
+    servos, key = model.findall("actuator")[0], model.findall("keyframe/key")[0]
+    servos.remove(servos[-1])
+    key.attrib.pop("ctrl", None)
+
+
+def with_servos_in_another_order(model: ET.Element) -> None:
+    servos = model.findall("actuator")[0]
+    one, other = servos[0], servos[1]
+    one.attrib["joint"], other.attrib["joint"] = other.attrib["joint"], one.attrib["joint"]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (without_keyframe, "12 actuators for 12 joints and 0 keyframes"),
+        (without_the_last_servo, "11 actuators for 12 joints and 1 keyframes"),
+        (with_servos_in_another_order, "12 actuators for 12 joints and 1 keyframes"),
+    ],
+)
+def test_legs_without_a_servo_for_each_joint_in_order_or_a_standing_pose_are_refused(
+    change: Callable[[ET.Element], None], said: str
+) -> None:
+    robot = copy.copy(make_go2())
+    assert Legs(robot, (0.4, 1.0, 1.0)).number == 12
+    model = ET.fromstring(robot.mjcf)
+    change(model)
+    # As a description that was checked already, whose text is now another.
+    object.__setattr__(robot, "mjcf", ET.tostring(model, encoding="unicode"))
+    with pytest.raises(ValidationError, match=f"found {said}, needed a position servo for each joint, in their order"):
+        Legs(robot, (0.4, 1.0, 1.0))
 
 
 def test_presets() -> None:
