@@ -80,9 +80,9 @@ def test_more_who_are_crowded_than_a_chunk_holds() -> None:
 
 def test_velocities_do_not_depend_on_how_many_agents_there_are() -> None:
     """Of more than 2,048 agents a chunk is a share."""
-    cases = random_cases(5, 6, 0, 1.5)
-    few = solve(cases[0], 0, *cases[1:], np.float32)
-    many = solve(*(np.tile(cases[0], 3), 0, np.tile(cases[1], 3), np.tile(cases[2], 3)), np.float32)
+    lines, limit, preferred_velocity = random_cases(5, 6, 0, 1.5)
+    few = solve(lines, 0, limit, preferred_velocity, np.float32)
+    many = solve(np.tile(lines, 3), 0, np.tile(limit, 3), np.tile(preferred_velocity, 3), np.float32)
     np.testing.assert_allclose(many, np.tile(few, 3), atol=1e-5)
 
 

@@ -324,7 +324,7 @@ def test_a_robot_of_several_bodies_is_turned_and_moved_as_a_whole(small_bank: Sc
     env = unicycle_env(small_bank, vision=True)
     nav = jax.jit(env.begin_at)(jax.random.key(0), jnp.int32(0), jnp.int32(1))
     rng = np.random.default_rng(0)
-    xpos = np.float32([[0, 0, 0], [4.0, -3.0, 0.9], [4.4, -2.8, 0.5], [3.7, -3.3, 0.4]])
+    xpos = np.asarray([[0, 0, 0], [4.0, -3.0, 0.9], [4.4, -2.8, 0.5], [3.7, -3.3, 0.4]], np.float32)
     xquat = rng.normal(size=(4, 4)).astype(np.float32)
     xquat[1] = [1.0, 0.1, -0.2, 2.0]
     xquat /= np.linalg.norm(xquat, axis=1, keepdims=True)

@@ -1,5 +1,8 @@
 """The shade of what moves: an ellipsoid as wide as its box, compared with the geometry of a turned ball."""
 
+# Warp checks the types of kernels when it compiles them.
+# pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportArgumentType=false
+
 from collections.abc import Callable
 
 import numpy as np
@@ -33,13 +36,13 @@ def shade_of(camera: np.ndarray, second: np.ndarray = SECOND) -> Shade:
     street, views = Street(), Views()
     street.num_shades, street.num_bodies = 2, 0
     body = wp.array([1, 2], dtype=int)
-    boxes = wp.array(np.float32([[CENTRE, HALF], [np.zeros(3), SMALL]]), dtype=wp.vec3)
+    boxes = wp.array(np.asarray([[CENTRE, HALF], [np.zeros(3), SMALL]], np.float32), dtype=wp.vec3)
     x, y, z, w = TURN.as_quat()
-    place = np.float32([np.zeros(3), PLACE, second])
-    turn = np.float32([[1, 0, 0, 0], [w, x, y, z], [1, 0, 0, 0]])
+    place = np.asarray([np.zeros(3), PLACE, second], np.float32)
+    turn = np.asarray([[1, 0, 0, 0], [w, x, y, z], [1, 0, 0, 0]], np.float32)
     xpos = wp.array(np.stack([place * np.nan, place]), dtype=wp.vec3)
     xquat = wp.array(np.stack([turn, turn]), dtype=wp.vec4)
-    camera_position = wp.array(np.float32([camera, camera]), dtype=wp.vec3)
+    camera_position = wp.array(np.asarray([camera, camera], np.float32), dtype=wp.vec3)
     shades = wp.zeros(2 * 2 * SHADE, dtype=wp.vec4)
     shaded = wp.zeros(2 * 3, dtype=int)
     none = wp.zeros((1, 2), dtype=wp.vec3)
