@@ -247,3 +247,23 @@ def test_blurred_sequences_have_softer_edges() -> None:
     steps = [np.abs(np.diff(x, axis=3)).mean((0, 2, 3, 4)) for x in (sharp, unsharp)]
     assert (steps[1] < 0.98 * steps[0]).all(), "softer edges in every sequence"
     assert len(np.unique((steps[1] / steps[0]).round(3))) == 3, "not alike"
+
+
+def test_images_are_relit_within_the_asked_share_and_as_often_darker_as_brighter() -> None:
+    """Colour by 20 % and brightness by 20 %, each alike in a whole image; noise as a share of the full range."""
+    pixels = jnp.full((3, 2000, 2, 2, 3), 100, jnp.uint8)
+    found = np.asarray(sequences.relit(pixels, jax.random.key(0), 0.2, 0.0), np.float64)
+    assert found.min() >= 63
+    assert found.max() <= 145
+    assert found.min() < 68
+    assert found.max() > 138
+    assert found.mean() == pytest.approx(100.0, abs=1.0)
+    one = found[:1, :, :1, :1]
+    np.testing.assert_array_equal(found, np.broadcast_to(one, found.shape), err_msg="over time and the image")
+    ratio = found[0, :, 0, 0, 0] / found[0, :, 0, 0, 1]
+    assert ratio.max() > 1.35, "colours change too"
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.02)
+    grey = np.asarray(sequences.relit(pixels[:1, :50], jax.random.key(1), 0.0, 0.05), np.float64)
+    assert grey.std() == pytest.approx(0.05 * 255, rel=0.1)
+    assert grey.mean() == pytest.approx(100.0, abs=1.5)
+    np.testing.assert_array_equal(sequences.relit(pixels[:1, :2], jax.random.key(1), 0.0, 0.0), pixels[:1, :2])
