@@ -12,8 +12,8 @@ from ml_collections import ConfigDict
 
 from .. import settings
 from ..datatypes import SceneBank, ValidationError
-from ..robots import catalogue
 from ..datatypes import validation as v
+from ..robots import catalogue
 from .joystick import JoystickEnv
 from .joystick.config import JOYSTICK_PRESETS, joystick_config
 from .joystick.make import make_joystick_env
