@@ -12,10 +12,20 @@ from PIL import Image, ImageDraw
 
 from ..datatypes import AgentMotion, RobotSpec, SceneBank
 from ..datatypes import validation as v
-from ..simulation.rendering.cameras import FOLLOWING_FOV, following_cameras, in_batches
+from ..simulation.rendering.cameras import (
+    FOLLOWING_FOV,
+    following_cameras,
+    in_batches,
+    views_to_cameras,
+    without_obstacles,
+)
 from ..simulation.rendering.renderer import Renderer
 
 HEIGHT, WIDTH = 180, 320
+#: px, height of the line above each frame.
+_LINE = 16
+#: Looks a second at what hides the robot from the camera behind it.
+_LOOKS = 5.0
 #: s at the end of an episode in which its caption names the outcome.
 OUTCOME_TIME = 1.0
 #: Caption of each of `datatypes.OUTCOMES`.
@@ -36,11 +46,10 @@ def _agents(fields: Sequence[Any]) -> AgentMotion | None:
 
 
 def _caption(frame: np.ndarray, text: str) -> np.ndarray:
-    image = Image.fromarray(frame)
-    draw = ImageDraw.Draw(image)
-    draw.rectangle((0, 0, 6 + 6 * len(text), 15), fill=(0, 0, 0))
-    draw.text((4, 2), text, fill=(255, 255, 255))
-    return np.asarray(image)
+    """Adds a line above a frame, so that it hides nothing."""
+    line = Image.new("RGB", (frame.shape[1], _LINE))
+    ImageDraw.Draw(line).text((4, 2), text, fill=(255, 255, 255))
+    return np.concatenate([np.asarray(line), frame])
 
 
 def caption(scene: str, seconds: float, goal_distance: float, outcome: str, left: float) -> str:
@@ -119,7 +128,8 @@ def write_rollout_video(
       quality: see `write_video`.
       on_progress: called with the number of rendered envs.
     """
-    renderer = Renderer(bank, robot, *size, shadows=True, agents=appearances, samples=samples)
+    renderer = Renderer(bank, robot, *size, ("rgb", "depth"), shadows=True, agents=appearances, samples=samples)
+    depth = jax.jit(jax.vmap(lambda s, e, t, f: renderer.view(s, e, t, f)["depth"]))
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
     chase = jax.jit(
         jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, FOLLOWING_FOV, p, q, 0, _agents(a))["rgb"])
@@ -130,6 +140,12 @@ def write_rollout_video(
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
         camera_position, turn = following_cameras(xpos, xquat, frames_per_second, robot.planner_height)
+        looks = np.linspace(0, length - 1, max(round(length / frames_per_second * _LOOKS), 2)).round().astype(int)
+        views = views_to_cameras(xpos[looks], camera_position[looks], robot.planner_height)
+        free = in_batches(depth, where[looks], *views)
+        camera_position, turn = without_obstacles(
+            xpos, xquat, camera_position, free, frames_per_second, robot.planner_height
+        )
         moving = [] if trajectory.agents is None else [x[:length, column] for x in trajectory.agents]
         left = in_batches(chase, where, camera_position, turn, xpos, xquat, *moving)
         right = in_batches(front, where, xpos, xquat, *moving)
