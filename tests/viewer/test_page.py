@@ -1,5 +1,6 @@
 """The page in a real browser: it opens, its buttons work, and closing a browser does not stop the viewer."""
 
+import errno
 import io
 import pathlib
 import threading
@@ -43,6 +44,8 @@ class Streets:
 
     def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
         if policy not in self.policies:
+            if policy == "full/disk":
+                raise OSError(errno.ENOSPC, "No space left on device", policy)
             raise ValidationError(f"--policy: found {policy!r}, needed go_to_goal.")
         self.opened.append((scene, cousin, policy, people))
         return self.machine, self.scenes.index(scene)
@@ -143,6 +146,37 @@ def test_a_held_key_drives_in_the_next_street_and_one_without_effect_is_named(
     page._teleop.leave(9)
     page.open_scene(streets.scenes[0])
     wait(lambda: page.session.scene == 0 and not page.playing)
+
+
+def test_the_page_says_that_it_opens_a_street(
+    served: tuple[Page, Streets, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Opening takes long, and meanwhile nothing else is answered."""
+    page, streets, _ = served
+    said: list[str] = []
+    opened = streets.open
+
+    def open_slowly(*asked: Any) -> Any:
+        said.append(page.state["who"])
+        return opened(*asked)
+
+    monkeypatch.setattr(streets, "open", open_slowly)
+    session = page.session
+    page.open_scene(streets.scenes[0])
+    wait(lambda: page.session is not session and page.state["who"] == "paused")
+    assert said == [f"opening {streets.scenes[0]}"]
+
+
+def test_a_full_disk_is_said_on_the_page_which_goes_on(served: tuple[Page, Streets, str]) -> None:
+    page = served[0]
+    session = page.session
+    page._path.value = "full/disk"
+    page._orders.put(page._open)
+    wait(lambda: page._status.content == "**full/disk: No space left on device.**")
+    assert page.session is session
+    page._path.value = ""
+    page.open_scene(served[1].scenes[0])
+    wait(lambda: page.session is not session)
 
 
 def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Streets, str]) -> None:

@@ -30,7 +30,7 @@ NOBODY = "zero"
 #: px, least width of the robot's camera image on the page.
 _WIDTH = 320
 _RELEASE = "release the key and press it again to take over"
-_COMPILING = "compiling the first step: up to half a minute; later ones take it from the cache"
+_COMPILING = "compiling the first step: once on a machine, half a minute where nothing else runs"
 
 
 class DrivePage:
@@ -118,9 +118,8 @@ class DrivePage:
                 return
             try:
                 order()
-            except ValidationError as error:
-                self._pause()
-                self._say(f"**{error}**")
+            except (ValidationError, OSError) as error:
+                self._refuse(error)
 
     def _notice_headset(self) -> None:
         """Draws the shown frame for a headset that has been put on."""
@@ -176,15 +175,14 @@ class DrivePage:
                 return
             try:
                 if len(self.session) == 1:
-                    self._say(_COMPILING)
+                    self._work("compiling the first step", _COMPILING)
                     self.session.compile()
                     # Discards keys pressed before compilation.
                     self._teleop.forget()
                 self.session.step({} if command is None else {self._robot(): self.session.machine.action_of(command)})
                 self._teleop.applied(time.monotonic())
-            except ValidationError as error:
-                self._pause()
-                self._say(f"**{error}**")
+            except (ValidationError, OSError) as error:
+                self._refuse(error)
                 return
         self._go(self.index + 1)
 
@@ -230,6 +228,18 @@ class DrivePage:
     def _say(self, text: str) -> None:
         self._status.content = text
 
+    def _work(self, who: str, text: str) -> None:
+        """Shows what the page does while it answers nothing else; `_tell` ends it."""
+        self._say(text)
+        self.state = {**self.state, "who": who, "note": ""}
+
+    def _refuse(self, error: Exception) -> None:
+        """Pauses, and shows why a request failed; the page goes on with what it shows."""
+        self._pause()
+        place = f"{error.filename}: " if isinstance(error, OSError) and error.filename else ""
+        text = f"{place}{error.strerror or error}." if isinstance(error, OSError) else str(error)
+        self._say(f"**{text}**")
+
     # Requests.
 
     def _pause(self) -> None:
@@ -254,7 +264,7 @@ class DrivePage:
         """Sends a recording of the drive so far to the browser that requested it."""
         if client is None:
             return
-        self._say("writing the recording")
+        self._work("writing the recording", "writing the recording")
         bank = self.session.machine.env.bank
         page = html_recording(self.session, StreetMeshes(bank, self.session.scene), self._shown())
         name = f"{bank.scene_ids[self.session.scene]}_{self.session.machine.policy.name}.html".replace("/", "-")

@@ -41,8 +41,6 @@ from .teleop import Inputs, Teleop
 FRAME, DRIVE, CAMERA, LIBRARY = "/viser", "/drive", "/camera", "/library"
 #: Takes the path below `LIBRARY` and the query; returns type and content, or raises a ValidationError.
 Library = Callable[[str, Mapping[str, str]], tuple[str, bytes]]
-#: In the page, the link to the library.
-_LINK = (b"<!-- library -->", b'<a href="library">Library</a>')
 #: State of the page, see `teleop.html`, until a street is shown on it.
 LOADING = {
     "mode": "policy",
@@ -160,8 +158,7 @@ class Front:
             return None
         path = request.path.partition("?")[0]
         if path == "/":
-            page = self._page.replace(*_LINK) if self.library is not None else self._page
-            return _response(http.HTTPStatus.OK, page, {"Content-Type": "text/html; charset=utf-8"})
+            return _response(http.HTTPStatus.OK, self._page, {"Content-Type": "text/html; charset=utf-8"})
         if path == f"/{_SCRIPT.name}":
             return _response(http.HTTPStatus.OK, self._script, {"Content-Type": "text/javascript; charset=utf-8"})
         if path == FRAME or path.startswith(f"{FRAME}/"):
@@ -225,7 +222,8 @@ class Front:
         sent = None
         with contextlib.suppress(ConnectionClosed):
             while True:
-                state = json.dumps(self.state())
+                # A page may have been opened before there is a library.
+                state = json.dumps({**self.state(), "library": self.library is not None})
                 if state != sent:
                     await browser.send(state)
                     sent = state

@@ -96,7 +96,7 @@ class Page(DrivePage):
         """Opens the chosen scene with the chosen policy."""
         self._pause()
         scene, policy = self._scene.value, self._path.value.strip() or self._policy.value
-        self._say(f"opening {scene}, driven by {policy}")
+        self._work(f"opening {scene}", f"opening {scene}, driven by {policy}")
         cousin = min(int(self._cousin.value), self._choices.cousins(scene) - 1)
         self._machine, self._row = self._choices.open(scene, cousin, policy, self._people.value)
         self._begin()
