@@ -15,6 +15,7 @@ import json
 import pathlib
 import sys
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.datatypes import ValidationError
@@ -25,10 +26,10 @@ from urbanverse_mjx.settings import cache_dir
 
 POLICIES = pathlib.Path(__file__).with_name("policies")
 BENCHMARK, DRIVER = "craftbench", "coco_best"
-#: Of a policy's film, and of a scene's: episodes that are driven, and those of them in the film.
-_POLICY, _SCENE = (6, 2), (4, 1)
-#: Images a second, of which a gait's steps of 0.02 s make up a whole number each, and quality.
-_FPS, _QUALITY = 25.0, 4.0
+#: Of a policy's film, and of a scene's: episodes that are driven, those of them in the film, and images a second, of
+#: which a gait's steps of 0.02 s make up a whole number each.
+_POLICY, _SCENE = (2, 2, 25.0), (4, 1, 10.0)
+_QUALITY = 3.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,23 +43,25 @@ class Film:
 
 def films() -> list[Film]:
     """All films: of the policies, then of the benchmark's scenes."""
-    style = {"only_successes": True, "fps": _FPS, "quality": _QUALITY, "quiet": True}
+    style = {"only_successes": True, "quality": _QUALITY, "samples": 2, "quiet": True}
     found = [
         Film(
             path.parent.name,
             "reaching goals in the shipped test streets",
-            PlayOptions(policy=path.parent, num_episodes=_POLICY[0], shown=_POLICY[1], **style),
+            PlayOptions(policy=path.parent, **_counts(_POLICY), **style),
         )
         for path in sorted(POLICIES.glob("*/policy.json"))
     ]
     body = v.read_json(protocol_file(BENCHMARK), "benchmark")
     bank = cache_dir("library", BENCHMARK, "bank.npz")
     for scene in (row["id"] for row in body["scenes"]):
-        options = PlayOptions(
-            policy=POLICIES / DRIVER, bank=bank, scenes=scene, num_episodes=_SCENE[0], shown=_SCENE[1], **style
-        )
+        options = PlayOptions(policy=POLICIES / DRIVER, bank=bank, scenes=scene, **_counts(_SCENE), **style)
         found.append(Film(f"{BENCHMARK}-{scene}", f"driven by {DRIVER}", options))
     return found
+
+
+def _counts(film: tuple[int, int, float]) -> dict[str, Any]:
+    return dict(zip(("num_episodes", "shown", "fps"), film, strict=True))
 
 
 def make(chosen: Sequence[Film], out: pathlib.Path, say: Callable[[str], object] = lambda _: None) -> dict[str, int]:
