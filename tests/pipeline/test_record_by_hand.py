@@ -215,6 +215,10 @@ def test_a_person_at_a_browser_records_an_episode_discards_one_and_ends(
         tab.get_by_text("0 interventions").wait_for(timeout=120_000)
         buttons.get_by_role("button", name="End the recording").click(timeout=120_000)
         thread.join(60.0)
+        # The page does not blame the connection for it.
+        tab.get_by_text("the recording has ended").first.wait_for(timeout=60_000)
+        time.sleep(1.0)
+        assert tab.locator("#who").text_content() == "the recording has ended"
     assert not thread.is_alive()
     assert (said[0]["episodes"], said[0]["results"]) == (1, {"timeout": 1})
     rows = table_of(tmp_path / "new")

@@ -53,10 +53,14 @@ class RecordPage(DrivePage):
                 return session if session.over else None
         return None
 
-    def show_note(self, text: str) -> None:
-        """Shows a message while no episode runs."""
+    def show_note(self, text: str, last: bool = False) -> None:
+        """Shows a message while no episode runs.
+
+        Args:
+          last: the page ends with it, so that browsers keep it when the connection ends.
+        """
         self._say(text)
-        self.state = {**self.state, "mode": "policy", "who": text, "note": ""}
+        self.state = {**self.state, "mode": "policy", "who": text, "note": "", "last": last}
 
     def _tell(self) -> None:
         super()._tell()

@@ -76,7 +76,7 @@ class HandDrive:
                     break
                 page.show_note(f"writing {note}")
                 yield [self._driven(done, episodes, i)]
-            page.show_note("the recording has ended")
+            page.show_note("the recording has ended", last=True)
             time.sleep(_LAST_WORD)
 
     def _session(self, episodes: EpisodeSet, i: int, known: Any) -> Session:
