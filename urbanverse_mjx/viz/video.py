@@ -1,5 +1,6 @@
 """Writes rollouts as H.264 videos with the robot from behind, its camera image, and the distance to the goal."""
 
+import functools
 import pathlib
 import warnings
 from collections.abc import Callable, Sequence
@@ -15,8 +16,8 @@ from ..datatypes import validation as v
 from ..simulation.rendering.cameras import (
     FOLLOWING_FOV,
     following_cameras,
+    free_shares,
     in_batches,
-    views_to_cameras,
     without_obstacles,
 )
 from ..simulation.rendering.renderer import Renderer
@@ -24,8 +25,8 @@ from ..simulation.rendering.renderer import Renderer
 HEIGHT, WIDTH = 180, 320
 #: px, height of the line above each frame.
 _LINE = 16
-#: Looks a second at what hides the robot from the camera behind it.
-_LOOKS = 5.0
+#: Looks a second at what hides the robot from the camera behind it, and how many are drawn together.
+_LOOKS, _BATCH = 5.0, 16
 #: s at the end of an episode in which its caption names the outcome.
 OUTCOME_TIME = 1.0
 #: Caption of each of `datatypes.OUTCOMES`.
@@ -130,6 +131,12 @@ def write_rollout_video(
     """
     renderer = Renderer(bank, robot, *size, ("rgb", "depth"), shadows=True, agents=appearances, samples=samples)
     depth = jax.jit(jax.vmap(lambda s, e, t, f: renderer.view(s, e, t, f)["depth"]))
+
+    def look(scene: int, _: np.ndarray, *views: np.ndarray) -> np.ndarray:
+        total = len(views[0])
+        same = np.resize(np.arange(total), max(total, _BATCH))  # batches of one size are compiled once
+        return in_batches(depth, np.full(len(same), scene, np.int32), *(view[same] for view in views))[:total]
+
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
     chase = jax.jit(
         jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, FOLLOWING_FOV, p, q, 0, _agents(a))["rgb"])
@@ -140,12 +147,10 @@ def write_rollout_video(
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
         camera_position, turn = following_cameras(xpos, xquat, frames_per_second, robot.planner_height)
-        looks = np.linspace(0, length - 1, max(round(length / frames_per_second * _LOOKS), 2)).round().astype(int)
-        views = views_to_cameras(xpos[looks], camera_position[looks], robot.planner_height)
-        free = in_batches(depth, where[looks], *views)
-        camera_position, turn = without_obstacles(
-            xpos, xquat, camera_position, free, frames_per_second, robot.planner_height
-        )
+        looks = np.unique(np.linspace(0, length - 1, max(round(length / frames_per_second * _LOOKS), 2)).round())
+        looks, height = looks.astype(int), robot.planner_height
+        free = free_shares(functools.partial(look, scene), xpos[looks], camera_position[looks], height)
+        camera_position, turn = without_obstacles(xpos, xquat, camera_position, looks, free, frames_per_second, height)
         moving = [] if trajectory.agents is None else [x[:length, column] for x in trajectory.agents]
         left = in_batches(chase, where, camera_position, turn, xpos, xquat, *moving)
         right = in_batches(front, where, xpos, xquat, *moving)

@@ -1,9 +1,10 @@
 """The camera that follows a robot stands behind it, above it, and looks ahead of it."""
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
-from urbanverse_mjx.simulation.rendering.cameras import following_cameras, views_to_cameras, without_obstacles
+from urbanverse_mjx.simulation.rendering.cameras import following_cameras, free_shares, without_obstacles
 
 RATE, HEIGHT = 25.0, 0.6
 
@@ -38,56 +39,59 @@ def _straight_drive(frames: int) -> tuple[np.ndarray, np.ndarray]:
     return xpos, np.tile([1.0, 0.0, 0.0, 0.0], (frames, 2, 1))
 
 
-def _from_above(xpos: np.ndarray, cameras: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shares of the way from a point above the robot to each camera's place without obstacles; the way (T, 3)."""
-    above = xpos[:, 1] + [0.0, 0.0, 0.8 * HEIGHT]
-    usual, _ = following_cameras(xpos, np.tile([1.0, 0.0, 0.0, 0.0], (len(xpos), 2, 1)), RATE, HEIGHT)
-    return np.linalg.norm(cameras - above, axis=1) / np.linalg.norm(usual - above, axis=1), usual - above
+def _without(post: float, walled: np.ndarray, frames: int) -> tuple[np.ndarray, ...]:
+    """Cameras, rotations and their usual values of a straight drive.
+
+    Args:
+      post: share of each view that a post before the camera hides.
+      walled: (T,) whether a wall stands 1.2 m behind the point above the robot.
+    """
+    xpos, xquat = _straight_drive(frames)
+    usual, turn = following_cameras(xpos, xquat, RATE, HEIGHT)
+    looks = np.unique(np.linspace(0, frames - 1, max(frames // 5, 2)).round().astype(int))
+    above = xpos[looks, 1] + [0.0, 0.0, 0.8 * HEIGHT]
+
+    def look(rows: np.ndarray, places: np.ndarray, turns: np.ndarray, fov: np.ndarray) -> np.ndarray:
+        way = above[rows] - places
+        distance = np.linalg.norm(way, axis=1)
+        seen = Rotation.from_quat(turns, scalar_first=True).apply([0.0, 0.0, -1.0])
+        np.testing.assert_allclose(seen, way / distance[:, None], atol=1e-4)
+        np.testing.assert_allclose(np.tan(fov / 2) * distance, 0.5, atol=1e-4)
+        depth = np.full((len(rows), 10, 10), 7.0)  # what stands beyond the robot hides nothing
+        depth[:, :, : round(10 * post)] = 0.2
+        hidden = walled[looks[rows]] & (distance > 1.2)
+        depth[hidden] = (distance[hidden] - 1.2)[:, None, None]
+        return depth
+
+    free = free_shares(look, xpos[looks], usual[looks], HEIGHT)
+    return *without_obstacles(xpos, xquat, usual, looks, free, RATE, HEIGHT), usual, turn
 
 
 def test_the_camera_stands_in_front_of_what_hides_the_robot() -> None:
-    """A wall 1.2 m behind the robot between seconds 4 and 6, seen in five views a second, of which two frames see half
-    of it, and a post that hides a fifth of a view at second 9."""
     frames = 300
-    xpos, xquat = _straight_drive(frames)
-    usual, turn = following_cameras(xpos, xquat, RATE, HEIGHT)
-    looks = np.arange(0, frames, 5)
-    depth = np.zeros((len(looks), 10, 10))
-    hidden = (looks >= 100) & (looks <= 150)
-    depth[hidden] = 1.2
-    depth[looks == 225, :, :2] = 0.4
-    # The last view belongs to the last frame.
-    looks[-1] = frames - 1
-    cameras, turned = without_obstacles(xpos, xquat, usual, depth, RATE, HEIGHT)
-    share, way = _from_above(xpos, cameras)
-    distance = share * np.linalg.norm(way, axis=1)
-    assert (distance[100:151] < 1.2).all()
-    assert (distance[105:146] > 1.0).all(), "no nearer than it must"
-    np.testing.assert_allclose(cameras[:70], usual[:70], atol=1e-5)
-    np.testing.assert_allclose(turned[:70], turn[:70], atol=1e-5)
-    np.testing.assert_allclose(cameras[190:], usual[190:], atol=1e-5, err_msg="the post hides too little")
-    assert np.abs(np.diff(distance)).max() < 0.1, "it goes in and out smoothly"
+    at = np.arange(frames)
+    cameras, turned, usual, turn = _without(0.0, (at >= 100) & (at <= 150), frames)
+    robot = np.outer(at / RATE, [1.0, 0.0, 0.0])
+    above = robot + [0.0, 0.0, 0.8 * HEIGHT]
+    left = np.linalg.norm(cameras - above, axis=1)
+    assert (left[100:151] < 1.2).all()
+    assert (left[105:146] > 0.9).all(), "no nearer than it must"
+    for free in (slice(0, 70), slice(190, frames)):
+        np.testing.assert_allclose(cameras[free], usual[free], atol=1e-5)
+        np.testing.assert_allclose(turned[free], turn[free], atol=1e-5)
+    assert np.abs(np.diff(left)).max() < 0.1, "it goes in and out smoothly"
     # It stays on the line to its usual place, and looks at the same point ahead of the robot.
-    np.testing.assert_allclose(np.cross(cameras - (usual - way), way), 0.0, atol=1e-4)
+    np.testing.assert_allclose(np.cross(cameras - above, usual - above), 0.0, atol=1e-4)
     seen = Rotation.from_quat(turned, scalar_first=True).apply([0.0, 0.0, -1.0])
-    towards = xpos[:, 1] + [1.5, 0.0, 0.0] - cameras
+    towards = robot + [1.5, 0.0, 0.0] - cameras
     np.testing.assert_allclose(seen, towards / np.linalg.norm(towards, axis=1, keepdims=True), atol=1e-4)
 
 
-def test_the_views_look_from_above_the_robot_at_the_camera() -> None:
-    xpos, xquat = _straight_drive(3)
-    usual, _ = following_cameras(xpos, xquat, RATE, HEIGHT)
-    places, turns, fov = views_to_cameras(xpos, usual, HEIGHT)
-    np.testing.assert_allclose(places, xpos[:, 1] + [0.0, 0.0, 0.8 * HEIGHT], atol=1e-6)
-    way = usual - places
-    distance = np.linalg.norm(way, axis=1)
-    seen = Rotation.from_quat(turns, scalar_first=True).apply([0.0, 0.0, -1.0])
-    np.testing.assert_allclose(seen, way / distance[:, None], atol=1e-5)
-    np.testing.assert_allclose(np.tan(fov / 2) * distance, 0.3, atol=1e-5)
-
-
-def test_a_drive_of_one_frame_has_a_camera() -> None:
-    xpos, xquat = _straight_drive(1)
-    usual, _ = following_cameras(xpos, xquat, RATE, HEIGHT)
-    cameras, _ = without_obstacles(xpos, xquat, usual, np.full((2, 3, 3), 0.9), RATE, HEIGHT)
-    assert np.linalg.norm(cameras - xpos[:, 1] - [0.0, 0.0, 0.8 * HEIGHT]) < 0.9
+@pytest.mark.parametrize("frames", [1, 2, 40])
+def test_a_post_hides_too_little_and_half_of_the_view_brings_the_camera_to_the_robot(frames: int) -> None:
+    nowhere = np.zeros(frames, bool)
+    cameras, _, usual, _ = _without(0.2, nowhere, frames)
+    np.testing.assert_allclose(cameras, usual, atol=1e-5)
+    cameras, _, usual, _ = _without(0.5, nowhere, frames)
+    above = np.outer(np.arange(frames) / RATE, [1.0, 0.0, 0.0]) + [0.0, 0.0, 0.8 * HEIGHT]
+    np.testing.assert_allclose(cameras - above, 0.2 * (usual - above), atol=1e-5)

@@ -1,10 +1,11 @@
 """Cameras for videos and images: towards a point, and behind a robot."""
 
+from collections.abc import Callable
 from typing import Any
 
 import jax
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.spatial.transform import Rotation
 
 from ...datatypes import ValidationError
@@ -15,9 +16,10 @@ FOLLOWING_FOV = 1.05
 #: Of a robot 1 m high; one half as high is seen from three quarters of that.
 _BACK, _UP = 3.2, 1.9  # m
 _SMOOTHING_TIME = 1.8  # s
-#: Of `without_obstacles`: half the height of the cone of rays at the camera (m), the share of them that a post may
-#: hide, the gap between camera and obstacle (m), the least share of the camera's distance, and s over which it moves.
-_CONE, _HIDDEN, _GAP, _NEAREST, _MOVING_TIME = 0.3, 0.3, 0.15, 0.2, 0.8
+#: Of `without_obstacles`: shares of the camera's distance that are tried, half the height of what is looked at around
+#: the robot (m), the share of it that must be seen, the gap before it (m), and s over which the camera moves.
+_SHARES = (1.0, 0.8, 0.65, 0.5, 0.35, 0.2)
+_AROUND, _SEEN, _GAP, _MOVING_TIME = 0.5, 0.7, 0.15, 0.8
 _BATCH = 16
 
 
@@ -70,28 +72,42 @@ def _turned(camera_position: np.ndarray, xpos: np.ndarray, ahead: np.ndarray) ->
     return np.stack([look_at(e, t) for e, t in zip(camera_position, target, strict=True)]).astype(np.float32)
 
 
-def views_to_cameras(
-    xpos: Float[np.ndarray, "T nbody 3"], cameras: Float[np.ndarray, "T 3"], height: float
-) -> tuple[Float[np.ndarray, "T 3"], Float[np.ndarray, "T 4"], Float[np.ndarray, " T"]]:
-    """Views from above a robot to a camera that follows it, whose depth `without_obstacles` takes.
+def free_shares(
+    look: Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray],
+    xpos: Float[np.ndarray, "V nbody 3"],
+    cameras: Float[np.ndarray, "V 3"],
+    height: float,
+) -> Float[np.ndarray, " V"]:
+    """Largest shares of the distance of cameras from a robot from where it is seen, which `without_obstacles` takes.
 
     Args:
+      look: planar depth (n, H, W) m, 0 = nothing hit, without the robot, of the views at rows (n,) of the frames, with
+        positions (n, 3) m, wxyz rotations (n, 4) and vertical fields of view (n,) rad. Called for fewer rows each time.
       xpos: m, of the robot's bodies. cameras: m. height: m, of the robot.
-
-    Returns:
-      positions (T, 3) m and wxyz rotations (T, 4) of the views, and their vertical fields of view (T,), rad.
     """
     above = _above(xpos, height)
-    turn = np.stack([look_at(p, c) for p, c in zip(above, cameras, strict=True)])
-    fov = 2.0 * np.arctan(_CONE / np.linalg.norm(cameras - above, axis=-1))
-    return above.astype(np.float32), turn.astype(np.float32), fov.astype(np.float32)
+    distance = np.linalg.norm(cameras - above, axis=-1)
+    free, hidden = np.full(len(cameras), _SHARES[-1]), np.arange(len(cameras))
+    for share in _SHARES[:-1]:
+        if not len(hidden):
+            break
+        targets, away = above[hidden], share * distance[hidden]
+        places = targets + share * (cameras[hidden] - targets)
+        turn = np.stack([look_at(e, t) for e, t in zip(places, targets, strict=True)])
+        fov = 2.0 * np.arctan(_AROUND / away)
+        depth = look(hidden, *(x.astype(np.float32) for x in (places, turn, fov)))
+        seen = ((depth == 0.0) | (depth > away[:, None, None] - _GAP)).mean((1, 2)) >= _SEEN
+        free[hidden[seen]] = share
+        hidden = hidden[~seen]
+    return free
 
 
 def without_obstacles(
     xpos: Float[np.ndarray, "T nbody 3"],
     xquat: Float[np.ndarray, "T nbody 4"],
     cameras: Float[np.ndarray, "T 3"],
-    depth: Float[np.ndarray, "V H W"],
+    looks: Int[np.ndarray, " V"],
+    free: Float[np.ndarray, " V"],
     frames_per_second: float,
     height: float,
 ) -> tuple[Float[np.ndarray, "T 3"], Float[np.ndarray, "T 4"]]:
@@ -100,21 +116,16 @@ def without_obstacles(
 
     Args:
       xpos: m, xquat: wxyz, T_world_body of the robot's bodies. cameras: m. height: m, of the robot.
-      depth: m, 0 = nothing hit, in the views of `views_to_cameras` without the robot, of V frames spread evenly from
-        the first to the last.
+      looks: increasing frames, the last frame among them. free: their `free_shares`.
     """
-    above = _above(xpos, height)
-    distance = np.linalg.norm(cameras - above, axis=-1)
-    free = np.where(depth > 0.0, depth, np.inf).reshape(len(depth), -1)
-    free = np.sort(free, axis=1)[:, int(_HIDDEN * free.shape[1])]
-    # Each frame is judged by the views on both sides of it.
-    at = np.linspace(0.0, len(free) - 1.0, len(cameras))
-    free = np.minimum(free[np.floor(at).astype(int)], free[np.ceil(at).astype(int)])
-    share = np.clip((free - _GAP) / distance, _NEAREST, 1.0)
+    # Each frame takes the nearer one of the places before and after it.
+    at = np.searchsorted(looks, np.arange(len(cameras)))
+    share = np.minimum(free[at], free[np.maximum(at - 1, 0)])
     half = max(round(0.5 * _MOVING_TIME * frames_per_second), 1)
     window = np.lib.stride_tricks.sliding_window_view
     least = window(np.pad(share, 2 * half, "edge"), 2 * half + 1).min(1)
     share = window(least, 2 * half + 1).mean(1)
+    above = _above(xpos, height)
     nearer = above + share[:, None] * (cameras - above)
     return nearer.astype(np.float32), _turned(nearer, xpos, _ahead(xquat, frames_per_second))
 
