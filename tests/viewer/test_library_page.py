@@ -148,6 +148,20 @@ def test_a_page_that_was_opened_before_there_is_a_library_leads_to_it(tab: Any, 
         front.stop()
 
 
+def test_a_page_that_waits_says_so(tab: Any) -> None:
+    """In place of what it said of the tab before."""
+    tab.get_by_text("2 scenes.").wait_for()
+    answers: list[Any] = []
+    tab.route("**/library/looks**", lambda route: answers.append(route))
+    tab.click("nav >> text=Grounds")
+    tab.wait_for_function("document.getElementById('said').textContent === 'Loading …'")
+    while not answers:
+        tab.wait_for_timeout(50)
+    answers[0].continue_()
+    tab.get_by_text("1 grounds.").wait_for()
+    tab.unroute("**/library/looks**")
+
+
 def test_assets_turn_and_are_turned_by_hand(tab: Any) -> None:
     tab.click("nav >> text=Assets")
     loaded(tab, 24)
