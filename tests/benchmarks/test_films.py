@@ -2,7 +2,10 @@
 
 import json
 import pathlib
+import re
+from typing import Any
 
+import imageio.v2 as imageio
 import pytest
 
 from benchmarks import films
@@ -13,6 +16,7 @@ from urbanverse_mjx.pipeline.playing import PlayOptions, _finest_step, _steps_he
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
 
 ROOT = pathlib.Path(__file__).parents[2]
+PAGE = ROOT / "docs/films.md"
 
 
 @pytest.fixture
@@ -37,6 +41,18 @@ def test_there_is_a_film_of_every_policy_and_scene() -> None:
     for film in films.films():
         assert film.options.policy is not None
         PolicySpec.load(latest_policy(pathlib.Path(film.options.policy)))
+
+
+def test_the_page_of_films_names_those_in_the_repository_and_their_length() -> None:
+    rows = re.findall(r"^\| \[[^]]+\]\(films/([^)]+)\.mp4\) .*\| ([\d.]+) \|", PAGE.read_text(), re.MULTILINE)
+    kept = {path.stem: path for path in (ROOT / "docs/films").iterdir()}
+    assert sorted(name for name, _ in rows) == sorted(kept)
+    assert set(kept) <= {film.name for film in films.films()}
+    for name, seconds in rows:
+        reader: Any
+        with imageio.get_reader(kept[name]) as reader:
+            meta = reader.get_meta_data()
+        assert (meta["codec"], meta["duration"]) == ("h264", pytest.approx(float(seconds), abs=0.06))
 
 
 def test_films_have_a_rate_at_which_every_robot_can_be_drawn() -> None:

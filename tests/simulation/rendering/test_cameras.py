@@ -52,10 +52,10 @@ def _without(post: float, walled: np.ndarray, frames: int) -> tuple[np.ndarray, 
     above = xpos[looks, 1] + [0.0, 0.0, 0.8 * HEIGHT]
 
     def look(rows: np.ndarray, places: np.ndarray, turns: np.ndarray, fov: np.ndarray) -> np.ndarray:
-        way = above[rows] - places
-        distance = np.linalg.norm(way, axis=1)
+        offset = above[rows] - places
+        distance = np.linalg.norm(offset, axis=1)
         seen = Rotation.from_quat(turns, scalar_first=True).apply([0.0, 0.0, -1.0])
-        np.testing.assert_allclose(seen, way / distance[:, None], atol=1e-4)
+        np.testing.assert_allclose(seen, offset / distance[:, None], atol=1e-4)
         np.testing.assert_allclose(np.tan(fov / 2) * distance, 0.5, atol=1e-4)
         depth = np.full((len(rows), 10, 10), 7.0)  # what stands beyond the robot hides nothing
         depth[:, :, : round(10 * post)] = 0.2
