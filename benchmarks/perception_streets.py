@@ -18,22 +18,33 @@ import json
 import pathlib
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+import PIL.Image
 
 from benchmarks.bank import coarser, map_stride
-from benchmarks.lib import streets
+from benchmarks.lib import perception_library, shape_variation, streets
 from urbanverse_mjx.assets import AssetIndex, load_index
 from urbanverse_mjx.assets.appearances.ground_materials import material_ids
 from urbanverse_mjx.assets.appearances.skies import build_sky, sky_ids
-from urbanverse_mjx.assets.meshes.instances import instance_params, place
+from urbanverse_mjx.assets.categories.ontology import category_of
+from urbanverse_mjx.assets.meshes.instances import KEY, instance_params, place
 from urbanverse_mjx.assets.meshes.tints import tints
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.citygen import section
-from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, HullSet, SceneBank, SceneLayout, ValidationError
+from urbanverse_mjx.datatypes import (
+    AssetMesh,
+    AssetRecord,
+    GroundRegion,
+    HullSet,
+    SceneBank,
+    SceneLayout,
+    ValidationError,
+)
 from urbanverse_mjx.datatypes.hashing import content_hash
+from urbanverse_mjx.distillation.perception_model.classes import HOUSE, class_of_leaf, groups
 from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.compiler import AssetSource, scene_geometry
@@ -48,8 +59,11 @@ LENGTH = 70.0  # m; farther objects are a few pixels high from a camera at 1.5 m
 #: Range of the number of objects, houses included; training streets are denser for more labels per image.
 OBJECTS = {"train": (90, 140), "test": (70, 120)}
 #: Number of instances added to the training variants of each leaf.
-INSTANCES = 16
+INSTANCES = 24
 _ENDS: tuple[section.End, section.End] = ("court", "junction")
+MAX_TEXTURE = 256
+#: Share of the training instances that are made of two shapes.
+JOINED = 0.45
 MAP_CELL = 0.25  # m; the map only gives camera positions
 
 HOUSES = (*streets.HOUSES, "school", "garage", "library", "post office", "bistro", "shoe store", "ice cream shop")
@@ -168,10 +182,53 @@ def _point_hull(_: AssetRecord) -> HullSet:
     return HullSet((np.concatenate([np.zeros((1, 3)), np.eye(3)]).astype(np.float32) * 1e-3,))
 
 
+def _train_mesh(record: AssetRecord) -> AssetMesh:
+    """The mesh of a record with a texture of moderate size. An instance is deformed, and a share of them have the upper
+    part of another training shape of their leaf, or of their class where the leaf has one alone."""
+    mesh = _with_small_texture(build_mesh(record))
+    if KEY not in record.params:
+        return mesh
+    rng = shape_variation.seeded(record)
+    if class_of_leaf(record.leaf) == HOUSE:
+        return shape_variation.deformed(mesh, rng, shape_variation.STRAIGHT)
+    others = _others(record.leaf, str(record.params[KEY]["base"]))
+    if others and rng.random() < JOINED:
+        other = _with_small_texture(build_mesh(others[int(rng.integers(len(others)))]))
+        mesh = shape_variation.joined(mesh, other, float(rng.uniform(0.3, 0.75)))
+    rolls = category_of(record.leaf)[0] == "vehicle"
+    return shape_variation.deformed(mesh, rng, shape_variation.ROLLING if rolls else shape_variation.FREE)
+
+
+@functools.cache
+def _others(leaf: str, base: str) -> tuple[AssetRecord, ...]:
+    """Training instances of a leaf with other base shapes; without any, those of the leaves of its class."""
+
+    def found(leaves: tuple[str, ...]) -> tuple[AssetRecord, ...]:
+        records = [r for name in leaves for r in _records("train").by_leaf(name) if KEY in r.params]
+        return tuple(r for r in records if r.params[KEY]["base"] != base)
+
+    group = next((leaves for leaves in groups().values() if leaf in leaves), ())
+    return found((leaf,)) or found(group)
+
+
+def _with_small_texture(mesh: AssetMesh) -> AssetMesh:
+    """Halves textures of more than `MAX_TEXTURE` pixels a side, because images are 512 pixels wide."""
+    texture = mesh.texture
+    if max(texture.shape[:2]) <= MAX_TEXTURE or min(texture.shape[:2]) < 2:
+        return mesh
+    image = PIL.Image.fromarray(texture)
+    return dataclasses.replace(mesh, texture=np.asarray(image.reduce(2)))
+
+
+def source(split: str) -> AssetSource:
+    """Makes the meshes of a split; those of training instances are deformed."""
+    return AssetSource(_train_mesh if split == "train" else build_mesh, _point_hull)
+
+
 def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout, SceneGeometry]:
     """Street `number` of a split, as a layout and as arrays; `index` holds the split's records."""
     layout = streets.make_layout(SEEDS[split], number, index, OBJECTS[split], stock(split), make_ground(split, number))
-    geometry = scene_geometry(layout, index, AssetSource(build_mesh, _point_hull))
+    geometry = scene_geometry(layout, index, source(split))
     walk = _walk(make_ground(split, number).section)
     return layout, dataclasses.replace(geometry, map=coarser(geometry.map, map_stride(MAP_CELL)), episodes=walk)
 
@@ -187,36 +244,59 @@ def _walk(street: section.StreetSection) -> EpisodeTable:
     return EpisodeTable(start, goal, points, np.array([len(x)], np.int32), np.array([length]), no, no, np.array([-1.0]))
 
 
-def build(split: str, layouts: int, progress: Any = None, processes: int = 1, first: int = 0) -> SceneBank:
-    """Returns the bank of a split's streets from `first` on; `progress` is called with (streets done, total)."""
-    scenes, hashes = [], {}
-    for geometry, name, content in _made(split, range(first, first + layouts), processes):
+def build(
+    split: str,
+    layouts: int,
+    progress: Any = None,
+    processes: int = 1,
+    first: int = 0,
+    folders: Sequence[pathlib.Path] = (),
+) -> SceneBank:
+    """Returns the bank of a split's streets from `first` on, and then those of the library's `folders`; `progress` is
+    called with (streets done, total)."""
+    scenes, hashes, total = [], {}, layouts + len(folders)
+    for geometry, name, content in _made(split, [*range(first, first + layouts), *folders], processes):
         scenes.append(geometry)
         hashes[name] = content
         if progress is not None:
-            progress(len(scenes), layouts)
+            progress(len(scenes), total)
     hashes["bank"] = content_hash({"split": split, "layouts": dict(hashes)})
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
-    return pack(scenes, [split] * layouts, skies, hashes)
+    return pack(scenes, [split] * total, skies, hashes)
 
 
-def _made(split: str, numbers: range, processes: int) -> Iterator[tuple[SceneGeometry, str, str]]:
+def _made(
+    split: str, streets_of: Sequence[int | pathlib.Path], processes: int
+) -> Iterator[tuple[SceneGeometry, str, str]]:
     """Streets in their order, each with its name and content hash."""
     if processes == 1:
-        yield from map(functools.partial(_make, split), numbers)
+        yield from map(functools.partial(_make, split), streets_of)
         return
     with worker_pool(processes) as pool:
-        yield from pool.map(functools.partial(_make, split), numbers, chunksize=4)
+        yield from pool.map(functools.partial(_make, split), streets_of, chunksize=4)
 
 
-def _make(split: str, number: int) -> tuple[SceneGeometry, str, str]:
-    layout, geometry = make_street(split, number, _records(split))
+def _make(split: str, street: int | pathlib.Path) -> tuple[SceneGeometry, str, str]:
+    if isinstance(street, pathlib.Path):
+        return perception_library.make(street, _records(split), source(split))
+    layout, geometry = make_street(split, street, _records(split))
     return geometry, layout.id, layout.content_hash()
 
 
 @functools.cache
 def _records(split: str) -> AssetIndex:
     return of_split(split, load_index())
+
+
+def _folders(wanted: str) -> list[pathlib.Path]:
+    """Folders of the library's streets, by the option's text."""
+    out: list[pathlib.Path] = []
+    for part in filter(None, wanted.split(",")):
+        name, _, count = part.partition(":")
+        if not count.isdigit() or int(count) < 1:
+            raise ValidationError(f"--library: found {part!r}, needed SET:COUNT; for example places:24.")
+        out += perception_library.folders(name, int(count))
+    return out
 
 
 def _say(begin: float, done: int, total: int) -> None:
@@ -231,13 +311,19 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--out", type=pathlib.Path, required=True, help="bank file to write")
     parser.add_argument("--first", type=int, default=0, help="number of the first street")
     parser.add_argument("--processes", type=int, default=1, help="streets made at a time")
+    more = "SET:COUNT,...: streets of the scene library to add, as built in the cache; for training alone"
+    parser.add_argument("--library", default="", metavar="SETS", help=more)
     arguments = parser.parse_args(argv)
+    if arguments.library and arguments.split != "train":
+        parser.error("--library needs --split train: its streets contain shapes of both splits")
     if min(arguments.layouts, arguments.processes) < 1 or arguments.first < 0:
         parser.error("--layouts and --processes must be at least 1, --first at least 0")
     begin = time.monotonic()
     try:
         say = functools.partial(_say, begin)
-        bank = build(arguments.split, arguments.layouts, say, arguments.processes, arguments.first)
+        bank = build(
+            arguments.split, arguments.layouts, say, arguments.processes, arguments.first, _folders(arguments.library)
+        )
         bank.save(arguments.out)
     except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)

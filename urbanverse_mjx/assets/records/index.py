@@ -115,6 +115,10 @@ class AssetIndex:
 
     def content_hash(self) -> str:
         """64 hexadecimal digits over all records (1 mm, 1 g)."""
+        return self._content_hash
+
+    @functools.cached_property
+    def _content_hash(self) -> str:
         return content_hash([r.to_json() for r in self.records])
 
 
