@@ -70,9 +70,8 @@ def main(argv: list[str] | None = None) -> int:
     try:
         variables, _ = weights.load(arguments.weights)
         views = Views.of(SceneBank.load(arguments.streets), *network.SIZE, appearance=0.0)
-        frames = predict(
-            weights.network(jnp.float32), variables, views, arguments.frames, arguments.batch, arguments.seed
-        )
+        model = weights.network(jnp.float32, network.blocks_of(variables))
+        frames = predict(model, variables, views, arguments.frames, arguments.batch, arguments.seed)
         parts = [
             ([t.evidence for t in f.seen.objects], right(f.seen, f.kinds, f.owner)) for f in frames if f.seen.objects
         ]

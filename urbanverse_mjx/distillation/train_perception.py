@@ -3,12 +3,13 @@
     python -m benchmarks.perception_streets --split train --layouts 256 --processes 16 --out perception_train.npz
     python -m benchmarks.perception_streets --split test --layouts 20 --out perception_test.npz
     python -m urbanverse_mjx.distillation.train_perception --train perception_train.npz --test perception_test.npz \\
-        --minutes 16 --out perception.npz
+        --init shipped --minutes 6 --out perception.npz
 
-Frames are rendered during training, each from a random position with a random lens, appearance and camera fault; none
-is used twice. The learning rate is a function of the elapsed time, so that it ends at zero on any machine. Prints one
-JSON line per progress report and a table at the end. Weights are written every minute and at the end; with `--state`
-also the rest of the training state: the same command after a killed or a paused (`--pause-after`) run continues it.
+Frames are rendered during training, each from a random position with a random lens, appearance, condition (night,
+rain, a bonnet, ...) and camera fault; none is used twice. `--init` may be weights of a network with fewer blocks. The
+learning rate is a function of the elapsed time, so that it ends at zero on any machine. Prints one JSON line per
+progress report and a table at the end. Weights are written every minute and at the end; with `--state` also the rest of
+the training state: the same command after a killed or a paused (`--pause-after`) run continues it.
 """
 
 import argparse
@@ -18,20 +19,23 @@ import json
 import pathlib
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
+from flax import traverse_util
 
 from ..datatypes import SceneBank, ValidationError
 from ..datatypes.validation import write_atomically
 from .perception_model import inference, network, score, weights
-from .perception_model.augment import augment
+from .perception_model.augment import augment, with_faults
+from .perception_model.conditions import vary
 from .perception_model.decode import Decoded, decode
-from .perception_model.targets import GroundTruth, loss
+from .perception_model.network import OUTPUT_STRIDE
+from .perception_model.targets import GroundTruth, loss, without
 from .perception_model.views import Views
 
 
@@ -44,6 +48,7 @@ class LearningOptions:
       weight_decay: weight decay of AdamW.
       average_decay: decay per step of the running average of the weights, which is evaluated and stored.
       mixed_ground: share of the ground with the material of another kind; see `Views.of`.
+      heights, fields_of_view: ranges of the training cameras, m and degrees; wider than those of the test.
       save_interval: s, time between two saves of the weights.
       report_interval: s, time between two progress reports.
     """
@@ -52,11 +57,15 @@ class LearningOptions:
     weight_decay: float = 1e-2
     average_decay: float = 0.998
     mixed_ground: float = 0.4
+    heights: tuple[float, float] = (0.35, 2.2)
+    fields_of_view: tuple[float, float] = (29.0, 78.0)
     save_interval: float = 60.0
     report_interval: float = 20.0
 
 
 _OPTIONS = LearningOptions()
+#: Value of `--init` for the weights of the package.
+SHIPPED = "shipped"
 
 
 class Learner(NamedTuple):
@@ -82,9 +91,24 @@ def _optimiser() -> optax.GradientTransformation:
 
 
 def begin(model: Any, key: jax.Array, height: int, width: int) -> Learner:
-    """Creates a learner with random weights."""
-    variables = jax.jit(model.init)(key, jnp.zeros((1, height, width, 3)))
+    """Creates a learner with random weights: kernels after LeCun, and residual blocks that are the identity.
+
+    The numbers are drawn here, because compiling the network's own initialisation takes minutes.
+    """
+    shapes = jax.eval_shape(model.init, key, jnp.zeros((1, height, width, 3)))
+    rng = np.random.default_rng(np.asarray(jax.random.key_data(key)))
+    flat = traverse_util.flatten_dict(dict(shapes))
+    variables = traverse_util.unflatten_dict({path: _initial(path, x.shape, rng) for path, x in flat.items()})
     return Learner(variables, jax.tree.map(jnp.copy, variables), _optimiser().init(variables["params"]))
+
+
+def _initial(path: tuple[str, ...], shape: tuple[int, ...], rng: np.random.Generator) -> jax.Array:
+    """Initial values of one array of the network's variables."""
+    if path[-1] == "kernel":
+        return jnp.asarray(rng.normal(size=shape) / np.sqrt(np.prod(shape[:-1])), jnp.float32)
+    last_of_block = path[1].startswith("_Block_") and path[2] == "_Conv_1"
+    one = path[-1] == "var" or (path[-1] == "scale" and not last_of_block)
+    return jnp.full(shape, 1.0 if one else 0.0)
 
 
 def make_step(model: Any, views: Views, batch: int) -> Any:
@@ -94,7 +118,10 @@ def make_step(model: Any, views: Views, batch: int) -> Any:
     def step(learner: Learner, key: jax.Array, rate: jax.Array) -> tuple[Learner, dict[str, jax.Array]]:
         view_key, fault_key = jax.random.split(key)
         images, wanted, counts = views(jax.random.split(view_key, batch))
-        inputs = jax.vmap(augment)(jax.random.split(fault_key, batch), images)
+        vary_key, fault_key = jax.random.split(fault_key)
+        varied, hidden = jax.vmap(vary)(jax.random.split(vary_key, batch), images)
+        inputs = jax.vmap(with_faults)(jax.random.split(fault_key, batch), varied)
+        wanted = without(wanted, hidden[:, 1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE])
 
         def answer(params: Any) -> Any:
             variables = {**learner.variables, "params": params}
@@ -132,18 +159,27 @@ class Frame(NamedTuple):
 
 
 def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> Iterator[Frame]:
-    """Yields predictions for seeded frames with the same camera faults as in training; frames without objects are left
-    out."""
+    """Yields predictions for seeded frames with the same camera faults as the images of training, without hard
+    conditions; frames without objects are left out."""
+    return make_predict(model, views)(variables, frames, batch, seed)
+
+
+def make_predict(model: Any, views: Views) -> Callable[[Any, int, int, int], Iterator[Frame]]:
+    """`predict` as a function of (variables, frames, batch, seed) that is compiled once."""
     apply = jax.jit(functools.partial(model.apply, train=False))
     draw = jax.jit(lambda keys: views(keys, dye=False))
     fault = jax.jit(jax.vmap(augment))
-    for start in range(0, frames, batch):
-        keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
-        images, wanted, counts = draw(keys)
-        seen = apply(variables, fault(keys, images))
-        for i in range(batch):
-            if counts[i]:
-                yield _frame(jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)
+
+    def frames_of(variables: Any, frames: int, batch: int, seed: int) -> Iterator[Frame]:
+        for start in range(0, frames, batch):
+            keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
+            images, wanted, counts = draw(keys)
+            seen = apply(variables, fault(keys, images))
+            for i in range(batch):
+                if counts[i]:
+                    yield _frame(jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)
+
+    return frames_of
 
 
 def _frame(seen: Any, wanted: GroundTruth, i: int) -> Frame:
@@ -154,12 +190,10 @@ def _frame(seen: Any, wanted: GroundTruth, i: int) -> Frame:
     return Frame(decoded, kinds, owner, depth, leaf)
 
 
-def evaluate(
-    model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int, cut: float = 0.0
-) -> dict[str, Any]:
-    """The table of `score.Score` over the frames of `predict`, for detected objects with a score of at least `cut`."""
+def evaluate(frames: Iterable[Frame], cut: float = 0.0) -> dict[str, Any]:
+    """The table of `score.Score` over frames, for detected objects with a score of at least `cut`."""
     result = score.Score()
-    for frame in predict(model, variables, views, frames, batch, seed):
+    for frame in frames:
         result.add(*frame._replace(seen=frame.seen.surer(cut)))
     return result.table()
 
@@ -169,16 +203,24 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     started = time.monotonic()
     model = weights.network(jnp.dtype(arguments.dtype))
     size = arguments.height, arguments.width
-    views = Views.of(SceneBank.load(arguments.train), *size, mixed=_OPTIONS.mixed_ground, samples=arguments.samples)
+    views = Views.of(
+        SceneBank.load(arguments.train),
+        *size,
+        mixed=_OPTIONS.mixed_ground,
+        samples=arguments.samples,
+        heights=_OPTIONS.heights,
+        fields_of_view=_OPTIONS.fields_of_view,
+    )
     test = Views.of(SceneBank.load(arguments.test), *size, appearance=0.0, samples=arguments.samples)
     key = jax.random.key(arguments.seed)
     learner = begin(model, jax.random.fold_in(key, 0), arguments.height, arguments.width)
     record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}
     if arguments.init is not None:
-        variables, before = weights.load(arguments.init)
-        variables = jax.tree.map(jnp.asarray, variables)
+        variables, before = weights.load(None if arguments.init == SHIPPED else arguments.init)
+        variables = jax.tree.map(jnp.asarray, network.grown(variables, learner.variables))
         learner = learner._replace(variables=variables, average=jax.tree.map(jnp.copy, variables))
         record["before"] = {name: x for name, x in before.items() if name != "score"}
+    predicted, seeded = make_predict(model, test), (arguments.test_batch, arguments.seed + 1)
     progress = Progress()
     if arguments.state is not None and arguments.state.is_file():
         learner, progress = _read_state(arguments.state, learner)
@@ -187,25 +229,33 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
         learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
         jax.block_until_ready(learner)
         _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
-        learner = _run(step, learner, key, arguments, record, progress)
+
+        def validate(average: Any) -> None:
+            _validate(list(predicted(average, arguments.validation_frames, *seeded)), progress)
+
+        learner = _run(step, learner, key, arguments, record, progress, validate)
     record = _keep(arguments, learner, progress, record)
     if progress.seconds < 60.0 * arguments.minutes:
         return {**record, "paused_after_s": round(progress.seconds, 1)}
     # The stored weights are evaluated, not those in memory.
     variables, _ = weights.load(arguments.out)
-    table = evaluate(
-        model, variables, test, arguments.test_frames, arguments.test_batch, arguments.seed + 1, arguments.cut
-    )
+    table = evaluate(predicted(variables, arguments.test_frames, *seeded), arguments.cut)
     weights.save(arguments.out, variables, {**record, "score": table})
     return {**record, **table}
 
 
 def _run(
-    step: Any, learner: Learner, key: jax.Array, arguments: argparse.Namespace, record: dict[str, Any], done: Progress
+    step: Any,
+    learner: Learner,
+    key: jax.Array,
+    arguments: argparse.Namespace,
+    record: dict[str, Any],
+    done: Progress,
+    validate: Callable[[Any], None],
 ) -> Learner:
-    """Runs steps until the time is over or a pause is due, and updates `done`."""
+    """Runs steps until the time is over or a pause is due, and updates `done`. Validation takes none of the time."""
     before, begin = done.seconds, time.monotonic()
-    said = saved = begin
+    said = saved = validated = begin
     length = arguments.minutes * 60.0
     end = length if arguments.pause_after is None else min(length, before + arguments.pause_after * 60.0)
     while done.seconds < end:
@@ -221,9 +271,21 @@ def _run(
         if now - saved > _OPTIONS.save_interval:
             _keep(arguments, learner, done, record)
             saved = now
+        if arguments.validate_every > 0 and now - validated > 60.0 * arguments.validate_every:
+            jax.block_until_ready(learner)
+            stopped = time.monotonic()
+            validate(learner.average)
+            validated = time.monotonic()
+            begin, said, saved = (x + validated - stopped for x in (begin, said, saved))
         if done.steps % 8 == 0:  # a bounded queue: the clock then measures work that is done
             jax.block_until_ready(parts)
     return learner
+
+
+def _validate(frames: Sequence[Frame], done: Progress) -> None:
+    """Prints the tables of frames of the test streets, of all detected objects and of the likely ones."""
+    tables = {"raw": evaluate(frames), "likely": evaluate(frames, inference.MIN_SCORE)}
+    _say({"event": "validation", "steps": done.steps, "seconds": round(done.seconds, 1), **tables})
 
 
 def _keep(arguments: argparse.Namespace, learner: Learner, done: Progress, record: dict[str, Any]) -> dict[str, Any]:
@@ -274,10 +336,14 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--train", type=pathlib.Path, required=True, help="bank of streets to learn on")
     parser.add_argument("--test", type=pathlib.Path, required=True, help="bank of streets to score on")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="weights to write")
-    parser.add_argument("--init", type=pathlib.Path, help="initial weights; default: random ones")
+    init = f"initial weights, '{SHIPPED}' for those of the package; default: random ones"
+    parser.add_argument("--init", help=init)
     parser.add_argument("--minutes", type=float, default=16.0, help="of training in all; 0 only scores --init")
     parser.add_argument("--state", type=pathlib.Path, help="file with the state of the run, from which it continues")
     parser.add_argument("--pause-after", type=float, metavar="MINUTES", help="stop after so many and keep --state")
+    every = "print the score of --validation-frames frames after so many minutes of training; 0: never"
+    parser.add_argument("--validate-every", type=float, default=0.0, metavar="MINUTES", help=every)
+    parser.add_argument("--validation-frames", type=int, default=64)
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
     parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 32")

@@ -48,16 +48,16 @@ def jpeg(image: jax.Array, quality: jax.Array) -> jax.Array:
     return jnp.clip((back.reshape(h, w, 3) + 128.0) / 255.0, 0.0, 1.0)
 
 
-def _blur(image: jax.Array, sigma: jax.Array) -> jax.Array:
-    """Gaussian blur of rows and columns with `sigma` (2,) pixels."""
-    offsets = jnp.arange(-_BLUR_RADIUS, _BLUR_RADIUS + 1, dtype=jnp.float32)
+def blur(image: jax.Array, sigma: jax.Array, radius: int = _BLUR_RADIUS) -> jax.Array:
+    """Gaussian blur of rows and columns with `sigma` (2,) pixels, cut off at `radius` pixels."""
+    offsets = jnp.arange(-radius, radius + 1, dtype=jnp.float32)
     for axis in (0, 1):
         weight = jnp.exp(-(offsets**2) / (2.0 * sigma[axis] ** 2 + 1e-6))
         weight = weight / weight.sum()
-        padded = jnp.pad(image, [(_BLUR_RADIUS, _BLUR_RADIUS) if a == axis else (0, 0) for a in range(3)], "edge")
+        padded = jnp.pad(image, [(radius, radius) if a == axis else (0, 0) for a in range(3)], "edge")
         size = image.shape[axis]
         image = sum(
-            (weight[i] * jax.lax.slice_in_dim(padded, i, i + size, axis=axis) for i in range(2 * _BLUR_RADIUS + 1)),
+            (weight[i] * jax.lax.slice_in_dim(padded, i, i + size, axis=axis) for i in range(2 * radius + 1)),
             jnp.zeros_like(image),
         )
     return image
@@ -68,18 +68,25 @@ _YIQ = np.array([[0.299, 0.587, 0.114], [0.596, -0.274, -0.322], [0.211, -0.523,
 
 
 def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) -> jax.Array:
-    """Gives each region (H, W) i32 < `regions` of an image (H, W, 3) u8 a random hue, saturation and brightness.
+    """Gives each region (H, W) i32 < `regions` of an image (H, W, 3) u8 a random hue, saturation and brightness, and a
+    third of them less contrast inside, down to one flat colour.
 
     Most regions approximately keep their hue. The model then has to recognise objects by shape.
     """
-    keys, of = jax.random.split(key, 5), (regions,)
+    keys, of = jax.random.split(key, 7), (regions,)
     turn = jax.random.uniform(keys[0], of, minval=-jnp.pi, maxval=jnp.pi)
     turn = jnp.where(jax.random.bernoulli(keys[1], 0.35, of), turn, 0.15 * jax.random.normal(keys[2], of))
     brightness = jnp.exp(0.3 * jax.random.normal(keys[3], of))
     colour = brightness * jax.random.uniform(keys[4], of, minval=0.2, maxval=1.8)
     table = jnp.stack([brightness, colour * jnp.cos(turn), colour * jnp.sin(turn)], -1)
     gain, c, s = jnp.moveaxis(table[region], -1, 0)
-    y, i, q = jnp.moveaxis(image.astype(jnp.float32) @ _YIQ.T, -1, 0)
+    colours, at = image.astype(jnp.float32).reshape(-1, 3), region.ravel()
+    size = jax.ops.segment_sum(jnp.ones(len(at)), at, regions)
+    mean = jax.ops.segment_sum(colours, at, regions) / jnp.maximum(size, 1.0)[:, None]
+    contrast = jax.random.uniform(keys[6], of, minval=-0.1, maxval=0.8)
+    contrast = jnp.where(jax.random.bernoulli(keys[5], 0.35, of), jnp.maximum(contrast, 0.0), 1.0)
+    colours = mean[at] + contrast[at][:, None] * (colours - mean[at])
+    y, i, q = jnp.moveaxis(colours.reshape(image.shape) @ _YIQ.T, -1, 0)
     dyed = jnp.stack([gain * y, c * i - s * q, s * i + c * q], -1) @ np.linalg.inv(_YIQ).T.astype(np.float32)
     return jnp.clip(dyed, 0.0, 255.0).astype(jnp.uint8)
 
@@ -87,10 +94,14 @@ def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) 
 def augment(key: jax.Array, image: jax.Array) -> jax.Array:
     """Augments a clean uint8 image by blur, exposure, white balance, tone, noise and JPEG; returns (H, W, 3) float in
     [0, 1]."""
-    keys = jax.random.split(key, 8)
-    x = image.astype(jnp.float32) / 255.0
+    return with_faults(key, image.astype(jnp.float32) / 255.0)
+
+
+def with_faults(key: jax.Array, image: jax.Array) -> jax.Array:
+    """The same for an image (H, W, 3) of floats in [0, 1]."""
+    keys, x = jax.random.split(key, 8), image
     # Defocus and camera shake: mostly below one pixel, sometimes two along one axis.
-    x = _blur(x, jnp.abs(jax.random.normal(keys[0], (2,))) * 0.7)
+    x = blur(x, jnp.abs(jax.random.normal(keys[0], (2,))) * 0.7)
     x = x * jnp.exp(jax.random.normal(keys[1], ()) * 0.2) * jnp.exp(jax.random.normal(keys[2], (3,)) * 0.06)
     grey = x.mean(-1, keepdims=True)
     x = grey + (x - grey) * jax.random.uniform(keys[3], (), minval=0.5, maxval=1.4)

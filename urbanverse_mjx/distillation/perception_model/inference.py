@@ -1,7 +1,6 @@
 """Inference of the perception model on images of any size."""
 
 import dataclasses
-import functools
 import os
 from typing import Any
 
@@ -13,7 +12,7 @@ from ...datatypes import Detection
 from ..perception.observation import FrameObservation
 from . import classes, weights
 from .decode import Decoded, FoundObject, decode
-from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
+from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen, blocks_of
 
 #: Least probability of reported objects; fusion over frames would otherwise place false objects on free ground.
 MIN_SCORE = 0.5
@@ -61,14 +60,9 @@ class PerceptionModel:
         return _full_size(found.surer(MIN_SCORE), height, width)
 
 
-@functools.cache
-def _network() -> Any:
-    return weights.network()
-
-
 @jax.jit
 def _apply(variables: Any, images: jax.Array) -> Seen:
-    return _network().apply(variables, images, train=False)
+    return weights.network(blocks=blocks_of(variables)).apply(variables, images, train=False)
 
 
 def label_of(obj: FoundObject) -> str:

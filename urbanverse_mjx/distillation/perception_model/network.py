@@ -13,6 +13,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from flax import linen as nn
+from flax import traverse_util
+
+from ...datatypes import ValidationError
 
 #: Sides of an image are multiples of this: the encoder halves five times.
 STRIDE = 32
@@ -26,7 +29,7 @@ CANONICAL_FOCAL = 300.0  # pixels; about the middle of the lenses it was trained
 #: Unit of the offset to the centre in output pixels, and unit of depth in m.
 OFFSET_UNIT = 16.0
 DEPTH_UNIT = 8.0
-WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 3, 4, 4, 3)
+WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 3, 6, 6, 5)
 _PYRAMID = (96, 96, 64, 64)
 
 
@@ -57,17 +60,19 @@ class _Conv(nn.Module):
     stride: int = 1
     activate: bool = True
     dtype: Any = jnp.float32
+    scale_init: Any = nn.initializers.ones
 
     @nn.compact
     def __call__(self, x: jax.Array, train: bool) -> jax.Array:
         k, s = self.kernel, self.stride
         x = nn.Conv(self.features, (k, k), (s, s), "SAME", use_bias=False, dtype=self.dtype)(x)
-        x = nn.BatchNorm(use_running_average=not train, momentum=0.98, dtype=self.dtype)(x)
+        x = nn.BatchNorm(use_running_average=not train, momentum=0.98, dtype=self.dtype, scale_init=self.scale_init)(x)
         return nn.relu(x) if self.activate else x
 
 
 class _Block(nn.Module):
-    """Basic residual block (He et al., 2016), halving the size where `stride` is 2."""
+    """Basic residual block (He et al., 2016), halving the size where `stride` is 2. It begins as the identity, which
+    helps deep networks (Goyal et al., 2017) and lets a trained network grow, see `grown`."""
 
     features: int
     stride: int = 1
@@ -76,7 +81,7 @@ class _Block(nn.Module):
     @nn.compact
     def __call__(self, x: jax.Array, train: bool) -> jax.Array:
         y = _Conv(self.features, stride=self.stride, dtype=self.dtype)(x, train)
-        y = _Conv(self.features, activate=False, dtype=self.dtype)(y, train)
+        y = _Conv(self.features, activate=False, dtype=self.dtype, scale_init=nn.initializers.zeros)(y, train)
         if self.stride > 1 or x.shape[-1] != self.features:
             x = _Conv(self.features, 1, self.stride, activate=False, dtype=self.dtype)(x, train)
         return nn.relu(x + y)
@@ -129,3 +134,46 @@ class PerceptionNetwork(nn.Module):
         coarse = what.reshape(n, h // LEAF_STRIDE, LEAF_STRIDE, w // LEAF_STRIDE, LEAF_STRIDE, c).mean((2, 4))
         leaves = nn.Conv(self.leaves, (1, 1), dtype=self.dtype)(coarse).astype(jnp.float32)
         return Seen(classes, rest[..., 0], rest[..., 1:3], rest[..., 3], leaves)
+
+
+def blocks_of(variables: Any) -> tuple[int, ...]:
+    """Residual blocks a level of the network that variables belong to."""
+    return tuple(len(level) for level in _block_levels(traverse_util.flatten_dict(dict(variables))))
+
+
+def grown(variables: Any, fresh: Any) -> Any:
+    """Variables of today's network from those of one with fewer residual blocks a level, and the same outputs.
+
+    Additional blocks come last in their level and are the identity.
+
+    Args:
+      variables: of a network that differs in `BLOCKS` alone.
+      fresh: newly initialised variables of today's network.
+
+    Raises:
+      ValidationError: the networks differ in more.
+    """
+    old, new = (traverse_util.flatten_dict(dict(x)) for x in (variables, fresh))
+    before, after = (_block_levels(x) for x in (old, new))
+    found = blocks_of(variables)
+    if len(found) != len(BLOCKS) or any(a > b for a, b in zip(found, BLOCKS, strict=True)):
+        raise ValidationError(f"weights: found residual blocks {list(found)}, needed at most {list(BLOCKS)} a level.")
+    renamed = {a: b for olds, news in zip(before, after, strict=True) for a, b in zip(olds, news, strict=False)}
+    out = dict(new)
+    for path, x in old.items():
+        to = (path[0], renamed.get(path[1], path[1]), *path[2:])
+        if to not in new or np.shape(new[to]) != np.shape(x):
+            raise ValidationError(f"weights: found {'/'.join(path)} {np.shape(x)}, needed a part of today's network.")
+        out[to] = x
+    return traverse_util.unflatten_dict(out)
+
+
+def _block_levels(flat: Any) -> list[list[str]]:
+    """Names of the residual blocks by level; all but the first level begin with a block that halves the size."""
+    names = {path[1] for path in flat if path[0] == "params" and path[1].startswith("_Block_")}
+    levels: list[list[str]] = [[]]
+    for name in sorted(names, key=lambda x: int(x.rsplit("_", 1)[1])):
+        if ("params", name, "_Conv_2", "Conv_0", "kernel") in flat:
+            levels.append([])
+        levels[-1].append(name)
+    return levels

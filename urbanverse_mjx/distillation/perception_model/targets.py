@@ -37,6 +37,7 @@ class LossOptions:
       offset: weight of the offset to the centre.
       depth: weight of the logarithm of depth.
       leaf: weight of the leaves.
+      objects: weight of the mean over objects, which counts every object once, whatever its size.
     """
 
     small_object: float = 200.0
@@ -48,6 +49,7 @@ class LossOptions:
     offset: float = 0.64
     depth: float = 0.5
     leaf: float = 0.3
+    objects: float = 0.3
 
 
 _OPTIONS = LossOptions()
@@ -117,6 +119,17 @@ def ground_truth(
     )
 
 
+def without(wanted: GroundTruth, hidden: jax.Array) -> GroundTruth:
+    """The targets without the pixels `hidden` (..., h, w) bool, which then have no part in the loss."""
+    shown = (~hidden).astype(wanted.weight.dtype)
+    return wanted._replace(
+        weight=wanted.weight * shown,
+        centre_weight=wanted.centre_weight * shown,
+        has_centre=wanted.has_centre & ~hidden,
+        has_depth=wanted.has_depth & ~hidden,
+    )
+
+
 def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int, sigma: float) -> jax.Array:
     """(h, w), Gaussian of the distance to the nearest centre, 1 at every centre."""
     far, reach = 1e6, round(3 * sigma)
@@ -154,8 +167,29 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
         "offset": _OPTIONS.offset * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * heavier),
         "depth": _OPTIONS.depth * _mean(jnp.abs(seen.log_depth - wanted.log_depth), wanted.has_depth * weight),
     }
+    parts["objects"] = _OPTIONS.objects * _object_loss(log_p, wanted, counts)
     parts["leaves"] = _OPTIONS.leaf * _leaf_loss(jnp.asarray(seen.leaves), wanted, weight)
     return sum(parts.values(), jnp.zeros(())), parts
+
+
+#: Slots of objects that `_object_loss` distinguishes; the numbers of others are taken modulo it.
+_SLOTS = 1024
+
+
+def _object_loss(log_p: jax.Array, wanted: GroundTruth, counts: jax.Array) -> jax.Array:
+    """(), mean over objects of -log of the mean probability of the right class over the object's pixels: objects are
+    decoded by that mean."""
+    right = jnp.exp(jnp.take_along_axis(log_p, wanted.classes[..., None], -1)[..., 0])
+
+    def one(p: jax.Array, owner: jax.Array, applies: jax.Array) -> tuple[jax.Array, jax.Array]:
+        number = jnp.where((owner >= 0) & applies, owner % _SLOTS, _SLOTS).ravel()
+        size = jax.ops.segment_sum(jnp.ones_like(p).ravel(), number, _SLOTS + 1)[:-1]
+        mean = jax.ops.segment_sum(p.ravel(), number, _SLOTS + 1)[:-1] / jnp.maximum(size, 1.0)
+        present = size >= MIN_PIXELS
+        return -(jnp.log(jnp.maximum(mean, 1e-3)) * present).sum(), present.sum()
+
+    misses, objects = jax.vmap(one)(right, wanted.owner, wanted.weight > 0)
+    return (misses * counts).sum() / jnp.maximum((objects * counts).sum(), 1.0)
 
 
 def _leaf_loss(logits: jax.Array, wanted: GroundTruth, weight: jax.Array) -> jax.Array:

@@ -58,12 +58,15 @@ class Views:
       places: (Z, K, places, 3) f32 m, points on the ground by scene and kind of `ground_shares`.
       weights: (Z, K) f32.
       table: (A + 1, 2) `classes.class_table` of the bank.
+      heights, fields_of_view: ranges of cameras, m above the ground and degrees.
     """
 
     renderer: Renderer
     places: jax.Array
     weights: jax.Array
     table: jax.Array
+    heights: tuple[float, float] = HEIGHTS
+    fields_of_view: tuple[float, float] = FIELDS_OF_VIEW
 
     @staticmethod
     def of(
@@ -74,6 +77,8 @@ class Views:
         mixed: float = 0.0,
         samples: int = 2,
         seed: int = 0,
+        heights: tuple[float, float] = HEIGHTS,
+        fields_of_view: tuple[float, float] = FIELDS_OF_VIEW,
     ) -> "Views":
         """Makes the views of a bank.
 
@@ -96,7 +101,8 @@ class Views:
         )
         places, weights = _stands(bank, np.random.default_rng(seed))
         table = classes.class_table(bank.meta["categories"])
-        return Views(renderer, jnp.asarray(places), jnp.asarray(weights), jnp.asarray(table))
+        arrays = (jnp.asarray(x) for x in (places, weights, table))
+        return Views(renderer, *arrays, heights=heights, fields_of_view=fields_of_view)
 
     def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, GroundTruth, jax.Array]:
         """One frame per key: images (n, H, W, 3) u8, their ground truth, and (n,) 0 where the view is blocked.
@@ -134,7 +140,7 @@ class Views:
         kind = jax.random.categorical(keys[1], jnp.log(self.weights[scene]))
         place = self.places[scene, kind, jax.random.randint(keys[2], (), 0, _OPTIONS.places)]
         viewpoint = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(
-            keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1]
+            keys[3], (), minval=self.heights[0], maxval=self.heights[1]
         )
         # Most views are approximately along the street (along x), like those of pedestrians; the others have any
         # direction.
@@ -146,7 +152,7 @@ class Views:
             jax.random.uniform(anywhere, (), minval=-jnp.pi, maxval=jnp.pi),
         )
         pitch, roll = jnp.radians(jnp.array([-2.0, 0.0]) + jnp.array([7.0, 2.0]) * jax.random.normal(keys[5], (2,)))
-        low, high = np.radians(FIELDS_OF_VIEW)
+        low, high = np.radians(self.fields_of_view)
         fovy = jax.random.uniform(keys[6], (), minval=low, maxval=high)
         number = jax.random.randint(keys[7], (), 1, 2**30)
         return scene, viewpoint, camera_quaternion(yaw, pitch, roll), fovy, number

@@ -9,6 +9,7 @@ The quantisation only reduces the file; computation is in floating point.
 import json
 import os
 import pathlib
+from collections.abc import Sequence
 from typing import Any
 
 import jax
@@ -18,7 +19,7 @@ from flax import traverse_util
 from ...datatypes import ValidationError, array_file
 from ...datatypes import validation as v
 from . import classes
-from .network import PerceptionNetwork
+from .network import BLOCKS, PerceptionNetwork
 
 SCHEMA = "urbanverse.eye/3"
 _META = "meta"
@@ -67,9 +68,9 @@ def _told_apart() -> list[str]:
     return [*classes.names(), *classes.leaves()]
 
 
-def network(dtype: Any = np.float32) -> PerceptionNetwork:
-    """The network that the weights belong to."""
-    return PerceptionNetwork(len(classes.names()), len(classes.leaves()), dtype=dtype)
+def network(dtype: Any = np.float32, blocks: Sequence[int] = BLOCKS) -> PerceptionNetwork:
+    """The network that the weights belong to; `blocks` may be those of older weights, see `blocks_of`."""
+    return PerceptionNetwork(len(classes.names()), len(classes.leaves()), blocks=tuple(blocks), dtype=dtype)
 
 
 def _packed(name: str, x: np.ndarray) -> dict[str, np.ndarray]:
