@@ -1,14 +1,18 @@
 """Training of the perception model: the clock's schedule, and going on where a run was stopped."""
 
 import argparse
+import os
 import pathlib
+from typing import Any
 
 import jax
 import numpy as np
 import pytest
+from flax.traverse_util import flatten_dict
 
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation import train_perception
+from urbanverse_mjx.distillation.perception_model import network, weights
 from urbanverse_mjx.distillation.train_perception import Learner, Progress
 
 
@@ -47,3 +51,65 @@ def test_a_pause_needs_a_place_to_keep_the_run(capsys: pytest.CaptureFixture[str
     with pytest.raises(SystemExit):
         train_perception.parse(["--train", "a", "--test", "b", "--out", "c", "--pause-after", "1"])
     assert "--state" in capsys.readouterr().err
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Options of a network of a few channels with as many levels as the real one."""
+    monkeypatch.setattr(network, "_PYRAMID", (4, 4, 4, 4))
+    monkeypatch.setattr(network, "BLOCKS", (1, 2, 3, 1, 2))
+    return {"classes": 4, "leaves": 3, "widths": (4, 4, 4, 4, 6)}
+
+
+def _random(model: network.PerceptionNetwork, seed: int) -> Any:
+    shapes = jax.eval_shape(model.init, jax.random.key(0), np.zeros((1, 32, 32, 3), np.float32))
+    rng = np.random.default_rng(seed)
+    return jax.tree.map(lambda x: 0.1 + 0.3 * rng.random(x.shape).astype(np.float32), dict(shapes))
+
+
+def _outputs(model: network.PerceptionNetwork, variables: Any) -> list[np.ndarray]:
+    images = np.random.default_rng(5).random((1, 32, 32, 3)).astype(np.float32)
+    return [np.asarray(x) for x in jax.jit(model.apply)(variables, images)]
+
+
+def test_a_scan_over_blocks_gives_the_same_outputs_and_its_variables_come_back(small: dict[str, Any]):
+    plain, scanned = (network.PerceptionNetwork(**small, blocks=network.BLOCKS, scanned=s) for s in (False, True))
+    variables = _random(plain, 1)
+    stacked = network.stacked(variables)
+    assert jax.tree.map(np.shape, stacked) == jax.tree.map(np.shape, _random(scanned, 1))
+    for a, b in zip(_outputs(plain, variables), _outputs(scanned, stacked), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-5, atol=1e-5)
+    again = network.unstacked(stacked)
+    assert jax.tree.structure(again) == jax.tree.structure(variables)
+    assert all((a == b).all() for a, b in zip(jax.tree.leaves(again), jax.tree.leaves(variables), strict=True))
+
+
+def test_a_grown_network_gives_the_outputs_of_the_smaller_one(small: dict[str, Any], monkeypatch: pytest.MonkeyPatch):
+    before = network.PerceptionNetwork(**small, blocks=(1, 1, 2, 1, 1))
+    after = network.PerceptionNetwork(**small, blocks=network.BLOCKS)
+    variables = _random(before, 2)
+    assert network.blocks_of(variables) == (1, 1, 2, 1, 1)
+    monkeypatch.setattr(weights, "network", lambda: after)
+    fresh = train_perception.begin(jax.random.key(3), 32, 32)
+    grown = network.grown(variables, fresh)
+    assert network.blocks_of(grown) == network.BLOCKS
+    for a, b in zip(_outputs(before, variables), _outputs(after, grown), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-5, atol=1e-5)
+    # The new blocks can learn: their kernels are not zero.
+    assert all(np.asarray(x).any() for path, x in flatten_dict(grown["params"]).items() if path[-1] == "kernel")
+    with pytest.raises(ValidationError, match=r"needed at most \[1, 2, 3, 1, 2\]"):
+        network.grown(_random(network.PerceptionNetwork(**small, blocks=(1, 3, 3, 1, 2)), 2), fresh)
+    foreign = _random(network.PerceptionNetwork(**{**small, "leaves": 5}, blocks=(1, 1, 2, 1, 1)), 2)
+    with pytest.raises(ValidationError, match="needed a part of today's network"):
+        network.grown(foreign, fresh)
+
+
+def test_compilation_is_quick_unless_the_environment_decides(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path):
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(jax.config, "update", lambda *_: None)
+    monkeypatch.setenv("XLA_FLAGS", "--xla_gpu_autotune_level=3")
+    train_perception._quicken_compilation(0)
+    assert os.environ["XLA_FLAGS"].split() == ["--xla_gpu_autotune_level=3", "--xla_gpu_enable_triton_gemm=false"]
+    monkeypatch.setenv("XLA_FLAGS", "")
+    train_perception._quicken_compilation(1)
+    assert "--xla_gpu_autotune_level=1" in os.environ["XLA_FLAGS"].split()

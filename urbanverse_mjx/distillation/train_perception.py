@@ -16,6 +16,7 @@ import argparse
 import dataclasses
 import functools
 import json
+import os
 import pathlib
 import sys
 import time
@@ -28,6 +29,7 @@ import numpy as np
 import optax
 from flax import traverse_util
 
+from .. import settings
 from ..datatypes import SceneBank, ValidationError
 from ..datatypes.validation import write_atomically
 from .perception_model import inference, network, score, weights
@@ -85,20 +87,28 @@ class Progress:
 
 
 def _optimiser() -> optax.GradientTransformation:
-    return optax.chain(
-        optax.clip_by_global_norm(5.0), optax.scale_by_adam(), optax.add_decayed_weights(_OPTIONS.weight_decay)
+    # Flattened to one vector: hundreds of arrays with operations of their own take long to compile.
+    return optax.flatten(
+        optax.chain(
+            optax.clip_by_global_norm(5.0), optax.scale_by_adam(), optax.add_decayed_weights(_OPTIONS.weight_decay)
+        )
     )
 
 
-def begin(model: Any, key: jax.Array, height: int, width: int) -> Learner:
-    """Creates a learner with random weights: kernels after LeCun, and residual blocks that are the identity.
+def begin(key: jax.Array, height: int, width: int) -> Any:
+    """Random variables of the network: kernels after LeCun, and residual blocks that are the identity.
 
     The numbers are drawn here, because compiling the network's own initialisation takes minutes.
     """
-    shapes = jax.eval_shape(model.init, key, jnp.zeros((1, height, width, 3)))
+    shapes = jax.eval_shape(weights.network().init, key, jnp.zeros((1, height, width, 3)))
     rng = np.random.default_rng(np.asarray(jax.random.key_data(key)))
     flat = traverse_util.flatten_dict(dict(shapes))
-    variables = traverse_util.unflatten_dict({path: _initial(path, x.shape, rng) for path, x in flat.items()})
+    return traverse_util.unflatten_dict({path: _initial(path, x.shape, rng) for path, x in flat.items()})
+
+
+def learner_of(variables: Any) -> Learner:
+    """A learner that begins with variables of the network, which it holds `network.stacked`."""
+    variables = network.stacked(jax.tree.map(jnp.asarray, variables))
     return Learner(variables, jax.tree.map(jnp.copy, variables), _optimiser().init(variables["params"]))
 
 
@@ -201,7 +211,7 @@ def evaluate(frames: Iterable[Frame], cut: float = 0.0) -> dict[str, Any]:
 def train(arguments: argparse.Namespace) -> dict[str, Any]:
     """Trains the network, writes the weights, and returns the table of the test streets."""
     started = time.monotonic()
-    model = weights.network(jnp.dtype(arguments.dtype))
+    model = weights.network(jnp.dtype(arguments.dtype), scanned=True)
     size = arguments.height, arguments.width
     views = Views.of(
         SceneBank.load(arguments.train),
@@ -213,15 +223,14 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     test = Views.of(SceneBank.load(arguments.test), *size, appearance=0.0, samples=arguments.samples)
     key = jax.random.key(arguments.seed)
-    learner = begin(model, jax.random.fold_in(key, 0), arguments.height, arguments.width)
+    variables = begin(jax.random.fold_in(key, 0), arguments.height, arguments.width)
     record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}
     if arguments.init is not None:
-        variables, before = weights.load(None if arguments.init == SHIPPED else arguments.init)
-        variables = jax.tree.map(jnp.asarray, network.grown(variables, learner.variables))
-        learner = learner._replace(variables=variables, average=jax.tree.map(jnp.copy, variables))
+        given, before = weights.load(None if arguments.init == SHIPPED else arguments.init)
+        variables = network.grown(given, variables)
         record["before"] = {name: x for name, x in before.items() if name != "score"}
     predicted, seeded = make_predict(model, test), (arguments.test_batch, arguments.seed + 1)
-    progress = Progress()
+    learner, progress = learner_of(variables), Progress()
     if arguments.state is not None and arguments.state.is_file():
         learner, progress = _read_state(arguments.state, learner)
     if arguments.minutes > 0:
@@ -239,7 +248,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
         return {**record, "paused_after_s": round(progress.seconds, 1)}
     # The stored weights are evaluated, not those in memory.
     variables, _ = weights.load(arguments.out)
-    table = evaluate(predicted(variables, arguments.test_frames, *seeded), arguments.cut)
+    table = evaluate(predicted(network.stacked(variables), arguments.test_frames, *seeded), arguments.cut)
     weights.save(arguments.out, variables, {**record, "score": table})
     return {**record, **table}
 
@@ -291,7 +300,7 @@ def _validate(frames: Sequence[Frame], done: Progress) -> None:
 def _keep(arguments: argparse.Namespace, learner: Learner, done: Progress, record: dict[str, Any]) -> dict[str, Any]:
     """Writes the weights and, if requested, the state; returns the written record."""
     record = {**record, "steps": done.steps, "frames": done.steps * arguments.batch, "minutes": arguments.minutes}
-    weights.save(arguments.out, learner.average, record)
+    weights.save(arguments.out, network.unstacked(learner.average), record)
     if arguments.state is not None:
         arrays = {str(i): np.asarray(x) for i, x in enumerate(jax.tree.leaves(learner))}
         arrays["progress"] = np.array([done.steps, done.seconds])
@@ -329,6 +338,18 @@ def _say(row: dict[str, Any]) -> None:
     sys.stdout.flush()
 
 
+def _quicken_compilation(level: int) -> None:
+    """Sets XLA's options for GPUs, unless the environment does; they are read when JAX first uses a device. Trying out
+    algorithms for each of the convolutions takes minutes, longer beside other jobs."""
+    flags = os.environ.get("XLA_FLAGS", "")
+    for flag in (f"--xla_gpu_autotune_level={level}", "--xla_gpu_enable_triton_gemm=false"):
+        if flag.partition("=")[0] not in flags:
+            flags = f"{flags} {flag}".strip()
+    os.environ["XLA_FLAGS"] = flags
+    settings.use_compilation_cache()
+    jax.config.update("jax_compilation_cache_dir", os.environ["JAX_COMPILATION_CACHE_DIR"])
+
+
 def parse(argv: list[str] | None) -> argparse.Namespace:
     height, width = network.SIZE
     parser = argparse.ArgumentParser(prog="python -m urbanverse_mjx.distillation.train_perception", description=__doc__)
@@ -344,6 +365,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     every = "print the score of --validation-frames frames after so many minutes of training; 0: never"
     parser.add_argument("--validate-every", type=float, default=0.0, metavar="MINUTES", help=every)
     parser.add_argument("--validation-frames", type=int, default=64)
+    tuned = "0: XLA takes the convolutions' usual algorithms, which compiles soonest; to 4: tries more of them (GPU)"
+    parser.add_argument("--autotune", type=int, choices=range(5), default=0, help=tuned)
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
     parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 32")
@@ -365,6 +388,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
+    _quicken_compilation(arguments.autotune)
     try:
         table = train(arguments)
     except ValidationError as error:

@@ -120,8 +120,14 @@ def _rain(key: jax.Array, x: jax.Array) -> jax.Array:
     """Bright streaks, paler and darker colours."""
     a, b, c = jax.random.split(key, 3)
     drops = jax.random.bernoulli(a, 0.004, x.shape[:2]).astype(jnp.float32)
-    slant = jnp.round(_between(b, -0.4, 0.4) * jnp.arange(_STREAK)).astype(jnp.int32)
-    streaks = sum((jnp.roll(drops, (k, slant[k]), (0, 1)) for k in range(_STREAK)), jnp.zeros_like(drops))
+    edge = jnp.pad(drops, _STREAK)
+    slant = _between(b, -0.4, 0.4)
+
+    def add(k: jax.Array, total: jax.Array) -> jax.Array:
+        aside = _STREAK - jnp.round(slant * k).astype(jnp.int32)
+        return total + jax.lax.dynamic_slice(edge, (_STREAK - k, aside), drops.shape)
+
+    streaks = jax.lax.fori_loop(0, _STREAK, add, jnp.zeros_like(drops))
     grey = x.mean(-1, keepdims=True)
     return 0.85 * (0.5 * x + 0.5 * grey) + jnp.minimum(streaks, 1.0)[..., None] * _between(c, 0.05, 0.25)
 

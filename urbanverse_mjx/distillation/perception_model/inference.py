@@ -44,7 +44,14 @@ class PerceptionModel:
         return PerceptionModel(*weights.load(path))
 
     def __call__(self, rgb: np.ndarray, focal: float) -> FrameObservation:
-        """See `Predictor`. The image is scaled so that its longer side is as long as in training."""
+        """See `Predictor`."""
+        return _full_size(self.decoded(rgb, focal).surer(MIN_SCORE), *rgb.shape[:2])
+
+    def decoded(self, rgb: np.ndarray, focal: float) -> Decoded:
+        """All objects of an image (H, W, 3) u8, whatever their score, at the outputs' size.
+
+        The image is scaled so that its longer side is as long as in training.
+        """
         height, width = rgb.shape[:2]
         factor = max(SIZE) / max(height, width)
         small = round(height * factor), round(width * factor)
@@ -56,8 +63,7 @@ class PerceptionModel:
         rows, columns = (-(-n // OUTPUT_STRIDE) for n in small)
         leaves = np.asarray(seen.leaves)[0, : -(-rows // LEAF_STRIDE), : -(-columns // LEAF_STRIDE)]
         kinds, centre, offset, log_depth = (np.asarray(x)[0, :rows, :columns] for x in seen[:-1])
-        found = decode(Seen(kinds, centre, offset, log_depth, leaves), focal * factor)
-        return _full_size(found.surer(MIN_SCORE), height, width)
+        return decode(Seen(kinds, centre, offset, log_depth, leaves), focal * factor)
 
 
 @jax.jit

@@ -139,11 +139,12 @@ def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int, sigma: float) ->
     for axis in (0, 1):
         padded = jnp.pad(distance, [(reach, reach) if a == axis else (0, 0) for a in (0, 1)], constant_values=far)
         size = distance.shape[axis]
-        shifted = [
-            jax.lax.slice_in_dim(padded, reach + s, reach + s + size, axis=axis) + float(s * s)
-            for s in range(-reach, reach + 1)
-        ]
-        distance = jnp.stack(shifted).min(0)
+
+        def nearer(i: jax.Array, best: jax.Array, padded=padded, size=size, axis=axis) -> jax.Array:
+            shifted = jax.lax.dynamic_slice_in_dim(padded, i, size, axis=axis)
+            return jnp.minimum(best, shifted + jnp.square(i - reach).astype(jnp.float32))
+
+        distance = jax.lax.fori_loop(0, 2 * reach + 1, nearer, jnp.full((h, w), far + reach**2))
     return jnp.exp(-distance / (2.0 * sigma**2))
 
 

@@ -68,9 +68,11 @@ def _told_apart() -> list[str]:
     return [*classes.names(), *classes.leaves()]
 
 
-def network(dtype: Any = np.float32, blocks: Sequence[int] = BLOCKS) -> PerceptionNetwork:
-    """The network that the weights belong to; `blocks` may be those of older weights, see `blocks_of`."""
-    return PerceptionNetwork(len(classes.names()), len(classes.leaves()), blocks=tuple(blocks), dtype=dtype)
+def network(dtype: Any = np.float32, blocks: Sequence[int] = BLOCKS, scanned: bool = False) -> PerceptionNetwork:
+    """The network that the weights belong to; `blocks` may be those of older weights, see `blocks_of`; `scanned`: see
+    `PerceptionNetwork`."""
+    numbers = len(classes.names()), len(classes.leaves())
+    return PerceptionNetwork(*numbers, blocks=tuple(blocks), dtype=dtype, scanned=scanned)
 
 
 def _packed(name: str, x: np.ndarray) -> dict[str, np.ndarray]:
