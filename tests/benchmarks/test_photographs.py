@@ -1,0 +1,109 @@
+"""Scoring of photographs: the labels' form, and what counts as found, missed and false."""
+
+import io
+import json
+import pathlib
+import subprocess
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from benchmarks import photographs
+from benchmarks.photographs import Count, boxes_of, match
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.distillation.perception_model import classes
+from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject
+
+
+def _box(*sides: float) -> np.ndarray:
+    return np.array(sides, float)
+
+
+def test_labels_name_known_classes_and_lie_in_their_photograph():
+    body = json.loads(photographs.LABELS.read_text(encoding="utf-8"))
+    entries = body["photographs"]
+    assert len(entries) >= 30
+    assert len({(e["repository"], e["path"]) for e in entries}) == len(entries)
+    for entry in entries:
+        assert len(entry["commit"]) == 40
+        assert len(entry["boxes"]) + len(entry["points"]) > 3
+        for name, left, top, right, bottom in entry["boxes"]:
+            assert name in photographs.GROUPS
+            assert 0 <= left < right <= body["width"]
+            assert 0 <= top < bottom
+        assert {kind for kind, _, _ in entry["points"]} <= set(classes.names()[: classes.FIRST_OBJECT])
+    groups = [group for members in photographs.GROUPS.values() for group in members]
+    assert set(groups) <= set(classes.names())
+    assert len(groups) == len(set(groups))
+    known = {member for _, members in photographs.CAMVID_CLASSES for member in members}
+    assert known <= set(classes.names())
+
+
+def test_each_label_is_found_once_and_by_its_class():
+    counts = {name: Count() for name in photographs.GROUPS}
+    labelled = [("car", _box(0, 0, 100, 100)), ("lamp", _box(200, 0, 210, 300)), ("person", _box(400, 0, 440, 90))]
+    detected = [
+        ("car", 0.6, _box(0, 0, 100, 90)),
+        ("car", 0.9, _box(5, 0, 100, 100)),
+        ("sign", 0.9, _box(200, 0, 212, 300)),
+        ("car", 0.9, _box(700, 0, 730, photographs.MIN_HEIGHT - 1)),
+    ]
+    match(labelled, detected, counts)
+    # The second car is a repetition; the small one far away is not judged.
+    assert counts["car"] == Count(there=1, found=1, false=1, any_class=1)
+    assert counts["lamp"] == Count(there=1, found=0, false=0, any_class=1)
+    assert counts["sign"].false == 1
+    assert counts["person"].row() == {"labelled": 1, "recall": 0.0, "precision": None, "recall_any_class": 0.0}
+
+
+def test_boxes_enclose_masks_in_pixels_of_the_photograph():
+    masks = np.full((10, 20), -1)
+    masks[2:5, 4:10] = 0
+    masks[6:8, 0:2] = 1
+    kinds = [classes.names().index(name) for name in ("van", "bench")]
+    objects = tuple(FoundObject(kind, 0.8, 0) for kind in kinds)
+    found = boxes_of(Decoded(masks, masks, objects, masks), 100, 400)
+    assert [name for name, _, _ in found] == ["car"]
+    np.testing.assert_array_equal(found[0][2], [80, 20, 200, 50])
+
+
+def test_a_photograph_is_read_at_its_commit(tmp_path: pathlib.Path):
+    clone = tmp_path / "owner+name"
+    clone.mkdir()
+
+    def git(*words: str) -> str:
+        identity = ["-c", "user.name=a", "-c", "user.email=a@b"]
+        return subprocess.run(["git", *identity, *words], cwd=clone, check=True, capture_output=True, text=True).stdout
+
+    git("init", "-q")
+    PIL.Image.new("RGB", (40, 20), (200, 0, 0)).save(clone / "a.png")
+    git("add", "."), git("commit", "-qm", "a")
+    commit = git("rev-parse", "HEAD").strip()
+    PIL.Image.new("RGB", (40, 20)).save(clone / "a.png")
+    image = photographs.photograph(photographs.read_file(tmp_path, "owner/name", commit, "a.png"), 100)
+    assert image.shape == (50, 100, 3)
+    assert (image[25, 50] == [200, 0, 0]).all()
+    with pytest.raises(ValidationError, match=r"git clone https://github\.com/owner/other"):
+        photographs.read_file(tmp_path, "owner/other", commit, "a.png")
+
+
+def test_pixels_of_camvid_are_compared_by_class(monkeypatch: pytest.MonkeyPatch):
+    """A model that takes everything for sky is right on the sky's half of the known pixels alone."""
+    true = np.zeros((36, 48), np.uint8)
+    true[18:] = 3
+    true[:, :8] = 11
+    files = {"CamVid/test.txt": b"/a/one.png /a/annot/one.png\n"}
+    for path, image in (("CamVid/test/one.png", np.zeros((36, 48, 3), np.uint8)), ("CamVid/testannot/one.png", true)):
+        body = io.BytesIO()
+        PIL.Image.fromarray(image).save(body, "PNG")
+        files[path] = body.getvalue()
+    monkeypatch.setattr(photographs, "read_file", lambda clones, repository, commit, path: files[path])
+
+    class Sky:
+        def decoded(self, rgb: np.ndarray, focal: float) -> Decoded:
+            kinds = np.full((18, 24), classes.SKY_CLASS)
+            return Decoded(kinds, kinds - 1, (), kinds)
+
+    table = photographs.score_camvid(Sky(), pathlib.Path(), 5)  # type: ignore[arg-type]
+    assert table == {"images": 1, "iou": {"sky": 0.5, "road": 0.0}, "mean_iou": 0.25}
