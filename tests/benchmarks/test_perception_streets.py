@@ -1,11 +1,17 @@
 """The training streets of the perception model: separate splits, equal for any number of processes."""
 
+import pathlib
+
+import numpy as np
 import pytest
 
 from benchmarks import perception_streets
+from benchmarks.lib import perception_library
 from urbanverse_mjx.assets import AssetIndex, load_index
 from urbanverse_mjx.assets.meshes.instances import KEY
 from urbanverse_mjx.assets.records.index import build_mesh
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.scene.compiler import AssetSource
 
 
 @pytest.fixture(scope="module")
@@ -41,3 +47,62 @@ def test_processes_make_the_same_streets():
         for processes in (1, 2)
     )
     assert alone == together
+
+
+def test_a_library_street_loses_held_out_shapes_and_gains_people(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, splits: dict[str, AssetIndex]
+):
+    """A street of all shapes stands for one of the library."""
+    index = load_index()
+    layout, _ = perception_streets.make_street("test", 0, index)
+    layout.save(tmp_path / "layout.json")
+    monkeypatch.setattr(perception_library, "index_of", lambda _: index)
+    source = AssetSource(build_mesh, perception_streets._point_hull)
+    made, name, content = perception_library.make(tmp_path, splits["train"], source)
+    assert name == layout.id
+    assert content != layout.content_hash()
+    left = {o.id for o in layout.objects if o.asset_uid in _kept(splits["train"])}
+    assert {x for x in made.object_ids if not x.startswith("added_")} == left
+    assert 0 < len(left) < len(layout.objects)
+    added = [k for k, x in enumerate(made.object_ids) if x.startswith("added_")]
+    kinds = (perception_library.PEOPLE, perception_library.TRAFFIC)
+    people = {leaf for _, leaves, _ in kinds for leaf in leaves.split("|")}
+    assert len(added) > 10
+    assert {made.object_categories[k] for k in added} <= people
+    # They stand on the ground, apart from each other.
+    places = made.object_position[added]
+    gaps = np.linalg.norm(places[:, None, :2] - places[None, :, :2], axis=-1)
+    assert gaps[~np.eye(len(places), dtype=bool)].min() > perception_library._APART
+    assert places[:, 2].min() > -0.01
+    assert places[:, 2].max() < 0.3
+    assert len(made.episodes.start) == 1
+
+
+def _kept(index: AssetIndex) -> set[str]:
+    return {r.params[KEY]["base"] if KEY in r.params else r.uid for r in index.records}
+
+
+def test_library_streets_are_asked_for_by_set_and_number(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    with pytest.raises(ValidationError, match="needed SET:COUNT"):
+        perception_streets._folders("places")
+    with pytest.raises(ValidationError, match=r"found 0 training scenes of 'places'.*needed 2"):
+        perception_streets._folders("places:2")
+    root = tmp_path / "library" / "places" / "scenes"
+    for k in range(6):
+        (root / f"places_{k:03d}").mkdir(parents=True)
+        (root / f"places_{k:03d}" / "layout.json").write_text("{}")
+    found = perception_streets._folders("places:3")
+    assert len(found) == len(set(found)) == 3
+
+
+def test_only_instances_of_training_are_deformed(splits: dict[str, AssetIndex]):
+    records = splits["train"].by_leaf("bollard")
+    base, instance = (next(r for r in records if (KEY in r.params) == made) for made in (False, True))
+    train, test = perception_streets.source("train"), perception_streets.source("test")
+    np.testing.assert_array_equal(train.mesh(base).vertices, build_mesh(base).vertices)
+    np.testing.assert_array_equal(test.mesh(instance).vertices, build_mesh(instance).vertices)
+    mesh = train.mesh(instance)
+    assert mesh.vertices.shape != build_mesh(instance).vertices.shape or not np.array_equal(
+        mesh.vertices, build_mesh(instance).vertices
+    )
