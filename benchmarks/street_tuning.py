@@ -65,7 +65,8 @@ MARKS = "<!-- street tuning: python -m benchmarks.street_tuning --page -->", "<!
 RESULT, PREPARED, ASKED, BANK = "result.json", "prepared.json", "options.json", "bank.npz"
 #: Result of an episode -> its letter in the rows.
 LETTERS = {
-    "goal": "g", "hit": "h", "off_traversable": "o", "timeout": "t", "fall": "f", "non_finite": "n", "hit_agent": "a"
+    "goal": "g", "hit": "h", "off_traversable": "o", "timeout": "t", "fall": "f", "non_finite": "n", "hit_agent": "a",
+    "lost": "l",
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""`urbanverse list-envs`: the registered environments and their presets."""
+"""`urbanverse list-envs`: the registered environments, what their robots do, and their presets."""
 
 from collections.abc import Sequence
 
@@ -6,14 +6,11 @@ import tyro
 
 
 def list_envs() -> None:
-    """List the registered environments and their presets, and the robots of docs/robots.md."""
+    """List the registered environments, what their robots do, and their presets."""
     from ..envs import registry
-    from ..robots import catalogue
 
-    robots = {catalogue.environment_name(name): catalogue.row(name) for name in catalogue.NAMES}
     for name in registry.all_envs():
-        what = f"  {robots[name].title}: {robots[name].kind}" if name in robots else ""
-        print(f"{name}  (presets: {', '.join(registry.presets(name))}){what}")
+        print(f"{name}  {registry.about(name) or '-'}  (presets: {', '.join(registry.presets(name))})")
 
 
 def main(argv: Sequence[str]) -> int:

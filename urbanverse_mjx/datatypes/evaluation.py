@@ -7,7 +7,7 @@ from . import validation as v
 from .json_datatype import JsonDatatype
 
 SCHEMA = "urbanverse.benchmark_report/1"
-RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent")
+RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent", "lost")
 #: A `hit` of the ground by a part of the robot other than a foot, which has other causes than that of an object.
 HIT_GROUND = "hit_ground"
 OUTCOMES = (*RESULTS, HIT_GROUND)
@@ -46,6 +46,7 @@ class EpisodeResult:
       touches: how often contact with an object or an agent began; None in reports from before it was counted.
       hit_ground: whether the last control step had a contact of a part other than a foot with the ground and none with
         an object or an agent; None in reports from before it was recorded.
+      task_scores: score -> value of a task beside point goals (`envs.navigation.tasks`); None for point goals.
     """
 
     agent: str
@@ -66,6 +67,7 @@ class EpisodeResult:
     speed_near_people: float | None = None
     touches: int | None = None
     hit_ground: bool | None = None
+    task_scores: dict[str, float] | None = None
 
     def __post_init__(self) -> None:
         where = f"episode {self.scene!r}/{self.episode}"
@@ -87,6 +89,8 @@ class EpisodeResult:
             v.integer(self.touches, f"{where}.touches", 0)
         if self.hit_ground is not None:
             v.boolean(self.hit_ground, f"{where}.hit_ground")
+        for name, value in (self.task_scores or {}).items():
+            v.number(value, f"{where}.task_scores.{name}")
 
     @property
     def outcome(self) -> str:
@@ -109,7 +113,16 @@ class EpisodeResult:
         return self.route_length / max(self.path_length, self.route_length, 1e-9) if self.success else 0.0
 
     def to_json(self) -> dict[str, Any]:
-        return dataclasses.asdict(self)
+        found = dataclasses.asdict(self)
+        if self.task_scores is None:
+            del found["task_scores"]
+        return found
+
+    def to_row(self) -> dict[str, Any]:
+        """The fields of `to_json` as columns of a table, with those of the task as task/NAME."""
+        found = self.to_json()
+        scores = found.pop("task_scores", {})
+        return found | {f"task/{name}": value for name, value in scores.items()}
 
     @staticmethod
     def from_json(value: Any, where: str = "episode") -> "EpisodeResult":

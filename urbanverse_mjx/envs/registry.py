@@ -43,6 +43,7 @@ class _Entry(NamedTuple):
     load_bank: BankLoader
     preset: str
     presets: tuple[str, ...]
+    about: str
 
 
 _REGISTRY: dict[str, _Entry] = {}
@@ -57,6 +58,7 @@ def register_environment(
     default_preset: str = "paper",
     presets: Sequence[str] = PRESETS,
     make_ppo_config: ConfigMaker = ppo_config,
+    about: str = "",
 ) -> None:
     """Adds an environment.
 
@@ -68,11 +70,12 @@ def register_environment(
       default_preset: preset to use if the user names none.
       presets: presets that both `make_config` and `make_ppo_config` accept.
       make_ppo_config: function preset name -> new training config; default: that of navigation.
+      about: what the robot has to do, in a line.
     """
     if name in _REGISTRY:
         raise ValidationError(f"environment {name!r}: found it registered already, needed a new name.")
     load = load_bank or load_default_bank
-    _REGISTRY[name] = _Entry(make, make_config, make_ppo_config, load, default_preset, tuple(presets))
+    _REGISTRY[name] = _Entry(make, make_config, make_ppo_config, load, default_preset, tuple(presets), about)
     for follow in _FOLLOWERS:
         follow(name)
 
@@ -110,6 +113,15 @@ def presets(name: str) -> tuple[str, ...]:
       ValidationError: no environment has this name.
     """
     return _entry(name).presets
+
+
+def about(name: str) -> str:
+    """What the robot of an environment has to do, in a line; "" if its registration did not say.
+
+    Raises:
+      ValidationError: no environment has this name.
+    """
+    return _entry(name).about
 
 
 def get_default_config(name: str, preset: str | None = None) -> ConfigDict:
@@ -308,8 +320,12 @@ def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
     return bank
 
 
-register_environment("CocoNav", make_wheeled_env, default_config)
-register_environment("Go2Nav", make_walking_env, go2_nav_config)
+register_environment(
+    "CocoNav", make_wheeled_env, default_config, about="COCO drives to a goal 10-30 m away on the pavement of a street"
+)
+register_environment(
+    "Go2Nav", make_walking_env, go2_nav_config, about="Go2 walks to a goal 10-30 m away on the pavement of a street"
+)
 register_environment(
     "Go2Joystick",
     make_joystick_env,
@@ -318,10 +334,13 @@ register_environment(
     "fast",
     JOYSTICK_PRESETS,
     joystick_ppo_config,
+    about="Go2 learns the gait that follows a commanded velocity",
 )
 for _robot in catalogue.NAMES:
+    _row = catalogue.row(_robot)
     register_environment(
         catalogue.environment_name(_robot),
-        make_walking_env if catalogue.row(_robot).drive == "balance" else make_wheeled_env,
+        make_walking_env if _row.drive == "balance" else make_wheeled_env,
         functools.partial(catalogue_config, _robot),
+        about=f"{_row.title} ({_row.kind}) drives to a goal 10-30 m away on the pavement of a street",
     )

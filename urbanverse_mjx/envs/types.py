@@ -15,7 +15,8 @@ from ..datatypes import SceneBank, SimState
 
 
 class Result(enum.IntEnum):
-    """How an episode ended, or RUNNING. HIT is contact with an object, or of the body with the ground."""
+    """How an episode ended, or RUNNING. HIT is contact with an object, or of the body with the ground; LOST is a person
+    to follow out of sight."""
 
     RUNNING = 0
     GOAL = 1
@@ -25,6 +26,7 @@ class Result(enum.IntEnum):
     NON_FINITE = 5
     TIMEOUT = 6
     HIT_AGENT = 7
+    LOST = 8
 
 
 @jax.tree_util.register_pytree_with_keys_class
@@ -203,6 +205,7 @@ class _NavFields(NamedTuple):
       result: () i32, see `Result`.
       appearance_seed: () i32, see `Renderer.__call__`.
       crowd: `Crowd` of the agents in the scenario dynamic, otherwise None.
+      task: the task's own part, see `navigation.tasks`; None for point goals.
     """
 
     key: Key[Array, ""]
@@ -224,6 +227,7 @@ class _NavFields(NamedTuple):
     result: Int[Array, ""]
     appearance_seed: Int[Array, ""]
     crowd: Crowd | None = None
+    task: Any = None
 
 
 class NavState(Carried, _NavFields):

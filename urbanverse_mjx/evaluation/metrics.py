@@ -7,6 +7,8 @@ the route reached. DTG: mean distance to the goal at the end, m. SPL: Anderson e
 With people (scenario dynamic): agent_hits, share of episodes that end by touching an agent; people_distance, mean over
 episodes of the least distance to a person, m; IT, mean share of time within 0.45 m of a person (Hall's intimate
 distance); speed_near_people, mean speed within 1.2 m of a person, m/s, over the episodes with such time.
+
+With a task beside point goals: its scores as task/NAME (`envs.navigation.tasks`).
 """
 
 import math
@@ -116,4 +118,6 @@ def summarise(results: Sequence[EpisodeResult]) -> dict[str, object]:
         found["people_distance"] = mean([r.people_distance for r in results], 1.0, 2)
         found["IT"] = mean([r.intimate_time for r in results], 100.0, 2)
         found["speed_near_people"] = mean([r.speed_near_people for r in results], 1.0, 2)
+    for name in dict.fromkeys(name for r in results for name in r.task_scores or ()):
+        found[f"task/{name}"] = mean([(r.task_scores or {}).get(name) for r in results], 1.0, 3)
     return found

@@ -34,21 +34,24 @@ def to_markdown(report: BenchmarkReport) -> str:
     """Formats the tables: all scenes, results of episodes, and each scene."""
     lines = [f"# {report.title}", "", _INTERVALS, ""]
     metrics = ("SR", "CT", "RC", "DTG", "hit_episodes", "SPL")
+    # Only tasks with somebody to follow lose them.
+    ends = [r for r in RESULTS if r != "lost" or any(e.result == r for e in report.episodes)]
     lines += ["| agent | " + " | ".join(metrics) + " | episodes | scenes |", "|---" * (len(metrics) + 3) + "|"]
     for agent, values in report.summary.items():
         cells = " | ".join(_cell(values[m]) for m in metrics)
         lines.append(f"| {agent} | {cells} | {values['n']} | {values['scenes']} |")
+    lines += _task_table(report)
     lines += _people_table(report)
     lines += [
         "",
         "How the episodes ended:",
         "",
-        "| agent | " + " | ".join(RESULTS) + " |",
-        "|---" * (len(RESULTS) + 1) + "|",
+        "| agent | " + " | ".join(ends) + " |",
+        "|---" * (len(ends) + 1) + "|",
     ]
     for agent in report.summary:
         counts = result_counts([e for e in report.episodes if e.agent == agent])
-        lines.append(f"| {agent} | " + " | ".join(str(counts[r]) for r in RESULTS) + " |")
+        lines.append(f"| {agent} | " + " | ".join(str(counts[r]) for r in ends) + " |")
     ground = {a: sum(e.outcome == HIT_GROUND for e in report.episodes if e.agent == a) for a in report.summary}
     if any(ground.values()):
         counted = ", ".join(f"{agent} {count}" for agent, count in ground.items() if count)
@@ -71,6 +74,18 @@ def to_markdown(report: BenchmarkReport) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _task_table(report: BenchmarkReport) -> list[str]:
+    """Lines about the scores of a task; none for point goals."""
+    names = list(dict.fromkeys(name for e in report.episodes for name in e.task_scores or ()))
+    if not names:
+        return []
+    lines = ["", "Scores of the task, means over episodes:", ""]
+    lines += ["| agent | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    for agent, values in report.summary.items():
+        lines.append(f"| {agent} | " + " | ".join(_cell(values.get(f"task/{m}")) for m in names) + " |")
+    return lines
+
+
 def _people_table(report: BenchmarkReport) -> list[str]:
     """Lines about people; none for scenarios without people."""
     metrics = ("agent_hits", "people_distance", "IT", "speed_near_people")
@@ -88,7 +103,7 @@ def write_report(report: BenchmarkReport, folder: pathlib.Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     report.save(folder / "report.json")
     v.write_atomically(folder / "report.md", lambda p: p.write_text(to_markdown(report), encoding="utf-8"))
-    write_csv(folder / "episodes.csv", [e.to_json() for e in report.episodes])
+    write_csv(folder / "episodes.csv", [e.to_row() for e in report.episodes])
 
 
 def write_csv(path: pathlib.Path, rows: Sequence[Mapping[str, object]]) -> None:

@@ -87,12 +87,14 @@ class Trajectory:
       xpos: (T, n, nbody, 3) m, xquat: (T, n, nbody, 4) wxyz of the robot's bodies.
       running: (T, n) bool, whether the episode had not ended.
       agents: poses of moving agents, fields (T, n, A, ...); None if there are none.
+      goals: (T, n, 3) m, which move in some tasks; None in trajectories from elsewhere.
     """
 
     xpos: np.ndarray
     xquat: np.ndarray
     running: np.ndarray
     agents: AgentMotion | None
+    goals: np.ndarray | None = None
 
 
 def checked_actions(name: str, agent: BatchAgent, obs: Any, shape: tuple[int, int]) -> np.ndarray:
@@ -206,12 +208,12 @@ class Rollout:
         memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (number, *x.shape)), first)
         return nav, _Tally(hit_time, none, none, keys, people, memory)
 
-    def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any]:
+    def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any, Any]:
         """One step of all envs in a `Trajectory`."""
         agents = None
         if self.env.dynamic is not None and nav.crowd is not None:
             agents = jax.vmap(self.env.dynamic.places)(nav.crowd, nav.sim.scene)
-        return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents
+        return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents, nav.goal
 
     def _advance(self, nav: NavState, tally: _Tally, action: jax.Array) -> tuple[NavState, _Tally]:
         """Advances one env by a step; the state of an ended episode does not change."""
@@ -262,6 +264,7 @@ class Rollout:
         hit_time = np.clip(np.asarray(tally.hit_time) / steps, 0.0, 1.0)
         goal_distance, path = np.asarray(nav.goal_distance), np.asarray(nav.driven)
         only_ground = np.asarray(nav.sim.contacts.only_ground)
+        of_task = jax.tree.map(np.asarray, jax.vmap(self.env.task.scores)(nav))
         return [
             EpisodeResult(
                 agent=name,
@@ -279,6 +282,7 @@ class Rollout:
                 slot_overflow=int(tally.slot_overflow[i]),
                 touches=int(tally.touches[i]),
                 hit_ground=bool(only_ground[i]),
+                task_scores={k: float(x[i]) for k, x in of_task.items()} or None,
                 **({} if tally.people is None else people_fields(tally.people, steps, i)),
             )
             for i in range(len(episodes))

@@ -48,9 +48,15 @@ def write_episodes(
         trajectory,
         columns=[first_column + i for i in shown],
         scenes=[int(episodes.scenes[i]) for i in shown],
-        goals=[bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in shown],
+        goals=[
+            bank.episode_goal[episodes.scenes[i], episodes.episodes[i]]
+            if trajectory.goals is None
+            else trajectory.goals[:, first_column + i]
+            for i in shown
+        ],
         outcomes=[results[i].outcome for i in shown],
         frames_per_second=round(1 / env.dt),
         appearances=slot_appearances(env.dynamic.kinds, bank) if env.dynamic is not None else (),
+        goal_name=env.task.GOAL_NAME,
         **style,
     )

@@ -21,6 +21,7 @@ ENDS = {
     "timeout": (222, 130, 0),
     "off_traversable": (30, 90, 200),
     "fall": (110, 60, 20),
+    "lost": (0, 150, 160),
     "non_finite": (0, 0, 0),
 }
 #: m above the ground; a hull that begins below is an obstacle.

@@ -35,6 +35,7 @@ CAPTIONS = {
     "hit": "hit an object",
     "hit_ground": "touched the ground with its body",
     "hit_agent": "hit an agent",
+    "lost": "lost the person",
     "off_traversable": "left the walkable ground",
     "fall": "fell",
     "non_finite": "not finite",
@@ -53,14 +54,17 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
     return np.concatenate([np.asarray(line), frame])
 
 
-def caption(scene: str, seconds: float, goal_distance: float, outcome: str, left: float) -> str:
+def caption(
+    scene: str, seconds: float, goal_distance: float, outcome: str, left: float, goal_name: str = "goal"
+) -> str:
     """Returns the caption of a frame: scene, time, distance to the goal (m), and in the last second the outcome.
 
     Args:
       left: s until the episode ends.
+      goal_name: word for the goal.
     """
     end = f"   ends: {CAPTIONS[outcome]}" if left < OUTCOME_TIME else ""
-    return f"{scene}   {seconds:4.1f} s   goal {goal_distance:4.1f} m{end}"
+    return f"{scene}   {seconds:4.1f} s   {goal_name} {goal_distance:4.1f} m{end}"
 
 
 def write_video(
@@ -110,6 +114,7 @@ def write_rollout_video(
     samples: int = 1,
     quality: float = 7.0,
     on_progress: Callable[[int], None] | None = None,
+    goal_name: str = "goal",
 ) -> None:
     """Renders envs of an evaluation one after another, with a view from behind on the left and the robot's camera on
     the right.
@@ -120,7 +125,7 @@ def write_rollout_video(
       trajectory: an `evaluation.Trajectory`.
       columns: envs of the trajectory to render.
       scenes: bank row of each env.
-      goals: goal (3,) m of each env.
+      goals: goal (3,) m of each env, or (T, 3) where it moves.
       outcomes: of each episode, of `datatypes.OUTCOMES`; shown in the last second of the episode.
       frames_per_second: equal to the control rate for real time.
       appearances: row of the bank's agents for each moving agent of the trajectory.
@@ -128,6 +133,7 @@ def write_rollout_video(
       samples: rays per pixel along each side.
       quality: see `write_video`.
       on_progress: called with the number of rendered envs.
+      goal_name: word for the goal in captions.
     """
     renderer = Renderer(bank, robot, *size, ("rgb", "depth"), shadows=True, agents=appearances, samples=samples)
     depth = jax.jit(jax.vmap(lambda s, e, t, f: renderer.view(s, e, t, f)["depth"]))
@@ -155,10 +161,11 @@ def write_rollout_video(
         left = in_batches(chase, where, camera_position, turn, xpos, xquat, *moving)
         right = in_batches(front, where, xpos, xquat, *moving)
         for t in range(length):
-            away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
+            away = float(np.linalg.norm(xpos[t, 1, :2] - (goal if goal.ndim == 1 else goal[t])[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)
             seconds, left_over = t / frames_per_second, (length - 1 - t) / frames_per_second
-            frames.append(_caption(both, caption(bank.scene_ids[scene], seconds, away, outcome, left_over)))
+            text = caption(bank.scene_ids[scene], seconds, away, outcome, left_over, goal_name)
+            frames.append(_caption(both, text))
         if on_progress is not None:
             on_progress(done)
     write_video(path, frames, frames_per_second, quality)

@@ -25,6 +25,7 @@ from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
 from .starts import RandomStarts
 from .surroundings import Surroundings
+from .tasks import Parts, Task, make_task
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _MIN_UP = 0.5
@@ -52,7 +53,7 @@ def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
 
 
 class NavEnv(StagedBase[NavState]):
-    """Point-goal navigation of one robot, each env in its own scene of a bank.
+    """Navigation of one robot, each env in its own scene of a bank: to a point goal, or another task (`tasks`).
 
     Observation (dict): pixels/front: (H, W, 3) uint8; with vision_config.depth (H, W, 4), the fourth in 10 cm up to
     25.5 m; present when `config.vision`. goal: (2,) f32 m, the final goal (or the next 5 m waypoint with
@@ -62,7 +63,8 @@ class NavEnv(StagedBase[NavState]):
     the robot, last action. proprio: (3 + action_size,) f32, forward and lateral speed (m/s), yaw rate (rad/s), last
     action: what wheel odometry or a state estimator gives; with `config.observations.proprio`. privileged_map: (640,)
     u8 cm, the two distances of `privileged` at the (20, 16) `MAP_PROBES` around the robot, for teachers and auxiliary
-    losses only; with `config.observations.privileged_map`. Flat, because Brax keeps statistics of every observation
+    losses only; with `config.observations.privileged_map`. A task may add values to the ends of privileged and of
+    proprio's speeds, see its class. Flat, because Brax keeps statistics of every observation
     except images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`: waypoint: (2,), (dx, dy) in
     the body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 *
     max_yaw_rate); joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it has none
@@ -125,6 +127,9 @@ class NavEnv(StagedBase[NavState]):
                 self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
             else:
                 self.clutter = Clutter(bank, engine.body_rows, engine.num_bodies, robot, self._surroundings)
+        parts = Parts(config, bank, robot, model, self._root, self._surroundings, self.dynamic)
+        #: What the robot has to do.
+        self.task: Task = make_task(parts)
 
     # Properties in the interface of Playground and Brax.
 
@@ -178,7 +183,7 @@ class NavEnv(StagedBase[NavState]):
         if self.dynamic is not None:
             crowd = self.dynamic.begin(key, scene, start, waypoints, self._surroundings.distances)
         zero = jnp.float32(0.0)
-        return NavState(
+        first = NavState(
             key=key,
             sim=self.with_model(self._randomization.scaled(key, sim)),
             episode=row.astype(jnp.int32),
@@ -199,6 +204,7 @@ class NavEnv(StagedBase[NavState]):
             appearance_seed=self._randomization.appearance_seed(key),
             crowd=crowd,
         )
+        return self.task.begin(key, first)
 
     @full_precision
     def advance(
@@ -216,7 +222,8 @@ class NavEnv(StagedBase[NavState]):
         sim, crowd = finite.choose(sound, (sim, crowd), (nav.sim, nav.crowd))
         quaternion, velocity = sim.xquat[self._root], jnp.where(sound, sim.qvel[:2], 0.0)
         p_xy = sim.xpos[self._root, :2]
-        distance = jnp.linalg.norm(nav.goal[:2] - p_xy)
+        moved = nav._replace(**self.task.advance(nav, sim, crowd))
+        distance = jnp.linalg.norm(moved.goal[:2] - p_xy)
         steps = nav.steps + 1
         hit = sim.contacts.hit & sound
         config = self._config
@@ -230,14 +237,18 @@ class NavEnv(StagedBase[NavState]):
             out_of_time=steps >= config.episode_length,
             hit_agent=False if agent is None else agent >= 0,
         )
+        result = self.task.result(moved._replace(steps=steps), result)
         done = result != Result.RUNNING
         done_f = done.astype(jnp.float32)
         driven = nav.driven + jnp.linalg.norm(p_xy - nav.sim.xpos[self._root, :2])
-        completed = terms.route_completed(p_xy, nav.start, nav.waypoints, nav.route_length, distance, driven)
-        route_done = jnp.where(result == Result.GOAL, nav.route_length, jnp.maximum(nav.route_done, completed))
-        new = nav._replace(
+        if self.task.FOLLOWS_ROUTE:
+            completed = terms.route_completed(p_xy, nav.start, moved.waypoints, moved.route_length, distance, driven)
+        else:
+            completed = jnp.clip(moved.route_length - distance, 0.0, driven)
+        route_done = jnp.where(result == Result.GOAL, moved.route_length, jnp.maximum(nav.route_done, completed))
+        new = moved._replace(
             sim=sim,
-            waypoint=terms.next_waypoint(p_xy, nav.waypoint, nav.waypoints, nav.num_waypoints),
+            waypoint=terms.next_waypoint(p_xy, nav.waypoint, moved.waypoints, nav.num_waypoints),
             route_done=route_done,
             driven=driven,
             goal_distance=distance,
@@ -254,6 +265,7 @@ class NavEnv(StagedBase[NavState]):
             metrics |= self.dynamic.metrics(crowd, result, p_xy, velocity)
         if self.movables is not None:
             metrics |= self.movables.metrics(sim, result == Result.HIT)
+        metrics |= {f"task/{name}": done_f * x for name, x in self.task.scores(new).items()}
         return new, reward, done_f, metrics
 
     @full_precision
@@ -267,7 +279,9 @@ class NavEnv(StagedBase[NavState]):
             for point in (nav.goal, nav.waypoints[nav.waypoint], nav.waypoints[jnp.minimum(nav.waypoint + 1, last)])
         ]
         config = self._config
-        goal = to[0] if config.goal_mode == "final" else to[1]
+        known = self.task.observed_goal(nav)
+        final = to[0] if known is nav.goal else terms.to_body(known[:2] - position[:2], yaw)
+        goal = final if config.goal_mode == "final" else to[1]
         if config.goal_observation_limit > 0.0:
             goal = terms.limit_norm(goal, config.goal_observation_limit)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)
@@ -279,7 +293,8 @@ class NavEnv(StagedBase[NavState]):
         )
         probes = position[:2] + terms.to_world(jnp.asarray(PROBES), yaw)
         around = self.distances(nav, probes).reshape(-1)
-        privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action])
+        own = self.task.privileged(nav)
+        privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action, *own])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
         if self._sees_proprio:
             obs["proprio"] = self._proprio(nav)
@@ -329,6 +344,7 @@ class NavEnv(StagedBase[NavState]):
         ]
         names += PEOPLE_METRICS if self.dynamic is not None else ()
         names += MOVABLE_METRICS if self.movables is not None else ()
+        names += [f"task/{name}" for name in self.task.SCORES]
         return {name: jnp.float32(0.0) for name in names}
 
     def is_traversable(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "2"]) -> Bool[Array, ""]:
@@ -337,7 +353,9 @@ class NavEnv(StagedBase[NavState]):
 
     def _proprio(self, nav: NavState) -> Float[Array, " n"]:
         speed = terms.to_body(nav.sim.qvel[:2], rotations.yaw_of(nav.sim.xquat[self._root]))
-        return jnp.concatenate([speed, nav.sim.qvel[5:6], nav.last_action]).astype(jnp.float32)
+        own = self.task.proprio(nav)
+        # The last action stays last (`training.student.Student.last_action`).
+        return jnp.concatenate([speed, nav.sim.qvel[5:6], *own, nav.last_action]).astype(jnp.float32)
 
     def _obeyed(self, nav: NavState, action: jax.Array) -> jax.Array:
         """The command that the engine gets in a control step, of which latency leaves a share to the action before."""
@@ -371,6 +389,7 @@ class NavEnv(StagedBase[NavState]):
             "velocity_dot": terms.reward_velocity_dot(velocity, to_goal),
             "progress": terms.reward_progress(old.goal_distance, new.goal_distance),
             "near_object": terms.reward_near_object(self.distances(new, p_xy)[0]),
+            **self.task.rewards(old, new),
         }
         factor = self.dt if self._config.reward_config.multiply_by_dt else 1.0
         return {

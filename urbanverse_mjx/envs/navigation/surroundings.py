@@ -24,6 +24,8 @@ CELL = 0.2
 MIN_CACHED_HULLS = 20_000
 #: m, largest stored distance: the maximum of an unsigned byte in centimetres.
 MAX_DISTANCE = 2.55
+#: m; hulls below this height above the pavement are ignored, because wheels pass over them.
+MIN_OBSTACLE_HEIGHT = 0.05
 #: Distances that are computed together: few enough that they stay in a processor's cache.
 _DISTANCES_TOGETHER = 1 << 15
 #: Cells; the windows of hulls have multiples of it as sizes.
@@ -45,11 +47,11 @@ def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
     return distance
 
 
-def _to_hulls(bank: SceneBank, scene: int, grid: Grid, height: float) -> np.ndarray:
-    """(X, Y) f32 m from each cell to the nearest box of a hull that extends between `MIN_OBSTACLE_HEIGHT` and `height`
-    m above ground, at most `MAX_DISTANCE`."""
+def _to_hulls(bank: SceneBank, scene: int, grid: Grid, height: float, least: float) -> np.ndarray:
+    """(X, Y) f32 m from each cell to the nearest box of a hull that extends between `least` and `height` m above
+    ground, at most `MAX_DISTANCE`."""
     ground = _ground_height(bank, scene)
-    bottom, top = ground + MIN_OBSTACLE_HEIGHT, ground + height
+    bottom, top = ground + least, ground + height
     present = np.flatnonzero(bank.inst_hull[scene] >= 0)
     rotation, position = bank.inst_rotation[scene, present], bank.inst_position[scene, present]
     centre, half = np.moveaxis(bank.hull_box[bank.inst_hull[scene, present]], 1, 0)
@@ -110,19 +112,15 @@ def _ground_height(bank: SceneBank, scene: int) -> float:
     return float(np.median(bank.episode_start[scene, : int(bank.num_episodes[scene]), 2]))
 
 
-#: m; hulls below this height above the pavement are ignored, because wheels pass over them.
-MIN_OBSTACLE_HEIGHT = 0.05
-
-
-def build_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
-    """(Z, X, Y, 2) u8 cm, distances to the nearest hull between `MIN_OBSTACLE_HEIGHT` and `height` m above ground, and
-    to the walkable edge."""
+def build_fields(bank: SceneBank, height: float, least: float = MIN_OBSTACLE_HEIGHT) -> UInt8[np.ndarray, "Z X Y 2"]:
+    """(Z, X, Y, 2) u8 cm, distances to the nearest hull between `least` and `height` m above ground, and to the
+    walkable edge."""
     size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
     x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
     fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
 
     def fill(scene: int) -> None:
-        hulls = _to_hulls(bank, scene, Grid(bank.map_origin[scene], CELL, (x, y)), height)
+        hulls = _to_hulls(bank, scene, Grid(bank.map_origin[scene], CELL, (x, y)), height, least)
         metres = np.stack([hulls, _to_edge(bank, scene, (x, y))], -1)
         fields[scene] = np.rint(np.minimum(metres, MAX_DISTANCE) * 100.0)
 
@@ -131,9 +129,9 @@ def build_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]
     return fields
 
 
-def path_of(bank: SceneBank, height: float) -> pathlib.Path:
-    """The file in the cache of a bank's fields for a robot of some height (m)."""
-    parts = (versions.of("surroundings"), CELL, MAX_DISTANCE, MIN_OBSTACLE_HEIGHT, height, float(bank.map_resolution))
+def path_of(bank: SceneBank, height: float, least: float = MIN_OBSTACLE_HEIGHT) -> pathlib.Path:
+    """The file in the cache of a bank's fields for hulls between two heights (m)."""
+    parts = (versions.of("surroundings"), CELL, MAX_DISTANCE, least, height, float(bank.map_resolution))
     digest = hashlib.sha256(repr(parts).encode())
     for name in ("inst_hull", "inst_position", "inst_rotation", "hull_box", "map_kind", "map_origin", "episode_start"):
         array = np.ascontiguousarray(getattr(bank, name))
@@ -142,14 +140,14 @@ def path_of(bank: SceneBank, height: float) -> pathlib.Path:
     return settings.cache_dir("surroundings", f"{digest.hexdigest()[:24]}.npz")
 
 
-def kept_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
+def kept_fields(bank: SceneBank, height: float, least: float = MIN_OBSTACLE_HEIGHT) -> UInt8[np.ndarray, "Z X Y 2"]:
     """`build_fields` with a cache for large banks."""
     if int((bank.inst_hull >= 0).sum()) < MIN_CACHED_HULLS:
-        return build_fields(bank, height)
-    path = path_of(bank, height)
+        return build_fields(bank, height, least)
+    path = path_of(bank, height, least)
     found = array_file.load_cached(path, "distance fields", ("fields",))
     if found is None:
-        found = {"fields": build_fields(bank, height)}
+        found = {"fields": build_fields(bank, height, least)}
         array_file.save_cached(path, found)
     return found["fields"]
 
@@ -160,10 +158,11 @@ class Surroundings:
     Args:
       bank: the scenes.
       height: m, height of the robot; higher hulls are no obstacles.
+      least: m, lower hulls are no obstacles.
     """
 
-    def __init__(self, bank: SceneBank, height: float) -> None:
-        self._fields = jnp.asarray(kept_fields(bank, height))
+    def __init__(self, bank: SceneBank, height: float, least: float = MIN_OBSTACLE_HEIGHT) -> None:
+        self._fields = jnp.asarray(kept_fields(bank, height, least))
         self._origin = jnp.asarray(bank.map_origin, jnp.float32)
 
     @property

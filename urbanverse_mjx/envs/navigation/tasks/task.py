@@ -1,0 +1,150 @@
+"""`Task`: what distinguishes a task on streets from point-goal navigation, as a few functions that `NavEnv` calls.
+
+In:   an environment's parts at construction; states of one env.
+Out:  changes of its state, further endings, rewards, scores and observations.
+When: inside jit, per env, at reset and in every control step.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import mujoco
+from jaxtyping import Array, Float, Int, Key
+from ml_collections import ConfigDict
+
+from ....crowds.crowd import Crowd
+from ....datatypes import RobotSpec, SceneBank, SimState, ValidationError
+from ....geometry import rotations
+from ...types import NavState
+from .. import terms
+from ..dynamic import DynamicStreet
+from ..surroundings import Surroundings
+
+
+class Parts(NamedTuple):
+    """Parts of an environment.
+
+    Attributes:
+      config: its whole configuration; `config.task` is the task's section.
+      bank: the scenes.
+      robot: its robot.
+      model: the robot's model without scene.
+      root: id of its free body.
+      surroundings: distances to hulls and edges.
+      dynamic: the crowd; None in a scenario without one.
+    """
+
+    config: ConfigDict
+    bank: SceneBank
+    robot: RobotSpec
+    model: mujoco.MjModel
+    root: int
+    surroundings: Surroundings
+    dynamic: DynamicStreet | None
+
+
+class RobotPose(NamedTuple):
+    """Attributes: xy: (2,) m. yaw: () rad. velocity: (2,) m/s in the world frame."""
+
+    xy: Float[Array, "2"]
+    yaw: Float[Array, ""]
+    velocity: Float[Array, "2"]
+
+
+class Task:
+    """Point-goal navigation, and base class of other tasks; every method here leaves things as they are.
+
+    A task is a composition over `NavEnv`: it may change the goal and the crowd, end episodes, add terms of reward and
+    observations, and count scores in its own part of the state, `NavState.task`. All values stay finite, and arrays
+    keep their shapes.
+    """
+
+    #: Scores of an ended episode, see `scores`; the first one is the task's headline.
+    SCORES: tuple[str, ...] = ()
+    #: Whether an episode follows the route of its row in the episode table.
+    FOLLOWS_ROUTE = True
+    #: Word for the goal in captions.
+    GOAL_NAME = "goal"
+
+    def __init__(self, parts: Parts) -> None:
+        self.parts = parts
+        self.dt = float(parts.config.ctrl_dt)
+        self.episode_length = int(parts.config.episode_length)
+
+    def pose(self, sim: SimState) -> RobotPose:
+        """The robot's pose and velocity in a state."""
+        root = self.parts.root
+        return RobotPose(sim.xpos[root, :2], rotations.yaw_of(sim.xquat[root]), sim.qvel[:2])
+
+    def begin(self, key: Key[Array, ""], nav: NavState) -> NavState:
+        """The first state of an episode; key: typed, which can be reused."""
+        del key
+        return nav
+
+    def advance(self, nav: NavState, sim: SimState, crowd: Crowd | None) -> dict[str, Any]:
+        """Changed fields of the state after a control step from `nav` to `sim` and `crowd`, before the end of the
+        episode is decided: `task`, and where they move `goal`, `waypoints` and `route_length`."""
+        del nav, sim, crowd
+        return {}
+
+    def result(self, nav: NavState, result: Int[Array, ""]) -> Int[Array, ""]:
+        """() i32, how the episode ends; `result` is that of point-goal navigation, and `nav` the new state."""
+        del nav
+        return result
+
+    def rewards(self, old: NavState, new: NavState) -> dict[str, Float[Array, ""]]:
+        """Values of the reward terms that the task adds, by their names in `reward_config.scales`."""
+        del old, new
+        return {}
+
+    def scores(self, nav: NavState) -> dict[str, Float[Array, ""]]:
+        """Values of `SCORES` of an episode that ended in this state."""
+        del nav
+        return {}
+
+    def observed_goal(self, nav: NavState) -> Float[Array, "3"]:
+        """(3,) m, the goal as a policy knows it."""
+        return nav.goal
+
+    def proprio(self, nav: NavState) -> Sequence[Float[Array, " n"]]:
+        """Additions to the observation `proprio`, of order one."""
+        del nav
+        return ()
+
+    def privileged(self, nav: NavState) -> Sequence[Float[Array, " n"]]:
+        """Additions to the observation `privileged`, of order one."""
+        del nav
+        return ()
+
+
+class PeopleTask(Task):
+    """Base class of tasks that need a crowd.
+
+    Raises:
+      ValidationError: the scenario has none.
+    """
+
+    def __init__(self, parts: Parts) -> None:
+        super().__init__(parts)
+        if parts.dynamic is None:
+            raise ValidationError(
+                f"config.scenario: found {parts.config.scenario!r} for the task {parts.config.task.name!r}, needed "
+                "'dynamic', because it is about people."
+            )
+        self.dynamic = parts.dynamic
+        self.radius = float(parts.robot.planner_radius)
+
+    def people_observed(self, crowd: Crowd, robot: RobotPose, number: int) -> Float[Array, " n"]:
+        """(5 number,) f32: of the nearest agents their position in the heading frame (in units of 5 m, at most 2), the
+        velocity relative to the robot's in that frame (m/s), and whether there is such an agent."""
+        gap = self.dynamic.gaps(crowd, robot.xy)
+        nearest = jnp.argsort(gap)[:number]
+        body = crowd.bodies
+        away = jnp.stack([body.x, body.y], -1)[nearest] - robot.xy
+        speed = jnp.stack([body.vx, body.vy], -1)[nearest] - robot.velocity
+        here = jnp.isfinite(gap[nearest])[:, None]
+        back = -robot.yaw
+        place = jnp.clip(terms.to_world(away, back) / 5.0, -2.0, 2.0)
+        values = jnp.concatenate([place, terms.to_world(speed, back), jnp.ones((len(nearest), 1))], -1)
+        return jnp.where(here, values, 0.0).reshape(-1)
