@@ -35,6 +35,8 @@ Rows, of which `--rows` names patterns:
     imitation-NUMBER-SEED   the student of `best` fitted to demonstrations of the planner (see benchmarks.imitation)
     imitation-NUMBER-ppo-SEED  PPO from there; imitation-ppo-SEED from random weights, with equally many samples
     imitation-1000-VARIANT-SEED  without noise in the demonstrations, and with a student that sees its last action
+    task-TASK-SEED          teacher and camera policy of a task beside point goals (see benchmarks.tasks)
+    task-TASK-teacher-SEED  the teacher alone
     street-tuning-STREET    coco_best before and after PPO on cousins of a filmed street (see benchmarks.street_tuning)
 
 OUT gets a folder and a log for each job, and campaign.log.
@@ -54,7 +56,17 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 
-from benchmarks import image_streets, imitation, missions, results, scaling, several_gpus, street_tuning, transfer
+from benchmarks import (
+    image_streets,
+    imitation,
+    missions,
+    results,
+    scaling,
+    several_gpus,
+    street_tuning,
+    tasks,
+    transfer,
+)
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -115,6 +127,8 @@ IMAGE_STREETS = "image-streets"
 IMAGE_ARMS = {"exact": "exact inputs", "images": "images alone"}
 #: The same of benchmarks.several_gpus.
 SEVERAL_GPUS = "gpus"
+#: The same of benchmarks.tasks, and the number of procedural streets to train on: tables of crowds take seconds each.
+TASK, TASK_STREETS = "task", 48
 
 
 @dataclasses.dataclass(frozen=True)
@@ -392,6 +406,20 @@ def _several_gpus(args: argparse.Namespace) -> Iterator[Job]:
             yield dataclasses.replace(job, gpus=gpus)
 
 
+def _tasks(args: argparse.Namespace) -> Iterator[Job]:
+    """The teacher of each task alone, and the three stages of the preset `best`, between baseline and planner on
+    validation streets."""
+    for seed in args.seeds:
+        for task, (page, _) in tasks.TASKS.items():
+            for ending, camera in (("-teacher", ()), ("", ("--camera",))):
+                words: list[object] = ["benchmarks.tasks", "--task", task, "--train", *_banks(["procedural"])]
+                words += ["--train-scenes", TASK_STREETS, "--test", *_banks(["validation"]), *camera]
+                words += ["--steps", args.task_steps, "--seed", seed]
+                name = f"{TASK}-{pathlib.Path(page).stem}{ending}-{seed}"
+                memory = STUDENT if camera else TEACHER
+                yield _job(args, name, words, ("procedural", "validation"), memory, [Row(task, study=TASK, seed=seed)])
+
+
 def _imitated(
     args: argparse.Namespace, name: str, arm: str, seed: int, own: Sequence[object], *needs: pathlib.Path
 ) -> Job:
@@ -450,6 +478,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
     yield from _street_tuning(args)
     yield from _image_streets(args)
     yield from _several_gpus(args)
+    yield from _tasks(args)
     for name in OF_ALL_CORES:
         command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
         # A GPU of its own each, because trainings beside them would want for processors.
@@ -603,6 +632,8 @@ def add_rows(args: argparse.Namespace) -> int:
                 OF_ALL_CORES[row.study](job.gives.parent)
             elif row.study == SEVERAL_GPUS:
                 several_gpus.add(job.gives)
+            elif row.study == TASK:
+                tasks.add(job.gives)
             elif row.study == STREET_TUNING:
                 street_tuning.add(job.gives)
             elif row.study:
@@ -634,6 +665,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--arm-steps", type=int, default=10_000_000, help="env-steps of teacher-arm-* and student-arm-*")
     cli.add_argument("--paper-steps", type=int, default=4_587_520, help="env-steps; a multiple of 131,072")
     cli.add_argument("--scaling-steps", type=int, default=6_000_000, help="env-steps, rounded up to rollouts")
+    cli.add_argument("--task-steps", type=int, default=20_000_000, help="env-steps of a task's teacher")
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")
     cli.add_argument("--ppo", type=int, default=200, help="iterations of PPO after it")
     cli.add_argument(

@@ -29,6 +29,19 @@ def test_help_lists_every_command_with_a_line() -> None:
         assert f"  {name:<14} {line}" in done.stdout
 
 
+def test_environments_are_listed_with_what_their_robots_do(capsys: pytest.CaptureFixture[str]) -> None:
+    from urbanverse_mjx.cli import list_envs
+    from urbanverse_mjx.envs import registry
+
+    assert list_envs.main([]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(registry.all_envs())
+    (line,) = [x for x in lines if x.startswith("CocoSocialNav  ")]
+    assert "dense crowd" in line
+    assert line.endswith("(presets: paper, urbansim_v0_1, fast, best, tune, cpu, quick)")
+    assert all(registry.about(x.split()[0]) in x for x in lines)
+
+
 def test_no_command_prints_the_usage_and_fails() -> None:
     done = run()
     assert done.returncode == 2

@@ -275,3 +275,26 @@ def test_people_in_the_summary_by_hand() -> None:
     assert BenchmarkReport.from_json(json.loads(json.dumps(report.to_json()))) == report
     old = {k: x for k, x in report.to_json()["episodes"][0].items() if "people" not in k and k != "intimate_time"}
     assert EpisodeResult.from_json(old).people_distance is None, "reports from before there were people"
+
+
+def test_scores_of_a_task_go_into_files_and_tables(tmp_path: pathlib.Path) -> None:
+    plain = _result()
+    assert "task_scores" not in plain.to_json()
+    scored = [_result(agent=a, task_scores={"score": x, "jerk": 2.0}) for a, x in (("a", 0.25), ("b", 0.75))]
+    again = EpisodeResult.from_json(scored[0].to_json())
+    assert again == scored[0]
+    assert scored[0].to_row()["task/score"] == 0.25
+    assert "task_scores" not in scored[0].to_row()
+    with pytest.raises(ValidationError, match=r"task_scores\.score"):
+        _result(task_scores={"score": float("nan")})
+    lost = _result(agent="b", result="lost", task_scores={"score": 0.25, "jerk": 4.0})
+    report = make_report("a task", [*scored, lost], {})
+    assert report.summary["b"]["task/score"]["mean"] == 0.5
+    text = to_markdown(report)
+    assert "| agent | score | jerk |" in text
+    assert "| b | 0.5 | 3 |" in text
+    assert "| hit_agent | lost |" in text
+    write_report(report, tmp_path)
+    assert BenchmarkReport.load(tmp_path / "report.json").episodes == report.episodes
+    assert (tmp_path / "episodes.csv").read_text().splitlines()[0].endswith("task/score,task/jerk")
+    assert "lost" not in to_markdown(make_report("point goals", [plain], {})), "nobody to lose"

@@ -6,6 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from ml_collections import ConfigDict
 
 from urbanverse_mjx.datatypes import AgentMotion, Bodies, Contacts, RobotSpec, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, default_config
@@ -95,13 +96,18 @@ class GoalImage:
 
 
 def unicycle_env(
-    bank: SceneBank, overrides: dict[str, Any] | None = None, wall: float = jnp.inf, vision: bool = False
+    bank: SceneBank,
+    overrides: dict[str, Any] | None = None,
+    wall: float = jnp.inf,
+    vision: bool = False,
+    config: ConfigDict | None = None,
 ) -> NavEnv:
-    """`CocoNav`'s task on the kinematic engine."""
-    config = with_overrides(default_config("paper"), {"scenes": "all", **(overrides or {})})
+    """`CocoNav`'s task, or that of a config, on the kinematic engine."""
+    chosen = default_config("paper") if config is None else config
+    complete = with_overrides(chosen, {"scenes": "all", **(overrides or {})})
     robot = unicycle_robot()
-    engine = UnicycleEngine(robot, config.ctrl_dt, wall, agents=config.scenario == "dynamic")
-    return NavEnv(config, bank, robot, engine, GoalImage() if vision else None)
+    engine = UnicycleEngine(robot, complete.ctrl_dt, wall, agents=complete.scenario == "dynamic")
+    return NavEnv(complete, bank, robot, engine, GoalImage() if vision else None)
 
 
 def drive_to_goal(obs: dict[str, jax.Array]) -> jax.Array:

@@ -23,6 +23,7 @@ from .navigation.config import PRESETS, catalogue_config, default_config, go2_na
 from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import ppo_config
+from .navigation.tasks.config import follow_person_config, social_nav_config
 from .playground import domain_randomize
 from .types import StagedEnv
 
@@ -325,6 +326,18 @@ register_environment(
 )
 register_environment(
     "Go2Nav", make_walking_env, go2_nav_config, about="Go2 walks to a goal 10-30 m away on the pavement of a street"
+)
+register_environment(
+    "CocoSocialNav",
+    make_wheeled_env,
+    social_nav_config,
+    about="COCO drives to a goal through a dense crowd without troubling people",
+)
+register_environment(
+    "CocoFollowPerson",
+    make_wheeled_env,
+    follow_person_config,
+    about="COCO keeps 1.5-3 m from one pedestrian through a crowd",
 )
 register_environment(
     "Go2Joystick",

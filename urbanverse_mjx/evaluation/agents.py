@@ -118,6 +118,20 @@ def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     return goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
 
 
+#: m to the goal at which `keep_distance` stops, and from which on it drives at full speed.
+KEPT_DISTANCE, FULL_SPEED_DISTANCE = 2.0, 3.0
+
+
+def keep_distance(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
+    """Agent that drives straight towards the goal without images, and stops and faces it at `KEPT_DISTANCE`: a
+    follower of a person."""
+    del key
+    goal = obs["goal"]
+    distance = jnp.linalg.norm(goal)
+    share = jnp.clip((distance - KEPT_DISTANCE) / (FULL_SPEED_DISTANCE - KEPT_DISTANCE), 0.02, 1.0)
+    return share * goal / jnp.maximum(distance, 1e-6)
+
+
 class _Cover:
     """Sets all pixels of observations to 0, and adds black images of the given shapes if there are none."""
 
@@ -154,4 +168,4 @@ def blank_image(agent: Any, images: Mapping[str, Sequence[int]] | None = None) -
     return lambda obs, key: agent(cover(obs), key)
 
 
-BASELINES: dict[str, Agent] = {"zero": zero, "random": random, "go_to_goal": go_to_goal}
+BASELINES: dict[str, Agent] = {"zero": zero, "random": random, "go_to_goal": go_to_goal, "keep_distance": keep_distance}

@@ -163,10 +163,13 @@ class Planner:
     Args:
       env: environment with the scenes.
       people: whether to include moving agents.
+      comfort: m between bodies below which nearness to agents has a cost, and that cost relative to the one of nearness
+        to obstacles; None for no such cost.
     """
 
-    def __init__(self, env: NavEnv, people: bool = True) -> None:
+    def __init__(self, env: NavEnv, people: bool = True, comfort: tuple[float, float] | None = None) -> None:
         robot = env.robot
+        self._comfort = comfort
         self._env, self._people = env, people and env.dynamic is not None
         self._root = env.mj_model.body(robot.root_body).id
         self._robot, self._motion = robot, motion_of(robot)
@@ -277,12 +280,18 @@ class Planner:
         """Advances the drive to step `k`, `dt` s after the previous one and `end` s from now."""
         motion = self._motion
         pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt)
-        gap = self._gap(scene, pose)
+        gap, driving, uneasy = self._gap(scene, pose), ahead.driving, None
         if agents is not None:
-            gap = jnp.minimum(gap, self._agent_gap(agents, pose[:2], end))
+            to_agents = self._agent_gap(agents, pose[:2], end)
+            gap = jnp.minimum(gap, to_agents)
+            if self._comfort is not None:
+                distance, weight = self._comfort
+                free = to_agents + _OPTIONS.agent_distance + _OPTIONS.agent_drift * end
+                uneasy = weight * jnp.clip((distance - free) / distance, 0.0, 1.0)
         wanted = _OPTIONS.margin + _OPTIONS.margin_time * v
-        driving = ahead.driving
         shy = dt / self._slower * driving * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
+        if uneasy is not None:
+            shy += dt / self._slower * driving * uneasy
         touched = driving * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
         here = _field_at(route, pose, 0.0) - _OPTIONS.goal_distance
         # The episode ends when the goal is reached, so later costs are ignored.

@@ -78,11 +78,15 @@ class RouteFollower:
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> None:
         """Returns no data, because the state contains the route."""
 
+    def target(self, nav: NavState, xy: Any) -> Any:
+        """(2,) m, the point to drive to from (2,) m."""
+        here = terms.route_position(xy, nav.start, nav.waypoints)
+        return route_point(nav.start, nav.waypoints, here + LOOKAHEAD_DISTANCE)
+
     def act(self, nav: NavState, known: None = None) -> Any:
         """(2,) waypoint in [-1, 1]."""
         xy, yaw = nav.sim.xpos[self._root, :2], rotations.yaw_of(nav.sim.xquat[self._root])
-        here = terms.route_position(xy, nav.start, nav.waypoints)
-        target = terms.to_body(route_point(nav.start, nav.waypoints, here + LOOKAHEAD_DISTANCE) - xy, yaw)
+        target = terms.to_body(self.target(nav, xy) - xy, yaw)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         pose = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw]))
         to_go = self._cost_to_go(nav, pose, target)

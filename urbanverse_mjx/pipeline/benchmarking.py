@@ -170,13 +170,13 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
     """Makes the environment and the policy; also returns whether the policy is called outside JAX, its name, and its
     record."""
     from ..evaluation.agents import BASELINES
-    from ..evaluation.planner import Planner
+    from ..evaluation.task_agents import planner_of
 
     name, path = options.policy, pathlib.Path(options.policy)
     if name in BASELINES or name == "planner":
         config = _config(options, runs, contact, False)
         env = _env(runs, options.env_name or "CocoNav", config)
-        policy = Planner(env) if name == "planner" else BASELINES[name]
+        policy = planner_of(env) if name == "planner" else BASELINES[name]
         return env, policy, False, name, {"name": name, "privileged": name == "planner"}
     if name.startswith("zoo:"):
         return _prepare_zoo(options, runs, contact)

@@ -76,13 +76,13 @@ def _scripted(
     overrides: Mapping[str, Any],
 ) -> _Entrants:
     """A scripted policy without a renderer."""
-    from ..evaluation.planner import Planner
+    from ..evaluation.task_agents import planner_of
 
     values = registry.get_default_config(environment, preset).to_dict()
     config = evaluation_config(environment, values, scenes, dynamic)
     config = registry.with_overrides(config, {**overrides, "vision": False})
     env = registry.load_nav_env(environment, config, bank)
-    policy = Planner(env) if name == "planner" else BASELINES[name]
+    policy = planner_of(env) if name == "planner" else BASELINES[name]
     privileged = isinstance(policy, Privileged)
     return _Entrants(name, environment, env, [(env, {name: policy})], {"policy": name, "privileged": privileged})
 

@@ -38,14 +38,14 @@ def load_machine(
     """
     from ..envs import registry
     from ..evaluation.agents import BASELINES
-    from ..evaluation.planner import Planner
+    from ..evaluation.task_agents import planner_of
     from ..viewer.session import Machine, NamedPolicy
 
     overrides = overrides or {}
     if policy in BASELINES or policy == "planner":
         config = registry.with_overrides(_fresh_config(env_name, people, preset, image_size), overrides)
         env = registry.load_nav_env(env_name or "CocoNav", config, bank)
-        return Machine(env, NamedPolicy(policy, Planner(env) if policy == "planner" else BASELINES[policy]))
+        return Machine(env, NamedPolicy(policy, planner_of(env) if policy == "planner" else BASELINES[policy]))
     path = pathlib.Path(policy).expanduser()
     if policy.endswith(".onnx"):
         return _onnx_machine(path, bank, people, env_name, preset, image_size, overrides)

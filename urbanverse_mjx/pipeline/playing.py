@@ -71,7 +71,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     """
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
-    from ..evaluation.planner import Planner
+    from ..evaluation.task_agents import planner_of
     from ..progress import COMPILING, Progress
     from .banks import chosen_bank
     from .rollout_video import random_draw, write_episodes
@@ -89,7 +89,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     finer |= {k: config[k] * hold for k in ("episode_length", "success_after_step")}
     env = registry.load_nav_env(name, registry.with_overrides(config, finer), chosen_bank(options.bank))
     if agent is None:
-        agent = Planner(env)
+        agent = planner_of(env)
     episodes = fixed_episodes(env, options.num_episodes, options.seed)
     with Progress(options.quiet) as progress:
         report = progress.task("driving", len(episodes), unit="episodes", note=COMPILING)

@@ -1,12 +1,17 @@
 """Tasks on streets beside point goals: each is a `Task`, composed with `NavEnv` by the name in `config.task`."""
 
-from collections.abc import Callable
-
 from ....datatypes import ValidationError
-from .task import Parts, PeopleTask, Task
+from .follow import FollowPerson
+from .people import PeopleTask
+from .social import SocialNav
+from .task import Parts, Task
 
 #: Name in `config.task.name` -> class.
-TASKS: dict[str, Callable[[Parts], Task]] = {"point_goal": Task}
+TASKS: dict[str, type[Task]] = {
+    "point_goal": Task,
+    "social_nav": SocialNav,
+    "follow_person": FollowPerson,
+}
 
 
 def make_task(parts: Parts) -> Task:

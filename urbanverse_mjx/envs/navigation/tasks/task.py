@@ -8,16 +8,14 @@ When: inside jit, per env, at reset and in every control step.
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import mujoco
 from jaxtyping import Array, Float, Int, Key
 from ml_collections import ConfigDict
 
 from ....crowds.crowd import Crowd
-from ....datatypes import RobotSpec, SceneBank, SimState, ValidationError
+from ....datatypes import RobotSpec, SceneBank, SimState
 from ....geometry import rotations
 from ...types import NavState
-from .. import terms
 from ..dynamic import DynamicStreet
 from ..surroundings import Surroundings
 
@@ -116,35 +114,3 @@ class Task:
         """Additions to the observation `privileged`, of order one."""
         del nav
         return ()
-
-
-class PeopleTask(Task):
-    """Base class of tasks that need a crowd.
-
-    Raises:
-      ValidationError: the scenario has none.
-    """
-
-    def __init__(self, parts: Parts) -> None:
-        super().__init__(parts)
-        if parts.dynamic is None:
-            raise ValidationError(
-                f"config.scenario: found {parts.config.scenario!r} for the task {parts.config.task.name!r}, needed "
-                "'dynamic', because it is about people."
-            )
-        self.dynamic = parts.dynamic
-        self.radius = float(parts.robot.planner_radius)
-
-    def people_observed(self, crowd: Crowd, robot: RobotPose, number: int) -> Float[Array, " n"]:
-        """(5 number,) f32: of the nearest agents their position in the heading frame (in units of 5 m, at most 2), the
-        velocity relative to the robot's in that frame (m/s), and whether there is such an agent."""
-        gap = self.dynamic.gaps(crowd, robot.xy)
-        nearest = jnp.argsort(gap)[:number]
-        body = crowd.bodies
-        away = jnp.stack([body.x, body.y], -1)[nearest] - robot.xy
-        speed = jnp.stack([body.vx, body.vy], -1)[nearest] - robot.velocity
-        here = jnp.isfinite(gap[nearest])[:, None]
-        back = -robot.yaw
-        place = jnp.clip(terms.to_world(away, back) / 5.0, -2.0, 2.0)
-        values = jnp.concatenate([place, terms.to_world(speed, back), jnp.ones((len(nearest), 1))], -1)
-        return jnp.where(here, values, 0.0).reshape(-1)

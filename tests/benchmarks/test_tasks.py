@@ -1,0 +1,89 @@
+"""Scores of tasks beside point goals: between baseline and ceiling, as rows of a table and in its page."""
+
+import csv
+import json
+import pathlib
+from typing import Any
+
+import pytest
+
+from benchmarks import campaign, tasks
+from tests.benchmarks.test_campaign import _args
+from urbanverse_mjx.envs import registry
+
+
+def result(seed: int = 0, teacher: float = 0.6) -> dict[str, Any]:
+    def agent(score: float, steps: int) -> dict[str, Any]:
+        values = {"mean": score, "low": score - 0.1, "high": score + 0.1}
+        return {"steps": steps, "summary": {"task/score": values, "SR": {**values, "low": None}, "n": 48, "ends": {}}}
+
+    agents = {"go_to_goal": agent(0.2, 0), "planner": agent(0.9, 0), "teacher": agent(teacher, 1_000_000)}
+    return {"task": "CocoSocialNav", "seed": seed, "agents": agents}
+
+
+def test_relative_is_0_at_the_baseline_and_1_at_the_ceiling() -> None:
+    assert tasks.relative(0.2, 0.2, 0.8) == 0.0
+    assert tasks.relative(0.8, 0.2, 0.8) == pytest.approx(1.0)
+    assert tasks.relative(0.5, 0.2, 0.8) == pytest.approx(0.5)
+    assert tasks.relative(0.5, 0.8, 0.8) is None
+
+
+def test_rows_replace_those_of_the_same_agents_and_seed(tmp_path: pathlib.Path) -> None:
+    path, page = tmp_path / "tasks.csv", tmp_path / "social_nav.md"
+    for body in (result(0, 0.3), result(1, 0.7), result(0, 0.55)):
+        (tmp_path / "result.json").write_text(json.dumps(body))
+        tasks.add(tmp_path / "result.json", path)
+    with path.open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["metric"] == "task/score"]
+    found = [(row["agent"], row["seed"], row["mean"]) for row in rows]
+    assert found == [
+        ("go_to_goal", "", "0.2"), ("planner", "", "0.9"), ("teacher", "0", "0.55"), ("teacher", "1", "0.7")
+    ]  # fmt: skip
+    page.write_text(f"# Page\n{tasks.MARKS[0]}\nold\n{tasks.MARKS[1]}\nend\n")
+    tasks.write_pages(path, tmp_path)
+    text = page.read_text()
+    assert "old" not in text
+    assert text.endswith("end\n")
+    assert "| go_to_goal | 0.200 [0.100, 0.300] | 0.2 | - |" in text
+    (line,) = [x for x in text.splitlines() if x.startswith("| teacher, seed 0, 1,000,000 steps")]
+    assert line.endswith("| 48 | 0.50 |"), "(0.55 - 0.2) / (0.9 - 0.2)"
+
+
+def test_every_task_has_a_page_with_marks_and_a_film_and_scores_of_its_own() -> None:
+    for name, (page, metrics) in tasks.TASKS.items():
+        assert name in registry.all_envs()
+        assert registry.about(name)
+        text = (tasks.PAGES / page).read_text(encoding="utf-8")
+        assert all(mark in text for mark in tasks.MARKS)
+        assert (tasks.PAGES / page.replace(".md", ".mp4")).is_file()
+        assert next(iter(metrics)) == tasks.HEADLINE
+
+
+def test_the_campaign_has_a_teacher_and_a_camera_policy_of_each_task(tmp_path: pathlib.Path) -> None:
+    args = _args(tmp_path, "--rows", "task-*", "--seeds", "3", "--task-steps", "1000")
+    jobs = [job for job in campaign.trainings(args) if job.name.startswith("task-")]
+    assert len(jobs) == 2 * len(tasks.TASKS)
+    for job in jobs:
+        parsed = tasks.arguments([*job.command[2:]])
+        assert (parsed.steps, parsed.seed, parsed.train_scenes) == (1000, 3, campaign.TASK_STREETS)
+        assert parsed.camera == ("-teacher-" not in job.name)
+        assert parsed.out == job.gives.parent
+        assert set(job.needs) >= {*parsed.train, parsed.test}
+
+
+def test_steps_are_those_of_the_teacher(tmp_path: pathlib.Path) -> None:
+    from urbanverse_mjx.training.teacher_student import TeacherStudent
+
+    words = ["--task", "CocoFollowPerson", "--out", str(tmp_path), "--steps", "9000", "--num-envs", "32", "--seed", "5"]
+    args = tasks.arguments([*words, "--set", "teacher.learning_rate=0.001"])
+    config = tasks.training_config(args)
+    training = TeacherStudent(args.task, None, lambda: None, config, tmp_path)
+    assert training.steps("teacher") == pytest.approx(9000, abs=1)
+    assert training.steps("imitation") > 9000
+    assert (config.num_envs, config.seed, config.teacher.learning_rate) == (32, 5, 0.001)
+
+
+def test_a_command_line_without_a_task_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        tasks.arguments(["--out", "somewhere"])
+    assert "found neither --task and --out nor" in capsys.readouterr().err

@@ -1,0 +1,98 @@
+"""Configurations of the tasks beside point goals: those of a preset with a crowd and a section `task`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ml_collections import ConfigDict
+
+from ..config import default_config
+
+#: Terms of reward with which a policy learns in few steps, whatever the preset: those of the preset `fast`.
+_DENSE = "fast"
+
+
+def _with_task(
+    preset: str, name: str, options: Mapping[str, Any], scales: Mapping[str, float], crowd: Mapping[str, Any]
+) -> ConfigDict:
+    """A preset's configuration in the scenario `dynamic`, with the section `task`.
+
+    Args:
+      options: of the task.
+      scales: of terms of reward, which are added to those of the preset `fast`.
+      crowd: values that differ from `config.crowd` of the preset.
+    """
+    config = ConfigDict(default_config(preset).to_dict())
+    config.scenario = "dynamic"
+    # Nothing is pushed: the engine has no body slots.
+    config.movable.bodies = 0
+    config.crowd.update(crowd)
+    config.reward_config.multiply_by_dt = False
+    config.reward_config.scales = {**default_config(_DENSE).reward_config.scales, **scales}
+    config.task = {"name": name, **options}
+    return config
+
+
+def _everywhere(share: float, config: ConfigDict) -> dict[str, float]:
+    return dict.fromkeys(config.crowd.filled, share)
+
+
+def social_nav_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `SocialNav` (`social.SocialNav`) for COCO.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    crowd = {
+        # Twice as many people as in the other streets, most of them where the robot is.
+        "slots": {"pedestrian": 22, "wheelchair": 1, "scooter": 1, "cyclist": 0, "car": 0},
+        "filled": _everywhere(1.0, default_config(preset)),
+        "reach": 12.0,
+        "encounters": {
+            "head_on": 0.9,
+            "cross": 0.8,
+            "obstruct": 0.6,
+            "overtaken": 0.6,
+            "talk": 0.6,
+            "queue": 0.5,
+        },
+    }
+    options = {
+        # s, time to a collision below which there is a penalty: how far ahead people react (Karamouzas et al. 2014).
+        "horizon": 3.0,
+        # m/s³ at which the penalty of jerk is largest: COCO's speed that changes from 0 to 2 m/s in 0.4 s.
+        "jerk_limit": 25.0,
+    }
+    scales = {"personal_space": -0.1, "time_to_collision": -0.1, "jerk": -0.02}
+    return _with_task(preset, "social_nav", options, scales, crowd).lock()
+
+
+def follow_person_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `FollowPerson` (`follow.FollowPerson`) for COCO.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    crowd = {
+        # The first pedestrian is the one to follow.
+        "slots": {"pedestrian": 13, "wheelchair": 1, "scooter": 0, "cyclist": 1, "car": 1},
+        "filled": _everywhere(1.0, default_config(preset)),
+        "reach": 20.0,
+        # No script for the first two rows of a crowd, which belong to the first encounters.
+        "encounters": {"head_on": 0.0, "cross": 0.0, "obstruct": 0.0, "overtaken": 0.0, "talk": 0.0, "queue": 0.0},
+    }
+    options = {
+        "band": (1.5, 3.0),  # m between centres
+        "start_distance": 2.2,  # m
+        # m/s; up to the mean walking speed of Weidmann (1993), because COCO's limit of 2 m/s has to allow for catching
+        # up.
+        "speed": (0.8, 1.34),
+        "sight": 15.0,  # m, at which a person is 12 pixels high in the paper's image
+        "lost_distance": 10.0,  # m
+        "lost_time": 8.0,  # s
+        "success_share": 0.5,
+    }
+    off = {"arrived": 0.0, "progress": 0.0, "hit": -10.0, "off_traversable": -10.0}
+    scales = {**off, "band": 0.05, "in_sight": 0.02, "kept": 0.05, "lost": -10.0}
+    config = _with_task(preset, "follow_person", options, scales, crowd)
+    config.success_radius = 0.0  # the person is no place to arrive at
+    return config.lock()
