@@ -102,7 +102,7 @@ def begin(key: jax.Array, height: int, width: int) -> Any:
     """
     shapes = jax.eval_shape(weights.network().init, key, jnp.zeros((1, height, width, 3)))
     rng = np.random.default_rng(np.asarray(jax.random.key_data(key)))
-    flat = traverse_util.flatten_dict(dict(shapes))
+    flat = network.flat_variables(shapes)
     return traverse_util.unflatten_dict({path: _initial(path, x.shape, rng) for path, x in flat.items()})
 
 

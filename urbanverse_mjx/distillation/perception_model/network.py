@@ -162,9 +162,15 @@ class PerceptionNetwork(nn.Module):
         return Seen(classes, rest[..., 0], rest[..., 1:3], rest[..., 3], leaves)
 
 
+def flat_variables(variables: Any) -> dict[tuple[str, ...], Any]:
+    """Arrays of variables by their path."""
+    flat: Any = traverse_util.flatten_dict(dict(variables))
+    return flat
+
+
 def blocks_of(variables: Any) -> tuple[int, ...]:
     """Residual blocks a level of the network that variables belong to."""
-    return tuple(len(level) for level in _block_levels(traverse_util.flatten_dict(dict(variables))))
+    return tuple(len(level) for level in _block_levels(flat_variables(variables)))
 
 
 def grown(variables: Any, fresh: Any) -> Any:
@@ -179,7 +185,7 @@ def grown(variables: Any, fresh: Any) -> Any:
     Raises:
       ValidationError: the networks differ in more.
     """
-    old, new = (traverse_util.flatten_dict(dict(x)) for x in (variables, fresh))
+    old, new = flat_variables(variables), flat_variables(fresh)
     before, after = (_block_levels(x) for x in (old, new))
     found = blocks_of(variables)
     if len(found) != len(BLOCKS) or any(a > b for a, b in zip(found, BLOCKS, strict=True)):
@@ -196,7 +202,7 @@ def grown(variables: Any, fresh: Any) -> Any:
 
 def stacked(variables: Any) -> Any:
     """Variables of the same network with `scanned`: those of the equal blocks of a level along a new first axis."""
-    flat = traverse_util.flatten_dict(dict(variables))
+    flat = flat_variables(variables)
     scans = {name: (k, i) for k, names in enumerate(_block_levels(flat)) for i, name in enumerate(names[1:])}
     out: dict[tuple[str, ...], Any] = {}
     parts: dict[tuple[str, ...], dict[int, Any]] = {}
@@ -212,7 +218,7 @@ def stacked(variables: Any) -> Any:
 
 def unstacked(variables: Any) -> Any:
     """The inverse of `stacked`."""
-    flat = traverse_util.flatten_dict(dict(variables))
+    flat = flat_variables(variables)
     lengths = {int(path[1].removeprefix(_SCAN)): len(x) for path, x in flat.items() if path[1].startswith(_SCAN)}
     singles = sorted({int(p[1].removeprefix(_SINGLE)) for p in flat if p[1].startswith(_SINGLE)})
     out: dict[tuple[str, ...], Any] = {}
