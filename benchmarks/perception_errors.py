@@ -100,8 +100,8 @@ def objects_of(frame: Frame, found: Decoded) -> list[Missed]:
     return out
 
 
-def with_truth(frame: Frame) -> dict[str, Seen]:
-    """The outputs with parts replaced by the truth, by name."""
+def with_reference(frame: Frame) -> dict[str, Seen]:
+    """The outputs with parts replaced by those of the rendered labels, by name."""
     offset, centre, has_centre = _centres(frame.owner)
     right = 8.0 * np.eye(len(classes.names()), dtype=np.float32)[frame.kinds]
     offset = np.where(has_centre[..., None], offset, frame.seen.offset)
@@ -172,7 +172,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         bank = SceneBank.load(arguments.streets)
         for frame in frames_of(bank, arguments.weights, arguments.frames, arguments.batch, arguments.seed):
-            for name, seen in with_truth(frame).items():
+            for name, seen in with_reference(frame).items():
                 found = decode(seen, network.CANONICAL_FOCAL)
                 unknown = np.full(frame.owner.shape, -1)
                 counts.setdefault(name, score.Score()).add(found, frame.kinds, frame.owner, 0.0 * frame.depth, unknown)

@@ -18,7 +18,7 @@ import hashlib
 import json
 import os
 import pathlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
@@ -50,6 +50,14 @@ def use_compilation_cache() -> pathlib.Path:
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache_dir("jax")))
     os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", str(4 * 2**30))
     return pathlib.Path(os.environ["JAX_COMPILATION_CACHE_DIR"])
+
+
+def set_xla_flags(flags: Mapping[str, str]) -> None:
+    """Sets options of XLA that `XLA_FLAGS` does not have yet; XLA reads them when JAX first uses a device."""
+    words = os.environ.get("XLA_FLAGS", "").split()
+    known = {word.lstrip("-").partition("=")[0] for word in words}
+    words += [f"--{name}={value}" for name, value in flags.items() if name not in known]
+    os.environ["XLA_FLAGS"] = " ".join(words)
 
 
 def has_all_gpus() -> bool:

@@ -33,7 +33,7 @@ def _below(package: str, *names: str) -> tuple[str, ...]:
 
 CODE: Mapping[str, Code] = {
     # All other versions depend on it.
-    "datatypes": Code(1, ("datatypes", "geometry")),
+    "datatypes": Code(1, ("datatypes", "geometry", "srgb")),
     # Base meshes, by recipe and variant.
     "meshes": Code(
         2,
@@ -103,7 +103,7 @@ CODE: Mapping[str, Code] = {
             *_below("pipeline.generation", "listing", "perceiving", "predictors", "video_options"),
         ),
         ("imports",),
-        _below("distillation.perception_model", "augment", "score", "targets", "views"),
+        _below("distillation.perception_model", "augment", "conditions", "score", "targets", "views"),
     ),
     "distillation": Code(
         5,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks import perception_errors
-from benchmarks.perception_errors import Frame, by_group, objects_of, with_truth
+from benchmarks.perception_errors import Frame, by_group, objects_of, with_reference
 from urbanverse_mjx.distillation.perception_model import classes
 from urbanverse_mjx.distillation.perception_model.decode import decode
 from urbanverse_mjx.distillation.perception_model.network import LEAF_STRIDE, Seen
@@ -48,9 +48,10 @@ def test_each_object_is_missed_for_its_own_reason(frame: Frame):
     assert rows["distance 5 to 10 m"]["number"] == 3
 
 
-def test_the_truth_about_one_output_mends_its_errors_alone(frame: Frame):
+def test_the_reference_of_one_output_corrects_its_errors_alone(frame: Frame):
     found = {
-        name: {x.kind: x for x in objects_of(frame, decode(seen, 300.0))} for name, seen in with_truth(frame).items()
+        name: {x.kind: x for x in objects_of(frame, decode(seen, 300.0))}
+        for name, seen in with_reference(frame).items()
     }
 
     def right(name: str) -> set[int]:

@@ -1,7 +1,6 @@
 """Training of the perception model: the clock's schedule, and going on where a run was stopped."""
 
 import argparse
-import os
 import pathlib
 from typing import Any
 
@@ -102,14 +101,3 @@ def test_a_grown_network_gives_the_outputs_of_the_smaller_one(small: dict[str, A
     foreign = _random(network.PerceptionNetwork(**{**small, "leaves": 5}, blocks=(1, 1, 2, 1, 1)), 2)
     with pytest.raises(ValidationError, match="needed a part of today's network"):
         network.grown(foreign, fresh)
-
-
-def test_compilation_is_quick_unless_the_environment_decides(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path):
-    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(jax.config, "update", lambda *_: None)
-    monkeypatch.setenv("XLA_FLAGS", "--xla_gpu_autotune_level=3")
-    train_perception._quicken_compilation(0)
-    assert os.environ["XLA_FLAGS"].split() == ["--xla_gpu_autotune_level=3", "--xla_gpu_enable_triton_gemm=false"]
-    monkeypatch.setenv("XLA_FLAGS", "")
-    train_perception._quicken_compilation(1)
-    assert "--xla_gpu_autotune_level=1" in os.environ["XLA_FLAGS"].split()

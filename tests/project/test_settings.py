@@ -126,3 +126,12 @@ def test_a_vision_endpoint_only_where_one_is_named(monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("URBANVERSE_VISION_URL", "ftp://somewhere")
     with pytest.raises(ValidationError, match="URBANVERSE_VISION_URL"):
         settings.vision_endpoint()
+
+
+def test_flags_of_xla_that_the_environment_has_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XLA_FLAGS", "--xla_gpu_autotune_level=3")
+    settings.set_xla_flags({"xla_gpu_autotune_level": "0", "xla_gpu_enable_triton_gemm": "false"})
+    assert os.environ["XLA_FLAGS"].split() == ["--xla_gpu_autotune_level=3", "--xla_gpu_enable_triton_gemm=false"]
+    monkeypatch.delenv("XLA_FLAGS")
+    settings.set_xla_flags({"xla_gpu_autotune_level": "1"})
+    assert os.environ["XLA_FLAGS"] == "--xla_gpu_autotune_level=1"

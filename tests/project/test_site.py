@@ -21,6 +21,7 @@ ELSEWHERE = {
     "onnx": "tests/training/test_export_onnx.py",
     "playground": "tests/support/playground_page.py",
     **{f"tutorials/{path.stem}": "tests/project/test_tutorials.py" for path in (DOCS / "tutorials").glob("*.md")},
+    **{f"tasks/{path.stem}": "tests/envs/navigation/tasks/test_pages.py" for path in (DOCS / "tasks").glob("*.md")},
     "sources/brax_over_warp": None,
 }
 every_page = pytest.mark.parametrize("name", PAGES)

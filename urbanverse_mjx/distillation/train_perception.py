@@ -16,7 +16,6 @@ import argparse
 import dataclasses
 import functools
 import json
-import os
 import pathlib
 import sys
 import time
@@ -338,18 +337,6 @@ def _say(row: dict[str, Any]) -> None:
     sys.stdout.flush()
 
 
-def _quicken_compilation(level: int) -> None:
-    """Sets XLA's options for GPUs, unless the environment does; they are read when JAX first uses a device. Trying out
-    algorithms for each of the convolutions takes minutes, longer beside other jobs."""
-    flags = os.environ.get("XLA_FLAGS", "")
-    for flag in (f"--xla_gpu_autotune_level={level}", "--xla_gpu_enable_triton_gemm=false"):
-        if flag.partition("=")[0] not in flags:
-            flags = f"{flags} {flag}".strip()
-    os.environ["XLA_FLAGS"] = flags
-    settings.use_compilation_cache()
-    jax.config.update("jax_compilation_cache_dir", os.environ["JAX_COMPILATION_CACHE_DIR"])
-
-
 def parse(argv: list[str] | None) -> argparse.Namespace:
     height, width = network.SIZE
     parser = argparse.ArgumentParser(prog="python -m urbanverse_mjx.distillation.train_perception", description=__doc__)
@@ -388,7 +375,9 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
-    _quicken_compilation(arguments.autotune)
+    # Trying out algorithms for each of the convolutions takes minutes, longer beside other jobs.
+    settings.set_xla_flags({"xla_gpu_autotune_level": str(arguments.autotune), "xla_gpu_enable_triton_gemm": "false"})
+    jax.config.update("jax_compilation_cache_dir", str(settings.use_compilation_cache()))
     try:
         table = train(arguments)
     except ValidationError as error:

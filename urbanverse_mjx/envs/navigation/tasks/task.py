@@ -51,7 +51,7 @@ class RobotPose(NamedTuple):
 
 
 class Task:
-    """Point-goal navigation, and base class of other tasks; every method here leaves things as they are.
+    """Point-goal navigation, and base class of other tasks; every method here changes nothing.
 
     A task is a composition over `NavEnv`: it may change the goal and the crowd, end episodes, add terms of reward and
     observations, and count scores in its own part of the state, `NavState.task`. All values stay finite, and arrays
