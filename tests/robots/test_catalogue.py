@@ -93,7 +93,7 @@ def test_every_row_has_a_source_a_task_and_its_lines_on_the_page() -> None:
         )
         assert f"* `{name}`: {row.source}. Typical: {row.typical}." in page
         # A source names a place: an address, or a repository with the file in it.
-        assert re.search(r"\.(com|org|ch|xacro|urdf|yaml|py)\b", row.source), name
+        assert re.search(r"\.(com|org|ch|ls|xacro|urdf|yaml|py)\b", row.source), name
 
 
 @pytest.mark.parametrize(
