@@ -5,11 +5,13 @@
 
 from collections.abc import Callable
 
+import mujoco
 import numpy as np
 import pytest
 import warp as wp
 from scipy.spatial.transform import Rotation
 
+from urbanverse_mjx.simulation.rendering.model import _robot_box
 from urbanverse_mjx.simulation.rendering.street_kernels import Street, Views, module_options
 from urbanverse_mjx.simulation.rendering.street_light import REACH, SHADE, moving_shade, place_shades
 
@@ -116,3 +118,28 @@ def test_what_two_bodies_leave_is_multiplied_and_what_is_far_from_the_camera_hid
     np.testing.assert_allclose(both(near, SUN), first * second, atol=1e-3)
     away = shade_of(PLACE, PLACE + [REACH + 0.1, 0.0, 0.0])
     np.testing.assert_array_equal(away((PLACE + [REACH + 0.1, 0.0, 0.0])[None], SUN), [[1.0, 1.0]])
+
+
+#: A body in some pose with a box, a smaller one turned by 45 degrees, and the mast of a flag.
+ROBOT = """<mujoco><worldbody><body pos="1 2 0.5" euler="0 0 90"><freejoint/>
+  <geom name="hull" type="box" size="0.3 0.2 0.1" pos="0 0 0.1"/>
+  <geom name="head" type="box" size="0.1 0.1 0.1" pos="0.4 0 0.3" euler="0 0 45"/>
+  <geom name="mast" type="cylinder" size="0.004 0.6" pos="-0.2 0 {mast}"/>
+  <body pos="0 0 0"><geom name="wheel" type="sphere" size="0.05" pos="0.1 -0.25 0"/></body>
+</body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(("mast", "bottom"), [(0.8, -0.05), (0.4, -0.2)])
+def test_the_box_of_a_robot_holds_all_but_how_high_a_thin_mast_is(mast: float, bottom: float) -> None:
+    model = mujoco.MjModel.from_xml_string(ROBOT.format(mast=mast))
+    body, (centre, half) = _robot_box(model, list(range(model.ngeom)))
+    assert body == 1
+    np.testing.assert_allclose(centre - half, [-0.3, -0.3, bottom], atol=1e-6)
+    np.testing.assert_allclose(centre + half, [0.4 + 0.1 * 2**0.5, 0.2, 0.4], atol=1e-6)
+
+
+def test_a_robot_of_thin_parts_alone_is_as_large_as_they_are() -> None:
+    model = mujoco.MjModel.from_xml_string(ROBOT.format(mast=0.8))
+    _, (centre, half) = _robot_box(model, [model.geom("mast").id])
+    np.testing.assert_allclose(centre - half, [-0.204, -0.004, 0.2], atol=1e-6)
+    np.testing.assert_allclose(centre + half, [-0.196, 0.004, 1.4], atol=1e-6)
