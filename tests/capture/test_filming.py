@@ -4,11 +4,13 @@ import pathlib
 
 import numpy as np
 import pytest
+import shapely
 
-from urbanverse_mjx.capture import FilmOptions, PathOptions, film_scene, true_objects, walk
+from urbanverse_mjx.capture import FilmOptions, PathOptions, film_scene, ground_truth, true_graph, true_objects, walk
 from urbanverse_mjx.capture.path import camera_poses
 from urbanverse_mjx.capture.street import street_grid
-from urbanverse_mjx.datatypes import Recording, SceneBank, SceneGraph, ValidationError
+from urbanverse_mjx.datatypes import GROUND_KINDS, Recording, SceneBank, SceneGraph, ValidationError
+from urbanverse_mjx.datatypes.ground import polygon_area
 
 SMALL = FilmOptions(width=160, height=90, samples=1, shadows=False)
 
@@ -106,3 +108,58 @@ def test_a_walker_turns_about_in_seconds_not_between_two_frames(small_bank: Scen
     # The path comes back along itself: half a turn, in a quarter of a second or spread over three.
     assert fastest(0.0) > np.radians(300.0)
     assert fastest(3.0) < np.radians(90.0)
+
+
+#: Triangles of a pavement, in single precision, whose union has a spike at (66.36, 6.48).
+SPIKED = (
+    (
+        (66.35505104064941, 6.4792962074279785),
+        (84.95557045936584, 8.270322561264038),
+        (66.19799995422363, 9.478000044822693),
+    ),
+    (
+        (66.35499954223633, 6.479000091552734),
+        (66.35506629943848, 6.479006290435791),
+        (66.35505104064941, 6.4792962074279785),
+    ),
+    (
+        (110.7859992980957, 15.34600019454956),
+        (106.70800018310547, 14.953999996185303),
+        (110.93600082397461, 13.78600001335144),
+    ),
+    (
+        (111.2229995727539, 10.799999997019768),
+        (110.93600082397461, 13.78600001335144),
+        (106.85799980163574, 13.39299988746643),
+    ),
+    (
+        (66.19799995422363, 9.478000044822693),
+        (66.35499954223633, 6.479000091552734),
+        (66.35505104064941, 6.4792962074279785),
+    ),
+    (
+        (106.85799980163574, 13.39299988746643),
+        (110.93600082397461, 13.78600001335144),
+        (106.70800018310547, 14.953999996185303),
+    ),
+    (
+        (66.19799995422363, 9.478000044822693),
+        (84.95557045936584, 8.270322561264038),
+        (106.85799980163574, 13.39299988746643),
+    ),
+    (
+        (111.2229995727539, 10.799999997019768),
+        (106.85799980163574, 13.39299988746643),
+        (84.95557045936584, 8.270322561264038),
+    ),
+)
+
+
+def test_true_ground_of_single_precision_has_no_spikes(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
+    tops = np.array(SPIKED)
+    tops = np.concatenate([tops, np.full((*tops.shape[:2], 1), 0.18)], -1)
+    kind = GROUND_KINDS.index("sidewalk")
+    monkeypatch.setattr(ground_truth, "ground_tops", lambda bank, scene: [(7, kind, tops)])
+    (region,) = true_graph(small_bank, 0).ground
+    assert region.id == "sidewalk_7_0"
+    assert polygon_area(region.polygon) == pytest.approx(shapely.area(shapely.polygons(tops[..., :2])).sum(), rel=1e-3)

@@ -70,6 +70,38 @@ def test_what_grows_stays_off_long_neighbours_whose_corners_lie_between_millimet
         assert outline(done).area > outline(filled(ground=tuple(strips))).area + 1.0
 
 
+#: A pavement of Istanbul and the two regions beside its corner, which differ from it by less than a micrometre there.
+CORNER = {
+    "own": (
+        (0.2224588755632136, 5.095145930067474),
+        (19.434156176582338, 4.256345111032063),
+        (19.565014338678345, 7.253489775777636),
+        (0.3533170376592216, 8.092290594813047),
+    ),
+    "beside": (
+        (0.1134104071498736, 2.5975253761128303),
+        (17.726630553638028, 1.8285155768619568),
+        (17.835679022051366, 4.3261361308166),
+        (0.2224588755632136, 5.095145930067474),
+    ),
+    "road": (
+        (-7.595285096714641, -13.481529746272287),
+        (-0.6019475456416369, -13.786865457829638),
+        (0.6150333618512376, 14.086579924304194),
+        (-6.378304189221767, 14.391915635861546),
+    ),
+}
+
+
+def test_what_grows_has_no_corners_that_coincide():
+    """The difference of regions that share a corner in floating point leaves corners nanometres apart."""
+    regions = tuple(GroundRegion(k, "road" if k == "road" else "sidewalk", c, (0, 0, 0)) for k, c in CORNER.items())
+    before = outline(filled(ground=regions)).area
+    done = filled(box("c", "car", 18.2, 7.3), ground=regions)
+    check_regions(done.ground)
+    assert outline(done).area > before + 1.0
+
+
 @pytest.mark.parametrize("obj", [box("c", "car", 11.0, 1.5, foot=3.0), box("h", "house", 13.0, 0.0, (5, 5, 9))])
 def test_nothing_grows_under_what_flies_or_is_a_house(obj):
     assert outline(filled(obj)).equals_exact(outline(filled()), 1e-9)

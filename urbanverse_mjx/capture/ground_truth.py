@@ -9,6 +9,9 @@ from .path import CameraPath
 from .street import GROUND_PREFIX, ground_tops
 
 SOURCE = Source("synthetic", "Apache-2.0", "none", "none")
+#: m, grid of the corners of true ground: triangles of single precision that share an edge overlap by micrometres, which
+#: leaves spikes in their union.
+_GRID = 1e-3
 
 
 def object_slots(bank: SceneBank, scene: int) -> np.ndarray:
@@ -53,7 +56,7 @@ def true_objects(bank: SceneBank, scene: int) -> tuple[GraphObject, ...]:
 def _regions(bank: SceneBank, scene: int) -> tuple[GroundRegion, ...]:
     regions = []
     for slot, kind, triangles in ground_tops(bank, scene):
-        outline = shapely.union_all(shapely.polygons(triangles[:, :, :2])).buffer(0)
+        outline = shapely.set_precision(shapely.union_all(shapely.polygons(triangles[:, :, :2])).buffer(0), _GRID)
         corners = triangles.reshape(-1, 3)
         plane, *_ = np.linalg.lstsq(np.c_[corners[:, :2], np.ones(len(corners))], corners[:, 2], rcond=None)
         for i, part in enumerate(shapely.get_parts(outline)):

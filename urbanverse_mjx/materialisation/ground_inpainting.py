@@ -12,7 +12,8 @@ from shapely.geometry.base import BaseGeometry
 
 from ..assets.categories.ontology import category_of
 from ..assets.categories.priors import prior
-from ..datatypes import PAINT_KINDS, GraphObject, GroundRegion, SceneGraph
+from ..datatypes import PAINT_KINDS, GraphObject, GroundRegion, SceneGraph, ValidationError
+from ..datatypes.ground import check_polygon
 from ..geometry.polygons import MAX_OVERLAP
 from . import overlap
 
@@ -27,6 +28,8 @@ MARGIN, MAX_FOOT_DIFFERENCE, REACH = 0.3, 0.5, 3.0
 MIN_AREA, MAX_SEAM = 0.02, 0.02
 #: m; corners of outlines are rounded to whole millimetres, as in graphs.
 GRID = 1e-3
+#: m, of outlines whose corners would otherwise coincide for `check_polygon`.
+FINE_GRID = 2e-6
 #: Kinds that are extended under objects only if no other kind borders on the hole.
 LAST = frozenset({"crosswalk"})
 
@@ -48,11 +51,23 @@ def fill(graph: SceneGraph, leaves: Mapping[str, str]) -> SceneGraph:
         if part.area > MIN_AREA and isinstance(part, shapely.Polygon):
             _give(part, carrying, shapes)
     grown = {
-        r.id: dataclasses.replace(r, polygon=tuple(shapes[r.id].exterior.coords[:-1]))
+        r.id: dataclasses.replace(r, polygon=_ring(shapes[r.id]))
         for r in carrying
         if not shapes[r.id].equals(shapely.Polygon(r.polygon))
     }
     return dataclasses.replace(graph, ground=tuple(grown.get(r.id, r) for r in graph.ground)) if grown else graph
+
+
+def _ring(shape: shapely.Polygon) -> tuple[tuple[float, ...], ...]:
+    """Corners of an outline. Where the removal of an overlap left corners nanometres apart, or a spike as thin as that,
+    it is rounded to micrometres."""
+    corners = tuple(shape.exterior.coords[:-1])
+    try:
+        check_polygon(corners, "ground")
+    except ValidationError:
+        parts = shapely.get_parts(shapely.set_precision(shape, FINE_GRID))
+        corners = tuple(max(parts, key=shapely.area).exterior.coords[:-1])
+    return corners
 
 
 def _is_house(leaf: str) -> bool:
