@@ -1,5 +1,8 @@
 """Closer collision hulls: they keep out of where a robot can be, cover the surface, and are made again bit-equal."""
 
+import dataclasses
+import pathlib
+
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
@@ -7,16 +10,18 @@ from scipy.spatial import ConvexHull
 from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, hull_loader, load_hulls, load_index
 from urbanverse_mjx.assets.collision import close_hulls as c
+from urbanverse_mjx.assets.collision import hulls as stores
 from urbanverse_mjx.assets.collision.hulls import HullStore, close_store_path, hull_key
 from urbanverse_mjx.assets.collision.overshoot import overshoot
+from urbanverse_mjx.assets.collision.within_reach import layouts_in, shape_of, shapes_in_reach
 from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
 from urbanverse_mjx.assets.records.regional import load_regional
-from urbanverse_mjx.datatypes import AssetMesh
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, PlacedGround, PlacedObject, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES
 
 INDEX = load_index()
 STORE = HullStore.load(close_store_path()).hulls
-CLOSER = {r.uid: r for r in INDEX.records if hull_key(r) in STORE}
+CLOSER = {r.uid: r for r in INDEX.records if STORE.get(hull_key(r))}
 LEAVES = sorted({r.leaf for r in CLOSER.values()})
 
 
@@ -131,3 +136,59 @@ def test_the_store_is_made_again_bit_equal(leaf: str) -> None:
     key, hulls = c.closer(record)
     assert key == hull_key(record)
     assert [h.tolist() for h in hulls] == [h.tolist() for h in STORE[key]]
+
+
+#: A pavement from y = -2 to 2 beside a road.
+GROUND = tuple(
+    PlacedGround(kind, kind, ((0.0, low), (40.0, low), (40.0, high), (0.0, high)), (0.0, 0.0, 0.0), "grey")
+    for kind, low, high in (("sidewalk", -2.0, 2.0), ("road", 2.0, 10.0))
+)
+
+
+def at(name: str, uid: str, y: float, yaw: float = 0.0) -> PlacedObject:
+    return PlacedObject(name, "x", "x", uid, (20.0, y, 0.0), yaw, (1.0, 1.0, 1.0), 1.0, 1.0, False)
+
+
+def test_only_shapes_beside_ground_for_robots_are_made(tmp_path: pathlib.Path) -> None:
+    """A house 15 m long reaches the pavement from y = 9 only if its long side points there."""
+    long = max(INDEX.records, key=lambda r: r.extent_xyz[0] / r.extent_xyz[1] if 10 < r.extent_xyz[0] < 14 else 0.0)
+    bin_, car, bench = (INDEX.by_leaf(leaf)[0] for leaf in ("trash bin", "sedan", "bench"))
+    dressed = next(r for r in load_regional().records if r.params["variant"] == 4)
+    objects = [at("bin", bin_.uid, 1.5), at("car", car.uid, 8.0), at("bench", bench.uid, -3.2), at("r", dressed.uid, 0)]
+    y = 2.0 + long.extent_xyz[0] / 2
+    layout = SceneLayout("s", "s", "0", 0, 0, (*objects, at("long", long.uid, y)), GROUND, "day", 0.0, {})
+    near = {shape_of(bin_), shape_of(bench), (dressed.recipe, dressed.leaf, 3)}
+    assert shapes_in_reach([layout]) == near
+    turned = dataclasses.replace(layout, objects=(at("long", long.uid, y, np.pi / 2),))
+    assert shapes_in_reach([turned]) == {shape_of(long)}
+    layout.save(tmp_path / "scenes" / "s" / "layout.json")
+    assert layouts_in([tmp_path]) == [layout]
+    with pytest.raises(ValidationError, match=r"found no layout\.json"):
+        layouts_in([tmp_path / "nowhere"])
+
+
+def test_a_shape_without_closer_hulls_is_tried_once(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    path, (bin_, other) = tmp_path / "close.npz", INDEX.by_leaf("trash bin")[:2]
+    tried = []
+
+    class Pool:
+        def __init__(self, jobs: int, niceness: int) -> None: ...
+        def __enter__(self) -> "Pool":
+            return self
+
+        def __exit__(self, *error: object) -> None: ...
+        def map(self, function: object, records: list[AssetRecord]) -> list[tuple[str, tuple[np.ndarray, ...]]]:
+            tried.extend(records)
+            return [(hull_key(r), ()) for r in records]
+
+    monkeypatch.setattr(c, "worker_pool", Pool)
+    monkeypatch.setattr(c, "close_store_path", lambda: path)
+    objects = (at("a", bin_.uid, 0.0), at("b", other.uid, 0.0))
+    layout = SceneLayout("s", "s", "0", 0, 0, objects, GROUND, "day", 0.0, {})
+    c.build_close(layouts=[layout], report=str)
+    c.build_close(layouts=[layout], report=str)
+    assert {r.uid for r in tried} == {bin_.uid, other.uid}
+    assert len(tried) == 2
+    monkeypatch.setattr(stores, "_close_store", lambda: HullStore.load(path))
+    plain = load_hulls(bin_).hulls
+    assert all((a == b).all() for a, b in zip(load_hulls(bin_, close=True).hulls, plain, strict=True))

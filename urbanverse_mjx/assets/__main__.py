@@ -6,6 +6,7 @@ import tyro
 from rich.console import Console
 from rich.progress import track
 
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.progress import Progress
 
 from .exporting.export_command import export
@@ -58,7 +59,13 @@ def index(jobs: int = 2) -> None:
     )
 
 
-def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False, close: bool = False) -> None:
+def hulls(
+    jobs: int = 2,
+    leaf: str | None = None,
+    again: bool = False,
+    close: bool = False,
+    layouts: tuple[pathlib.Path, ...] = (),
+) -> None:
     """Makes missing collision hulls of records' meshes and drops unused hulls.
 
     Args:
@@ -66,12 +73,18 @@ def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False, close: bo
       leaf: only this leaf.
       again: also make existing hulls again (after a change of the decomposition).
       close: make closer hulls, of catalogue and regional buildings, instead of the first ones.
+      layouts: folders of compiled scenes; closer hulls only of shapes that a robot can touch there.
     """
     from .collision.close_hulls import build_close
     from .collision.decompose import build_missing
+    from .collision.within_reach import layouts_in
 
     if close:
-        build_close(leaf, jobs, again, Console().print)
+        build_close(leaf, jobs, again, Console().print, layouts_in(layouts) if layouts else None)
+    elif layouts:
+        raise ValidationError(
+            "--layouts: found it without --close, needed both; the first hulls are made of all shapes."
+        )
     else:
         build_missing(jobs, leaf, again, Console().print)
 

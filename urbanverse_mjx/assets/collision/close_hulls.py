@@ -20,6 +20,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
+from urbanverse_mjx.datatypes import SceneLayout
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh, AssetRecord
 from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.progress import Progress
@@ -31,6 +32,7 @@ from .decompose import OPTIONS as FIRST
 from .decompose import Piece, convex_piece, is_flush, merge_pieces, simplified
 from .hulls import MILLIMETRE, HullStore, close_store_path, hull_key, load_hulls
 from .overshoot import HEIGHTS, LIMIT, ROBOT_RADIUS, disc_reach, mesh_cut, overshoot, raster
+from .within_reach import shape_of, shapes_in_reach
 
 #: m, of the cuts, and of the surface points that are to be covered, so that a thin hull between two cuts gains nothing:
 #: those of the measurement, and some in between.
@@ -545,30 +547,40 @@ def closer(record: AssetRecord, before: float | None = None) -> tuple[str, tuple
 
 
 def build_close(
-    leaf: str | None = None, jobs: int = 1, again: bool = False, report: Callable[[str], object] = print
+    leaf: str | None = None,
+    jobs: int = 1,
+    again: bool = False,
+    report: Callable[[str], object] = print,
+    layouts: Sequence[SceneLayout] | None = None,
 ) -> HullStore:
     """Adds missing closer hulls to their store in worker processes, writes it after every batch, and drops unused ones.
+
+    A shape that has been tried and has none closer stands in the store without hulls, and is not tried again.
 
     Args:
       leaf: only records of this leaf.
       again: whether to also make those that the store has.
+      layouts: only shapes of these layouts that a robot can touch.
     """
     every = [*load_index().records, *(r for r in load_regional().records if r.params["variant"] % DRESSINGS == 0)]
     found = dict(HullStore.load(close_store_path()).hulls)
-    waiting = [r for r in every if leaf in (None, r.leaf) and (again or hull_key(r) not in found)]
+    shapes = None if layouts is None else shapes_in_reach(layouts)
+    chosen = [r for r in every if leaf in (None, r.leaf) and (shapes is None or shape_of(r) in shapes)]
+    waiting = [r for r in chosen if again or hull_key(r) not in found]
     with Progress() as progress:
         report_done, done = progress.task("closer hulls", len(waiting)), 0
         for first in range(0, len(waiting), FIRST.batch):
             with worker_pool(jobs, niceness=5) as pool:
                 for key, hulls in pool.map(closer, waiting[first : first + FIRST.batch]):
-                    found.pop(key, None)
-                    if hulls:
-                        found[key] = hulls
+                    found[key] = hulls
                     done += 1
                     report_done(done)
             HullStore(found).save(close_store_path())
     needed = {hull_key(r) for r in every}
     kept = HullStore({key: hulls for key, hulls in found.items() if key in needed})
-    path, count = kept.save(close_store_path()), sum(len(h) for h in kept.hulls.values())
-    report(f"{path.name}: {len(kept.hulls)} meshes, {count} hulls, {path.stat().st_size} bytes")
+    path, numbers = kept.save(close_store_path()), [len(h) for h in kept.hulls.values()]
+    report(
+        f"{path.name}: {len(numbers)} meshes tried, {sum(n > 0 for n in numbers)} with closer hulls, {sum(numbers)} "
+        f"hulls, {path.stat().st_size} bytes"
+    )
     return kept
