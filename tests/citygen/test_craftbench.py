@@ -8,7 +8,7 @@ import pytest
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.records.regional import is_served, tradition_of
-from urbanverse_mjx.citygen.craftbench import BUILDERS, CITIES, build, write
+from urbanverse_mjx.citygen.craftbench import BUILDERS, CITIES, SIZES, SKIES, build, write
 from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.pipeline.library.building import graph_of
 from urbanverse_mjx.scene import library
@@ -53,12 +53,20 @@ def test_every_scene_is_one_of_the_published_ids():
         build("nowhere")
 
 
-def test_version_2_differs_in_the_city_alone(graph):
+def test_version_2_differs_in_the_city_and_what_its_tables_name(graph):
     """Version 1 is frozen without a city, so its graphs must not name one."""
     first, second = (graph_of(library.scene_set(name), graph.id) for name in ("craftbench", "craftbench_v2"))
     assert first == graph
     assert (second.source.city, second.source.country) == CITIES[graph.id]
-    assert dataclasses.replace(second, source=first.source) == first
+    assert (second.sky_descriptor != first.sky_descriptor) == (graph.id in SKIES)
+    plain = dataclasses.replace(second, source=first.source, sky_descriptor=first.sky_descriptor)
+    assert dataclasses.replace(plain, objects=first.objects) == first
+    other = {b.id: (a, b) for a, b in zip(first.objects, second.objects, strict=True) if a != b}
+    assert {name: b.size for name, (_, b) in other.items()} == SIZES.get(graph.id, {})
+    for a, b in other.values():
+        assert b.center[:2] == a.center[:2]
+        assert b.center[2] - b.size[2] / 2 == pytest.approx(a.center[2] - a.size[2] / 2)
+        assert (b.id, b.label, b.yaw) == (a.id, a.label, a.yaw)
     assert is_served(*CITIES[graph.id])
 
 

@@ -265,7 +265,7 @@ class Canvas(Stage):
 
     def graph(self) -> SceneGraph:
         self.lay_ground()
-        sky = None if self._sky is None else _sky_descriptor(self._sky)
+        sky = None if self._sky is None else sky_descriptor(self._sky)
         return SceneGraph(
             self.scene_id, self.source, tuple(self.objects), self._dressed(), sky, tuple(self._camera_path())
         )
@@ -310,7 +310,8 @@ def _ground_descriptor(material: str) -> tuple[int, ...]:
     return appearance_search.ground_descriptor(build_material(material).texture)
 
 
-def _sky_descriptor(uid: str) -> tuple[int, ...]:
+def sky_descriptor(uid: str) -> tuple[int, ...]:
+    """The descriptor of a sky, a uid of `assets.appearances.sky_maps`."""
     # Skies are ranked by the part that a street camera sees: the lower half of the upper half.
     image = appearance_search.StoredSheet("sky_thumbnails.jpg").load([uid])[0]
     half = image.shape[0] // 2

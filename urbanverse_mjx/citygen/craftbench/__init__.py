@@ -6,12 +6,12 @@ for each, whose look version 2 of the benchmark has; version 1 has none.
 
 import dataclasses
 
-from ...datatypes import SceneGraph
+from ...datatypes import GraphObject, SceneGraph
 from ..canvas import discovery
-from ..canvas.canvas import Canvas
+from ..canvas.canvas import Canvas, sky_descriptor
 from ..canvas.graph_file import write
 
-__all__ = ["BUILDERS", "CITIES", "Canvas", "build", "write"]
+__all__ = ["BUILDERS", "CITIES", "SIZES", "SKIES", "Canvas", "build", "write"]
 
 BUILDERS = discovery.builders(__name__, __path__, "s")
 
@@ -33,11 +33,24 @@ CITIES = {
 }
 
 
+#: Scene id -> object id -> m (along, across, up): a size for which another asset is chosen, where that of the scene's
+#: own size belongs into other cities: red telephone boxes, and a palm in Paris, in whose place only a slim tree fits.
+SIZES: dict[str, dict[str, tuple[float, float, float]]] = {
+    "04_commercial_street_asymmetric_sidewalks_benches_bicycles": {"tree_00": (2.7, 2.6, 8.4)},
+    "06_bar_street_dual_sidewalks_obstructed_fallen_scooters": {"telephone_booth_00": (0.58, 0.76, 2.18)},
+    "09_cbd_t_intersection_construction_sites": {"telephone_booth_00": (0.58, 0.76, 2.18)},
+    "10_cbd_cross_intersection_diverse_obstacles": {"telephone_booth_00": (0.58, 0.76, 2.18)},
+}
+#: Scene id -> another sky: with baked shadows, the side of a crossing away from a clear noon's sun was nearly black.
+SKIES = {"10_cbd_cross_intersection_diverse_obstacles": "summer_noon-broken_cumulus"}
+
+
 def build(scene_id: str, in_city: bool = False) -> SceneGraph:
     """Returns the graph of one hand-made scene; it is identical on every machine.
 
     Args:
-      in_city: whether its source names the scene's city of `CITIES`; nothing else differs.
+      in_city: whether its source names the scene's city of `CITIES`; apart from `SIZES` and `SKIES`, nothing else
+        differs.
 
     Raises:
       ValidationError: no scene has this id.
@@ -46,4 +59,16 @@ def build(scene_id: str, in_city: bool = False) -> SceneGraph:
     if not in_city:
         return graph
     city, country = CITIES[scene_id]
-    return dataclasses.replace(graph, source=dataclasses.replace(graph.source, city=city, country=country))
+    sizes = SIZES.get(scene_id, {})
+    return dataclasses.replace(
+        graph,
+        source=dataclasses.replace(graph.source, city=city, country=country),
+        objects=tuple(_resized(obj, sizes[obj.id]) if obj.id in sizes else obj for obj in graph.objects),
+        sky_descriptor=sky_descriptor(SKIES[scene_id]) if scene_id in SKIES else graph.sky_descriptor,
+    )
+
+
+def _resized(obj: GraphObject, size: tuple[float, float, float]) -> GraphObject:
+    """An object of another size on the same place of the ground."""
+    x, y, z = obj.center
+    return dataclasses.replace(obj, center=(x, y, z + (size[2] - obj.size[2]) / 2), size=size)
