@@ -180,6 +180,19 @@ def test_a_set_with_the_regional_look_has_a_city_that_is_known(monkeypatch: pyte
         building.graph_of(dataclasses.replace(plain, regional=True), "street")
 
 
+def test_closer_hulls_of_a_recessed_front_do_not_move_the_new_house() -> None:
+    """The largest of the closer hulls of this shop is 1.1 m deeper than the largest of the first."""
+    shop = next(r for r in INDEX.by_leaf("dry cleaning") if r.params["variant"] == 1)
+    close, first = (block_of(load_hulls(shop, close=close)) for close in (True, False))
+    assert close.depth > first.depth + 0.5
+    old = dataclasses.replace(placed("shop_0", "dry cleaning", (20.0, 9.0, 0.1), -math.pi / 2), asset_uid=shop.uid)
+    plain = cousin(objects=(old,))
+    wanted = dataclasses.replace(plain, layout=dataclasses.replace(plain.layout, hulls="close"))
+    made = [localise(c, graph("Tokyo", "Japan"), INDEX).layout.objects for c in (plain, wanted)]
+    assert made[0][0].asset_uid != shop.uid
+    assert made[0] == made[1]
+
+
 def test_a_chair_that_a_new_house_penetrates_is_left_out_and_listed() -> None:
     inside = dataclasses.replace(placed("chair_0", "chair", (8.0, 8.0, 0.1), 0.0), movable=True)
     objects = tuple(sorted((*OBJECTS, inside), key=lambda p: p.id))

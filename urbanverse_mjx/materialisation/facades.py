@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from ..assets import hull_loader
+from ..assets import hull_loader, load_hulls
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
 from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
@@ -68,10 +68,12 @@ def dress(
     name = regional.tradition_of(graph.source.city, graph.source.country)
     if name is None:
         return cousin
-    index, hulls_of = index or index_of(cousin.layout), hulls_of or hull_loader(cousin.layout.hulls)
+    index, whole = index or index_of(cousin.layout), hulls_of or load_hulls
+    hulls_of = hulls_of or hull_loader(cousin.layout.hulls)
     houses = {p.id: p for p in cousin.layout.objects if _is_house(p, index)}
     exact = graph.source.video == "hand"
-    records, placed = _replaced(cousin, houses, regional.of_tradition(name), index, hulls_of, exact)
+    # Closer hulls cut the block of a house where its front recedes.
+    records, placed = _replaced(cousin, houses, regional.of_tradition(name), index, whole, exact)
     kept, gone = _without_hung(cousin, placed, index)
     objects, crowded, overlapping = _fitting(kept, placed, records, index, hulls_of)
     layout = dataclasses.replace(

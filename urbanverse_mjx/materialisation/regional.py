@@ -54,8 +54,9 @@ def localise(
       index: records of the cousin's assets; default: from the catalogue.
       hulls_of: function that returns the collision hulls of a record; default: those that the layout asks for.
     """
-    index, hulls_of = index or index_of(cousin.layout), hulls_of or hull_loader(cousin.layout.hulls)
+    index = index or index_of(cousin.layout)
     dressed = dress(cousin, graph, index, hulls_of)
+    hulls_of = hulls_of or hull_loader(cousin.layout.hulls)
     layout, place = dressed.layout, (graph.source.city, graph.source.country)
     if not regional.is_served(*place):
         return cousin
