@@ -163,7 +163,13 @@ def test_the_paper_protocol_leaves_extra_scenes_out(hashed: SceneBank) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "scenes", "episodes"), [("autobench", 10, 64), ("craftbench", 12, 64), ("validation", 8, 48)]
+    ("name", "scenes", "episodes"), [
+        ("autobench", 10, 64),
+        ("autobench_v2", 10, 64),
+        ("craftbench", 12, 64),
+        ("craftbench_v2", 12, 64),
+        ("validation", 8, 48),
+    ],
 )
 def test_frozen_lists_name_the_scenes_as_committed(name: str, scenes: int, episodes: int) -> None:
     """A scene that was frozen anew without its list, or the other way round, would refuse every run."""

@@ -44,6 +44,8 @@ def test_validation_is_held_out_of_the_training_sets() -> None:
         "procedural": (144, 16, 0),
         "validation": (0, 8, 0),
         "craftbench": (0, 0, 12),
+        "craftbench_v2": (0, 0, 12),
+        "autobench_v2": (0, 0, 10),
     }
     layouts = known["urbanverse160"].validation
     assert set(layouts) <= set(layouts_of(known["urbanverse160"]))
@@ -57,7 +59,7 @@ def test_validation_is_held_out_of_the_training_sets() -> None:
 def _scenes() -> dict[str, list[str]]:
     """Scene ids of each set."""
     found = {}
-    for name in ("urbanverse160", "procedural", "validation", "craftbench"):
+    for name in ("urbanverse160", "procedural", "validation", "craftbench", "craftbench_v2", "autobench_v2"):
         scenes = library.scene_set(name)
         found[name] = [scenes.scene_id(layout, k) for layout in layouts_of(scenes) for k in range(scenes.cousins)]
     return found
@@ -73,6 +75,13 @@ def test_joined_banks_hold_validation_out_even_where_they_were_packed_before(
     assert join_banks([tmp_path / "bank.npz"]).meta["splits"] == ["validation", *["train"] * (count - 1)]
     # The paper's comparison trains on all of them: a caller's choice has priority.
     assert join_banks([tmp_path / "bank.npz"], ["train=*"]).meta["splits"] == ["train"] * count
+
+
+def test_scenes_are_as_many_as_the_documentation_says() -> None:
+    count = sum(scenes.cousins * len(layouts_of(scenes)) for scenes in library.sets().values())
+    root = pathlib.Path(__file__).parents[2]
+    assert f"build the scene library into the cache: {count} scenes" in (root / "Makefile").read_text()
+    assert f"`make scenes` all {count} " in (root / "docs" / "included.md").read_text()
 
 
 def test_a_missing_bank_names_the_command(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
@@ -129,7 +138,7 @@ def test_a_layout_has_the_committed_hash() -> None:
 
 
 def test_committed_hashes_belong_to_the_committed_graphs() -> None:
-    for name in ("urbanverse160", "autobench"):
+    for name in ("urbanverse160", "autobench", "autobench_v2"):
         scenes, known = library.scene_set(name), library.shipped_hashes(name)
         graphs = {layout: graph_of(scenes, layout) for layout in layouts_of(scenes)}
         assert {layout: graph.id for layout, graph in graphs.items()} == {layout: layout for layout in graphs}
@@ -143,9 +152,10 @@ def test_committed_hashes_belong_to_the_committed_graphs() -> None:
         assert len({row["layout"] for row in known.values()}) == len(known)
 
 
-def test_ground_of_urbanverse160_has_straight_borders_and_no_holes() -> None:
+@pytest.mark.parametrize("name", ["urbanverse160", "autobench_v2"])
+def test_ground_of_captures_has_straight_borders_and_no_holes(name: str) -> None:
     """Outlines that follow cells have more than 1,300 corners a street."""
-    scenes = library.scene_set("urbanverse160")
+    scenes = library.scene_set(name)
     for layout in layouts_of(scenes):
         regions = [r for r in graph_of(scenes, layout).ground if r.kind not in PAINT_KINDS]
         assert sum(len(r.polygon) for r in regions) < 600, layout

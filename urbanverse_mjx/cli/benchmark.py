@@ -18,7 +18,8 @@ class BenchmarkArgs(BenchmarkOptions):
     """Score a policy on a frozen benchmark: prints the table and writes report.md, results and images to a folder."""
 
     name: Annotated[str, tyro.conf.Positional]
-    """autobench, craftbench, craftbench_v2, shipped, validation, or a file made by `python -m benchmarks.freeze`."""
+    """autobench, craftbench, autobench_v2, craftbench_v2, shipped, validation, or a file made by `python -m
+    benchmarks.freeze`."""
     bank: pathlib.Path | None = None
     """Scene bank; default: the one that `urbanverse scene library` (shipped: `urbanverse scene bank`) built."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)

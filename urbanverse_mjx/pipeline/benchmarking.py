@@ -65,7 +65,8 @@ def benchmark(
     """Scores a policy on a frozen benchmark and writes report.md, results and images into a folder.
 
     Args:
-      name: autobench, craftbench, craftbench_v2, shipped, validation, or a file of `python -m benchmarks.freeze`.
+      name: autobench, craftbench, autobench_v2, craftbench_v2, shipped, validation, or a file of `python -m
+        benchmarks.freeze`.
       out: output folder; None for runs/NAME-POLICY.
       bank: the scenes; None for those that `build_library` (shipped: `ensure_default_bank`) builds into the cache.
       quiet: whether to show no progress bars on standard error.
