@@ -13,7 +13,7 @@ from urbanverse_mjx.assets.collision import close_hulls as c
 from urbanverse_mjx.assets.collision import hulls as stores
 from urbanverse_mjx.assets.collision.hulls import HullStore, close_store_path, hull_key
 from urbanverse_mjx.assets.collision.overshoot import overshoot
-from urbanverse_mjx.assets.collision.within_reach import layouts_in, shape_of, shapes_in_reach
+from urbanverse_mjx.assets.collision.within_reach import layouts_in, shape_of, shapes_of
 from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
 from urbanverse_mjx.assets.records.regional import load_regional
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, PlacedGround, PlacedObject, SceneLayout, ValidationError
@@ -158,9 +158,10 @@ def test_only_shapes_beside_ground_for_robots_are_made(tmp_path: pathlib.Path) -
     y = 2.0 + long.extent_xyz[0] / 2
     layout = SceneLayout("s", "s", "0", 0, 0, (*objects, at("long", long.uid, y)), GROUND, "day", 0.0, {})
     near = {shape_of(bin_), shape_of(bench), (dressed.recipe, dressed.leaf, 3)}
-    assert shapes_in_reach([layout]) == near
+    assert shapes_of([layout]) == near
+    assert shapes_of([layout], in_reach=False) == near | {shape_of(car), shape_of(long)}
     turned = dataclasses.replace(layout, objects=(at("long", long.uid, y, np.pi / 2),))
-    assert shapes_in_reach([turned]) == {shape_of(long)}
+    assert shapes_of([turned]) == {shape_of(long)}
     layout.save(tmp_path / "scenes" / "s" / "layout.json")
     assert layouts_in([tmp_path]) == [layout]
     with pytest.raises(ValidationError, match=r"found no layout\.json"):
@@ -188,6 +189,11 @@ def test_a_shape_without_closer_hulls_is_tried_once(monkeypatch: pytest.MonkeyPa
     c.build_close(layouts=[layout], report=str)
     c.build_close(layouts=[layout], report=str)
     assert {r.uid for r in tried} == {bin_.uid, other.uid}
+    assert len(tried) == 2
+    third = INDEX.by_leaf("trash bin")[2]
+    layout = dataclasses.replace(layout, objects=(*objects, at("c", third.uid, 9.0)))
+    c.build_close(layouts=[layout], report=str, keep_first=True)
+    assert HullStore.load(path).hulls[hull_key(third)] == ()
     assert len(tried) == 2
     monkeypatch.setattr(stores, "_close_store", lambda: HullStore.load(path))
     plain = load_hulls(bin_).hulls

@@ -163,7 +163,8 @@ def test_the_paper_protocol_leaves_extra_scenes_out(hashed: SceneBank) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "scenes", "episodes"), [
+    ("name", "scenes", "episodes"),
+    [
         ("autobench", 10, 64),
         ("autobench_v2", 10, 64),
         ("craftbench", 12, 64),

@@ -65,6 +65,7 @@ def hulls(
     again: bool = False,
     close: bool = False,
     layouts: tuple[pathlib.Path, ...] = (),
+    keep_first: bool = False,
 ) -> None:
     """Makes missing collision hulls of records' meshes and drops unused hulls.
 
@@ -74,17 +75,19 @@ def hulls(
       again: also make existing hulls again (after a change of the decomposition).
       close: make closer hulls, of catalogue and regional buildings, instead of the first ones.
       layouts: folders of compiled scenes; closer hulls only of shapes that a robot can touch there.
+      keep_first: make none, and store that the shapes of these scenes have no closer ones than the store has now;
+        before a set is frozen.
     """
     from .collision.close_hulls import build_close
     from .collision.decompose import build_missing
     from .collision.within_reach import layouts_in
 
+    if layouts and not close:
+        raise ValidationError("--layouts: found it without --close, needed both; first hulls are made of all shapes.")
+    if keep_first and (again or not layouts):
+        raise ValidationError("--keep-first: found --again or no --layouts, needed --layouts alone.")
     if close:
-        build_close(leaf, jobs, again, Console().print, layouts_in(layouts) if layouts else None)
-    elif layouts:
-        raise ValidationError(
-            "--layouts: found it without --close, needed both; the first hulls are made of all shapes."
-        )
+        build_close(leaf, jobs, again, Console().print, layouts_in(layouts) if layouts else None, keep_first)
     else:
         build_missing(jobs, leaf, again, Console().print)
 

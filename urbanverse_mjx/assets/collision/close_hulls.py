@@ -32,7 +32,7 @@ from .decompose import OPTIONS as FIRST
 from .decompose import Piece, convex_piece, is_flush, merge_pieces, simplified
 from .hulls import MILLIMETRE, HullStore, close_store_path, hull_key, load_hulls
 from .overshoot import HEIGHTS, LIMIT, ROBOT_RADIUS, disc_reach, mesh_cut, overshoot, raster
-from .within_reach import shape_of, shapes_in_reach
+from .within_reach import shape_of, shapes_of
 
 #: m, of the cuts, and of the surface points that are to be covered, so that a thin hull between two cuts gains nothing:
 #: those of the measurement, and some in between.
@@ -552,6 +552,7 @@ def build_close(
     again: bool = False,
     report: Callable[[str], object] = print,
     layouts: Sequence[SceneLayout] | None = None,
+    keep_first: bool = False,
 ) -> HullStore:
     """Adds missing closer hulls to their store in worker processes, writes it after every batch, and drops unused ones.
 
@@ -561,12 +562,17 @@ def build_close(
       leaf: only records of this leaf.
       again: whether to also make those that the store has.
       layouts: only shapes of these layouts that a robot can touch.
+      keep_first: try none of the missing ones, and store that they have none, also where no robot can touch them: the
+        scenes of these layouts keep their hulls from then on, whatever other sets need.
     """
     every = [*load_index().records, *(r for r in load_regional().records if r.params["variant"] % DRESSINGS == 0)]
     found = dict(HullStore.load(close_store_path()).hulls)
-    shapes = None if layouts is None else shapes_in_reach(layouts)
+    shapes = None if layouts is None else shapes_of(layouts, in_reach=not keep_first)
     chosen = [r for r in every if leaf in (None, r.leaf) and (shapes is None or shape_of(r) in shapes)]
     waiting = [r for r in chosen if again or hull_key(r) not in found]
+    if keep_first:
+        found |= {hull_key(r): () for r in waiting}
+        waiting = []
     with Progress() as progress:
         report_done, done = progress.task("closer hulls", len(waiting)), 0
         for first in range(0, len(waiting), FIRST.batch):

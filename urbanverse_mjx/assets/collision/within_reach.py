@@ -54,8 +54,12 @@ def _records(uids: Sequence[str]) -> dict[str, AssetRecord]:
     return {r.uid: r for r in (*found, *records_of([uid for uid in uids if MARK in uid]))}
 
 
-def shapes_in_reach(layouts: Iterable[SceneLayout]) -> set[tuple[str, str, int]]:
-    """Shapes (see `shape_of`) of the objects of layouts that a robot can touch."""
+def shapes_of(layouts: Iterable[SceneLayout], in_reach: bool = True) -> set[tuple[str, str, int]]:
+    """Shapes (see `shape_of`) of the objects of layouts.
+
+    Args:
+      in_reach: only those that a robot can touch.
+    """
     found = set()
     for layout in layouts:
         ground = [shapely.Polygon(g.polygon) for g in layout.ground if g.kind in TRAVERSABLE_KINDS]
@@ -67,6 +71,6 @@ def shapes_in_reach(layouts: Iterable[SceneLayout]) -> set[tuple[str, str, int]]
             corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
             c, s = np.cos(placed.yaw), np.sin(placed.yaw)
             plan = corners @ np.array([(c, s), (-s, c)]) + placed.position[:2]
-            if shapely.Polygon(plan).intersects(near):
+            if not in_reach or shapely.Polygon(plan).intersects(near):
                 found.add(shape_of(record))
     return found
