@@ -107,6 +107,7 @@ def test_closer_hulls_of_a_leaf(leaf: str) -> None:
         after = overshoot(mesh.vertices, mesh.faces, hulls).worst
         assert after <= max(0.05, c.OPTIONS.better * before) + 1e-3, record.uid
         assert len(hulls) <= c.close_budget(mesh), record.uid
+        assert c.stands_as_well(record, load_hulls(record).hulls, hulls), record.uid
         assert all(len(h) <= MAX_HULL_VERTICES and h[:, 2].min() >= -0.002 for h in hulls), record.uid
         points = c.surface_points(mesh.vertices.astype(float)[mesh.faces]) / 1000
         missed = outside(points, hulls).max()
@@ -136,6 +137,19 @@ def test_the_store_is_made_again_bit_equal(leaf: str) -> None:
     key, hulls = c.closer(record)
     assert key == hull_key(record)
     assert [h.tolist() for h in hulls] == [h.tolist() for h in STORE[key]]
+
+
+def test_hulls_that_end_above_the_ground_are_for_what_never_moves() -> None:
+    """A bin would fall by 2 cm, and over."""
+    bin_, tree = (INDEX.by_leaf(leaf)[0] for leaf in ("trash bin", "tree"))
+    foot = shell(made_of(((0.4, 0.4, 1.0), (0, 0, 0))))
+    lifted, narrow = foot + [0.0, 0.0, 0.02], foot * [0.6, 0.6, 1.0]
+    assert c.foot_area([foot]) == pytest.approx(0.16)
+    assert c.foot_area([lifted]) == 0.0
+    assert c.stands_as_well(bin_, [foot], [foot * [0.9, 0.9, 1.0], lifted])
+    assert not c.stands_as_well(bin_, [foot], [lifted])
+    assert not c.stands_as_well(bin_, [foot], [narrow])
+    assert c.stands_as_well(tree, [foot], [lifted])
 
 
 #: A pavement from y = -2 to 2 beside a road.

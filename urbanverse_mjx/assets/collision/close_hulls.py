@@ -25,6 +25,7 @@ from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMe
 from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.progress import Progress
 
+from ..categories.priors import prior
 from ..recipes.building.regional.styles import DRESSINGS
 from ..records.index import build_mesh, load_index
 from ..records.regional import load_regional
@@ -60,6 +61,8 @@ class CloseOptions:
       inside: m; a forbidden point so far inside a hull forbids it.
       better: share of the first hulls' largest overshoot that closer ones may have.
       most_missed, most_missed_share: m, and share of the longest side, by which surface points may lie outside.
+      standing: m, height below which a corner stands on the ground.
+      least_foot: share of the area on which the first hulls stand that closer ones of a movable shape need.
       lattice, most_lattice: m, distance of points of level faces; at most so many along a side.
       seeds, updates: number of seeds in a round, and of updates of an ellipsoid.
       pool: largest number of polyhedra kept for the next round.
@@ -87,6 +90,8 @@ class CloseOptions:
     better: float = 0.6
     most_missed: float = 0.06
     most_missed_share: float = 0.01
+    standing: float = 0.004
+    least_foot: float = 0.45
     seeds: int = 3
     updates: int = 2
     pool: int = 40
@@ -521,11 +526,28 @@ def _stored(pieces: Sequence[Piece], mesh: AssetMesh) -> tuple[np.ndarray, ...]:
     return tuple(np.unique(r, axis=0) for _, r in keyed)
 
 
+def foot_area(hulls: Sequence[np.ndarray]) -> float:
+    """m^2, area of the convex outline of the corners (m) that stand on the ground, z = 0; 0 where none do."""
+    corners = np.concatenate([np.asarray(h, np.float64) for h in hulls])
+    standing = corners[corners[:, 2] < OPTIONS.standing][:, :2]
+    try:
+        return float(ConvexHull(standing).volume)
+    except (QhullError, ValueError):
+        return 0.0
+
+
+def stands_as_well(record: AssetRecord, first: Sequence[np.ndarray], made: Sequence[np.ndarray]) -> bool:
+    """Whether closer hulls (m) stand on the ground as broadly as the first ones; what never moves need not."""
+    still = prior(record.leaf).rest in ("fixed", "hangs", "alive")
+    return still or foot_area(made) >= OPTIONS.least_foot * foot_area(first)
+
+
 def closer(record: AssetRecord, before: float | None = None) -> tuple[str, tuple[np.ndarray, ...]]:
     """Key and closer hulls of a record's mesh.
 
     There are none, (), where the first hulls are within `overshoot.LIMIT`, or where closer ones would be neither within
-    it nor at least `CloseOptions.better`, or would miss more than `CloseOptions.most_missed`.
+    it nor at least `CloseOptions.better`, or would miss more than `CloseOptions.most_missed`, or where an object would
+    no longer stand as broadly (`stands_as_well`).
 
     Args:
       before: m, largest overshoot of the first hulls, if it is known.
@@ -543,7 +565,7 @@ def closer(record: AssetRecord, before: float | None = None) -> tuple[str, tuple
     allowed = max(OPTIONS.most_missed, OPTIONS.most_missed_share * float(mesh.extent.max()))
     after = overshoot(mesh.vertices, mesh.faces, metres).worst
     good = after <= max(LIMIT, OPTIONS.better * before) and gap.max() <= allowed
-    return key, made if good else ()
+    return key, made if good and stands_as_well(record, first, metres) else ()
 
 
 def build_close(
