@@ -78,7 +78,8 @@ def test_a_photograph_is_read_at_its_commit(tmp_path: pathlib.Path):
 
     git("init", "-q")
     PIL.Image.new("RGB", (40, 20), (200, 0, 0)).save(clone / "a.png")
-    git("add", "."), git("commit", "-qm", "a")
+    git("add", ".")
+    git("commit", "-qm", "a")
     commit = git("rev-parse", "HEAD").strip()
     PIL.Image.new("RGB", (40, 20)).save(clone / "a.png")
     image = photographs.photograph(photographs.read_file(tmp_path, "owner/name", commit, "a.png"), 100)

@@ -68,7 +68,8 @@ class PerceptionModel:
 
 @jax.jit
 def _apply(variables: Any, images: jax.Array) -> Seen:
-    return weights.network(blocks=blocks_of(variables)).apply(variables, images, train=False)
+    seen: Any = weights.network(blocks=blocks_of(variables)).apply(variables, images, train=False)
+    return seen
 
 
 def label_of(obj: FoundObject) -> str:

@@ -140,7 +140,7 @@ class PerceptionNetwork(nn.Module):
                 stride = 2 if level > 0 and i == 0 else 1
                 x = _Block(width, stride, dtype=self.dtype, name=f"{_SINGLE}{number + i}")(x, train)
             if self.scanned and blocks > 1:
-                over = {"params": 0, "batch_stats": 0}
+                over: dict[Any, Any] = {"params": 0, "batch_stats": 0}
                 scan = nn.scan(_Repeated, variable_axes=over, split_rngs={"params": True}, length=blocks - 1)
                 x, _ = scan(width, train, dtype=self.dtype, name=f"{_SCAN}{level}")(x, None)
             number += blocks
