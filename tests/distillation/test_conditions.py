@@ -20,7 +20,7 @@ def scene() -> np.ndarray:
     return np.asarray(jnp.clip(smooth, 0.0, 1.0) * 255).astype(np.uint8)
 
 
-def test_every_condition_gives_a_picture_of_the_same_street(scene: np.ndarray):
+def test_every_condition_gives_an_image_of_the_same_street(scene: np.ndarray):
     x = jnp.asarray(scene, jnp.float32) / 255.0
     for name in ("shadows", "light", "style", "night", "haze", "rain", "flare", "shake", "grey"):
         change = getattr(conditions, f"_{name}")
