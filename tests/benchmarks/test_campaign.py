@@ -10,7 +10,7 @@ import types
 
 import pytest
 
-from benchmarks import campaign, generalise, scaling
+from benchmarks import campaign, generalise, scaling, tasks
 from benchmarks.campaign import Campaign, Job
 from benchmarks.lib.unseen import parsed_options
 from urbanverse_mjx.envs import registry
@@ -252,6 +252,7 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
     scripts["benchmarks.several_gpus"] = several_gpus.arguments
     scripts["benchmarks.imitation"] = imitation.arguments
     scripts["benchmarks.image_streets"] = image_streets.arguments
+    scripts["benchmarks.tasks"] = tasks.arguments
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
@@ -265,15 +266,15 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
 
 
 def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
-    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (12 + 2) + 10 + 2
+    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (12 + 2) + 10 + 2 + 2 * len(tasks.TASKS)
     assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2 + 1
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
     light = ['vision_config.light="direct"', 'friction="uniform"']  # of version 1 of CraftBench
     assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
-    # Those of street tuning take the same conditions by themselves.
-    assert all(args.env[-2:] == light for args in parsed if "env" in args and "stage" not in args)
+    # Those of street tuning take the same conditions by themselves; tasks are not judged on CraftBench.
+    assert all(args.env[-2:] == light for args in parsed if "env" in args and not {"stage", "task"} & set(vars(args)))
     arms = {args.out.name: args for args in parsed if "-arm-" in args.out.name}
     assert all([path.parent.name for path in args.test] == ["validation"] for args in arms.values())
     for name in ("streets-both-0", "teacher-0", "student-0"):

@@ -348,7 +348,7 @@ def test_inputs_come_through_the_socket_and_states_go_back(front: tuple[viser.Vi
     held = json.dumps({"keys": ["KeyW"], "axes": [], "buttons": [], "age": 1.0})
     address = page.address.replace("http", "ws") + "/drive"
     with connect(address, proxy=None) as socket:
-        assert json.loads(socket.recv(timeout=10.0)) == {"who": "you drive"}
+        assert json.loads(socket.recv(timeout=10.0)) == {"who": "you drive", "library": False}
         socket.send(held)
         wait(lambda: teleop.held)
         socket.send(held)

@@ -49,6 +49,7 @@ LOADING = {
     "interventions": 0,
     "seconds": 0.0,
     "latency": None,
+    "last": False,
 }
 _PAGE = pathlib.Path(__file__).with_name("teleop.html")
 _SCRIPT = pathlib.Path(__file__).with_name("headset.js")
