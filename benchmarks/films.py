@@ -1,12 +1,12 @@
-"""Films every shipped policy and every scene of CraftBench.
+"""Films every shipped policy, every scene of CraftBench, and the tasks beside point goals.
 
     python -m benchmarks.films                        # all, into build/media; `make docs-media` does the same
     python -m benchmarks.films --only coco_best go2_best
 
 A policy is shown in one episode of each shipped test street, however it ends, a scene of CraftBench in one of the
-episodes in which coco_best reaches its goal (`urbanverse scene library craftbench` builds the scenes). Films that exist
-are kept, so that an interrupted run continues; index.html shows all. The last line of stdout is one JSON object: bytes
-of each film.
+episodes in which coco_best reaches its goal (`urbanverse scene library craftbench` builds the scenes), a task in one
+episode of the planner in a shipped test street, however it ends. Films that exist are kept, so that an interrupted run
+continues; index.html shows all. The last line of stdout is one JSON object: bytes of each film.
 """
 
 import argparse
@@ -26,7 +26,10 @@ from urbanverse_mjx.settings import cache_dir
 
 POLICIES = pathlib.Path(__file__).with_name("policies")
 BENCHMARK, DRIVER = "craftbench", "coco_best"
-#: Images a second of a policy's film, and of a scene's, of which a gait's steps of 0.02 s make up a whole number each.
+#: Film -> environment of a task.
+TASKS = {"social_nav": "CocoSocialNav", "follow_person": "CocoFollowPerson"}
+#: Images a second of a policy's film, and of a scene's or task's, of which a gait's steps of 0.02 s make up a whole
+#: number each.
 _FPS, _SCENE_FPS = 25.0, 10.0
 
 
@@ -40,7 +43,7 @@ class Film:
 
 
 def films() -> list[Film]:
-    """All films: of the policies, then of the benchmark's scenes."""
+    """All films: of the policies, of the benchmark's scenes, and of the tasks."""
     style = {"quality": 3.5, "samples": 2, "quiet": True}
     found = [
         Film(
@@ -56,6 +59,9 @@ def films() -> list[Film]:
         shown = {"num_episodes": 4, "only_successes": True, "shown": 1, "fps": _SCENE_FPS}
         options = PlayOptions(policy=POLICIES / DRIVER, bank=bank, scenes=scene, **shown, **style)
         found.append(Film(f"{BENCHMARK}-{scene}", f"driven by {DRIVER}", options))
+    for name, environment in TASKS.items():
+        options = PlayOptions(policy="planner", env_name=environment, num_episodes=1, fps=_SCENE_FPS, **style)
+        found.append(Film(name, f"{environment}, driven by the planner", options))
     return found
 
 

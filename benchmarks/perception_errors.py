@@ -103,7 +103,7 @@ def objects_of(frame: Frame, found: Decoded) -> list[Missed]:
 def with_reference(frame: Frame) -> dict[str, Seen]:
     """The outputs with parts replaced by those of the rendered labels, by name."""
     offset, centre, has_centre = _centres(frame.owner)
-    right = 8.0 * np.eye(len(classes.names()), dtype=np.float32)[frame.kinds]
+    right = 8.0 * np.identity(len(classes.names()), np.float32)[frame.kinds]
     offset = np.where(has_centre[..., None], offset, frame.seen.offset)
     # Right about whether a pixel is of an object, with the network's choice among objects and among surfaces.
     is_object = (frame.kinds >= classes.FIRST_OBJECT)[..., None]

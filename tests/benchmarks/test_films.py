@@ -1,4 +1,4 @@
-"""Films: one of every shipped policy and of every scene of the benchmark, each made once."""
+"""Films: one of every shipped policy, of every scene of the benchmark and of every task, each made once."""
 
 import json
 import pathlib
@@ -36,11 +36,20 @@ def test_there_is_a_film_of_every_policy_and_scene() -> None:
     names = [film.name for film in films.films()]
     policies = sorted(path.name for path in (ROOT / "benchmarks/policies").iterdir() if path.is_dir())
     body = json.loads((ROOT / "benchmarks/protocols/craftbench.json").read_text())
-    assert names == [*policies, *(f"craftbench-{scene['id']}" for scene in body["scenes"])]
+    assert names == [*policies, *(f"craftbench-{scene['id']}" for scene in body["scenes"]), *films.TASKS]
     assert len(set(names)) == len(names)
     for film in films.films():
         assert film.options.policy is not None
-        PolicySpec.load(latest_policy(pathlib.Path(film.options.policy)))
+        if film.name not in films.TASKS:
+            PolicySpec.load(latest_policy(pathlib.Path(film.options.policy)))
+
+
+def test_there_is_a_film_of_every_task_that_has_a_page() -> None:
+    assert set(films.TASKS) == {path.stem for path in (ROOT / "docs/tasks").glob("*.md")}
+    for film in films.films():
+        if film.name in films.TASKS:
+            assert (film.options.policy, film.options.env_name) == ("planner", films.TASKS[film.name])
+            assert film.options.env_name in registry.all_envs()
 
 
 def test_the_page_of_films_names_those_in_the_repository_and_their_length() -> None:
@@ -98,7 +107,7 @@ def test_missing_scenes_of_the_benchmark_are_one_sentence(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
-    scene = films.films()[-1].name
+    scene = next(film.name for film in films.films() if film.options.bank is not None)
     assert films.main(["--out", str(tmp_path / "media"), "--only", "coco_best", scene]) == 2
     said = capsys.readouterr()
     assert "urbanverse scene library craftbench" in said.err.splitlines()[-1]

@@ -14,7 +14,7 @@ ROAD, CAR, POLE, PERSON = (NAMES.index(n) for n in ("road", "car", "street light
 
 
 def _logits(kinds: np.ndarray) -> np.ndarray:
-    return 8.0 * np.eye(len(NAMES), dtype=np.float32)[kinds]
+    return 8.0 * np.identity(len(NAMES), np.float32)[kinds]
 
 
 @pytest.fixture

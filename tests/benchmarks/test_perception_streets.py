@@ -72,7 +72,7 @@ def test_a_library_street_loses_held_out_shapes_and_gains_people(
     # They stand on the ground, apart from each other.
     places = made.object_position[added]
     gaps = np.linalg.norm(places[:, None, :2] - places[None, :, :2], axis=-1)
-    assert gaps[~np.eye(len(places), dtype=bool)].min() > perception_library._APART
+    assert gaps[~np.identity(len(places), bool)].min() > perception_library._APART
     assert places[:, 2].min() > -0.01
     assert places[:, 2].max() < 0.3
     assert len(made.episodes.start) == 1

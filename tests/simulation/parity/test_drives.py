@@ -109,7 +109,7 @@ def test_drives_towards_a_place_pass_it_on_the_asked_side(street: _Street, robot
 def test_gaps_are_between_two_hulls_and_narrower_than_the_robot(street: _Street, robot: RobotSpec) -> None:
     """Two boxes 0.5 m apart: the only gap; a drive leads to its middle at a right angle."""
     half = np.array([0.4, 0.3, 0.5])
-    turn = np.eye(3)
+    turn = np.identity(3)
     two = _Street(
         np.array([[0.0, 0.0, 0.5], [0.1, 1.1, 0.5]]), np.stack([turn, turn]), np.stack([half, half]), street.planes,
         street.low, street.high,

@@ -95,7 +95,7 @@ def _light(key: jax.Array, x: jax.Array) -> jax.Array:
 def _style(key: jax.Array, x: jax.Array) -> jax.Array:
     """Mixed colour channels, and a tone curve of its own for each."""
     a, b = jax.random.split(key)
-    mixed = x @ (jnp.eye(3) + 0.06 * jax.random.normal(a, (3, 3))).T
+    mixed = x @ (jnp.identity(3) + 0.06 * jax.random.normal(a, (3, 3))).T
     return jnp.clip(mixed, 1e-4, 1.0) ** jnp.exp(0.12 * jax.random.normal(b, (3,)))
 
 
