@@ -13,6 +13,7 @@ the training state: the same command after a killed or a paused (`--pause-after`
 """
 
 import argparse
+import concurrent.futures
 import dataclasses
 import functools
 import json
@@ -50,6 +51,7 @@ class LearningOptions:
       average_decay: decay per step of the running average of the weights, which is evaluated and stored.
       mixed_ground: share of the ground with the material of another kind; see `Views.of`.
       heights, fields_of_view: ranges of the training cameras, m and degrees; wider than those of the test.
+      aimed_share: share of the cameras that look at an object whose class is drawn first: rare classes are seen.
       save_interval: s, time between two saves of the weights.
       report_interval: s, time between two progress reports.
     """
@@ -60,6 +62,7 @@ class LearningOptions:
     mixed_ground: float = 0.4
     heights: tuple[float, float] = (0.35, 2.2)
     fields_of_view: tuple[float, float] = (29.0, 78.0)
+    aimed_share: float = 0.35
     save_interval: float = 60.0
     report_interval: float = 20.0
 
@@ -120,33 +123,85 @@ def _initial(path: tuple[str, ...], shape: tuple[int, ...], rng: np.random.Gener
     return jnp.full(shape, 1.0 if one else 0.0)
 
 
-def make_step(model: Any, views: Views, batch: int) -> Any:
-    """Returns a jitted function (learner, key, rate) -> (learner, losses) that renders a batch and updates the
-    network."""
+class Step:
+    """One training step: renders a batch, varies its images, computes the gradient and updates the network.
 
-    def step(learner: Learner, key: jax.Array, rate: jax.Array) -> tuple[Learner, dict[str, jax.Array]]:
-        view_key, fault_key = jax.random.split(key)
-        images, wanted, counts = views(jax.random.split(view_key, batch))
-        vary_key, fault_key = jax.random.split(fault_key)
-        varied, hidden = jax.vmap(vary)(jax.random.split(vary_key, batch), images)
-        inputs = jax.vmap(with_faults)(jax.random.split(fault_key, batch), varied)
-        wanted = without(wanted, hidden[:, 1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE])
+    These are four programs, not one, because XLA compiles them at the same time and each much faster than their
+    union: the graphs are optimised as a whole, in one thread.
+    """
 
-        def answer(params: Any) -> Any:
-            variables = {**learner.variables, "params": params}
-            seen, updated = model.apply(variables, inputs, train=True, mutable=["batch_stats"])
-            total, parts = loss(seen, wanted, counts)
-            return total, (parts, updated["batch_stats"])
+    def __init__(self, model: Any, views: Views, batch: int) -> None:
+        self._programs: dict[str, Any] = {
+            "draw": jax.jit(functools.partial(_drawn, views, batch)),
+            "vary": jax.jit(_varied),
+            "slopes": jax.jit(functools.partial(_slopes, model, views.balance)),
+            "update": jax.jit(_updated, donate_argnums=0),
+        }
 
-        slopes, (parts, statistics) = jax.grad(answer, has_aux=True)(learner.variables["params"])
-        updates, moments = _optimiser().update(slopes, learner.moments, learner.variables["params"])
-        params = jax.tree.map(lambda p, u: p - rate * u, learner.variables["params"], updates)
-        variables = {"params": params, "batch_stats": statistics}
-        decay = _OPTIONS.average_decay
-        average = jax.tree.map(lambda a, b: decay * a + (1 - decay) * b, learner.average, variables)
-        return Learner(variables, average, moments), parts
+    def compile(self, learner: Learner, key: jax.Array, say: Callable[[str, float], None]) -> None:
+        """Compiles the programs in as many threads; `say` is called with a program's name and its time in s."""
+        view_key, change_key = jax.random.split(key)
+        images, wanted, counts = jax.eval_shape(self._programs["draw"], view_key)
+        inputs, wanted = jax.eval_shape(self._programs["vary"], change_key, images, wanted)
+        slopes, _, statistics = jax.eval_shape(self._programs["slopes"], learner.variables, inputs, wanted, counts)
+        arguments = {
+            "draw": (view_key,),
+            "vary": (change_key, images, wanted),
+            "slopes": (learner.variables, inputs, wanted, counts),
+            "update": (learner, slopes, statistics, jnp.asarray(0.0)),
+        }
 
-    return jax.jit(step, donate_argnums=0)
+        def compiled(name: str) -> Any:
+            begin = time.monotonic()
+            program = self._programs[name].lower(*arguments[name]).compile()
+            say(name, time.monotonic() - begin)
+            return program
+
+        with concurrent.futures.ThreadPoolExecutor(len(arguments)) as pool:
+            self._programs = dict(zip(arguments, pool.map(compiled, arguments), strict=True))
+
+    def __call__(self, learner: Learner, key: jax.Array, rate: jax.Array) -> tuple[Learner, dict[str, jax.Array]]:
+        """The learner after a step with the learning rate () `rate`, and the parts of the loss."""
+        view_key, change_key = jax.random.split(key)
+        images, wanted, counts = self._programs["draw"](view_key)
+        inputs, wanted = self._programs["vary"](change_key, images, wanted)
+        slopes, parts, statistics = self._programs["slopes"](learner.variables, inputs, wanted, counts)
+        return self._programs["update"](learner, slopes, statistics, rate), parts
+
+
+def _drawn(views: Views, batch: int, key: jax.Array) -> tuple[jax.Array, GroundTruth, jax.Array]:
+    return views(jax.random.split(key, batch))
+
+
+def _varied(key: jax.Array, images: jax.Array, wanted: GroundTruth) -> tuple[jax.Array, GroundTruth]:
+    """Images (n, H, W, 3) as floats with random conditions and camera faults, and the targets of what they show."""
+    vary_key, fault_key = jax.random.split(key)
+    varied, hidden = jax.vmap(vary)(jax.random.split(vary_key, len(images)), images)
+    inputs = jax.vmap(with_faults)(jax.random.split(fault_key, len(images)), varied)
+    return inputs, without(wanted, hidden[:, 1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE])
+
+
+def _slopes(
+    model: Any, balance: jax.Array | None, variables: Any, inputs: jax.Array, wanted: GroundTruth, counts: jax.Array
+) -> tuple[Any, dict[str, jax.Array], Any]:
+    """Gradient of the loss, its parts, and the updated statistics of the normalisation."""
+
+    def answer(params: Any) -> Any:
+        seen, updated = model.apply({**variables, "params": params}, inputs, train=True, mutable=["batch_stats"])
+        total, parts = loss(seen, wanted, counts, balance)
+        return total, (parts, updated["batch_stats"])
+
+    slopes, (parts, statistics) = jax.grad(answer, has_aux=True)(variables["params"])
+    return slopes, parts, statistics
+
+
+def _updated(learner: Learner, slopes: Any, statistics: Any, rate: jax.Array) -> Learner:
+    updates, moments = _optimiser().update(slopes, learner.moments, learner.variables["params"])
+    params = jax.tree.map(lambda p, u: p - rate * u, learner.variables["params"], updates)
+    variables = {"params": params, "batch_stats": statistics}
+    decay = _OPTIONS.average_decay
+    average = jax.tree.map(lambda a, b: decay * a + (1 - decay) * b, learner.average, variables)
+    return Learner(variables, average, moments)
 
 
 def rate_at(progress: float, peak: float) -> float:
@@ -219,6 +274,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
         samples=arguments.samples,
         heights=_OPTIONS.heights,
         fields_of_view=_OPTIONS.fields_of_view,
+        aimed_share=_OPTIONS.aimed_share,
     )
     test = Views.of(SceneBank.load(arguments.test), *size, appearance=0.0, samples=arguments.samples)
     key = jax.random.key(arguments.seed)
@@ -233,7 +289,11 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.state is not None and arguments.state.is_file():
         learner, progress = _read_state(arguments.state, learner)
     if arguments.minutes > 0:
-        step = make_step(model, views, arguments.batch)
+        step = Step(model, views, arguments.batch)
+        _say({"event": "read", "seconds": round(time.monotonic() - started, 1)})
+        step.compile(
+            learner, key, lambda name, took: _say({"event": "program", "name": name, "seconds": round(took, 1)})
+        )
         learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
         jax.block_until_ready(learner)
         _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
@@ -253,7 +313,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _run(
-    step: Any,
+    step: Step,
     learner: Learner,
     key: jax.Array,
     arguments: argparse.Namespace,

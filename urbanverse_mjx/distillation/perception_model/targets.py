@@ -37,7 +37,8 @@ class LossOptions:
       offset: weight of the offset to the centre.
       depth: weight of the logarithm of depth.
       leaf: weight of the leaves.
-      objects: weight of the mean over objects, which counts every object once, whatever its size.
+      objects: weight of the mean over objects, which counts every object once, whatever its size, or by the weight of
+        its class.
     """
 
     small_object: float = 200.0
@@ -49,7 +50,7 @@ class LossOptions:
     offset: float = 0.64
     depth: float = 0.5
     leaf: float = 0.3
-    objects: float = 0.3
+    objects: float = 0.6
 
 
 _OPTIONS = LossOptions()
@@ -148,13 +149,17 @@ def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int, sigma: float) ->
     return jnp.exp(-distance / (2.0 * sigma**2))
 
 
-def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
+def loss(
+    seen: Seen, wanted: GroundTruth, counts: jax.Array, balance: jax.Array | None = None
+) -> tuple[jax.Array, dict[str, jax.Array]]:
     """Loss () of a batch, and its parts.
 
     Args:
       seen, wanted: with a leading axis n.
       counts: (n,) 0 for frames without objects, such as a wall's inside.
+      balance: (C,) weight of an object by class; None: 1.
     """
+    balance = jnp.ones(seen.classes.shape[-1]) if balance is None else balance
     weight = counts[:, None, None] * jnp.ones_like(seen.centre)
     total = jnp.maximum(weight.sum(), 1.0)
     log_p = jax.nn.log_softmax(seen.classes)
@@ -168,7 +173,7 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
         "offset": _OPTIONS.offset * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * heavier),
         "depth": _OPTIONS.depth * _mean(jnp.abs(seen.log_depth - wanted.log_depth), wanted.has_depth * weight),
     }
-    parts["objects"] = _OPTIONS.objects * _object_loss(log_p, wanted, counts)
+    parts["objects"] = _OPTIONS.objects * _object_loss(log_p, wanted, counts, balance)
     parts["leaves"] = _OPTIONS.leaf * _leaf_loss(jnp.asarray(seen.leaves), wanted, weight)
     return sum(parts.values(), jnp.zeros(())), parts
 
@@ -177,19 +182,21 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
 _SLOTS = 1024
 
 
-def _object_loss(log_p: jax.Array, wanted: GroundTruth, counts: jax.Array) -> jax.Array:
-    """(), mean over objects of -log of the mean probability of the right class over the object's pixels: objects are
-    decoded by that mean."""
+def _object_loss(log_p: jax.Array, wanted: GroundTruth, counts: jax.Array, balance: jax.Array) -> jax.Array:
+    """(), mean over objects, weighted by class, of -log of the mean probability of the right class over the object's
+    pixels: objects are decoded by that mean."""
     right = jnp.exp(jnp.take_along_axis(log_p, wanted.classes[..., None], -1)[..., 0])
 
-    def one(p: jax.Array, owner: jax.Array, applies: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def one(p: jax.Array, owner: jax.Array, kinds: jax.Array, applies: jax.Array) -> tuple[jax.Array, jax.Array]:
         number = jnp.where((owner >= 0) & applies, owner % _SLOTS, _SLOTS).ravel()
         size = jax.ops.segment_sum(jnp.ones_like(p).ravel(), number, _SLOTS + 1)[:-1]
         mean = jax.ops.segment_sum(p.ravel(), number, _SLOTS + 1)[:-1] / jnp.maximum(size, 1.0)
-        present = size >= MIN_PIXELS
-        return -(jnp.log(jnp.maximum(mean, 1e-3)) * present).sum(), present.sum()
+        # The largest class number of its pixels: all pixels of an object have the same.
+        kind = jnp.maximum(jax.ops.segment_max(kinds.ravel(), number, _SLOTS + 1)[:-1], 0)
+        counted = (size >= MIN_PIXELS) * balance[kind]
+        return -(jnp.log(jnp.maximum(mean, 1e-3)) * counted).sum(), counted.sum()
 
-    misses, objects = jax.vmap(one)(right, wanted.owner, wanted.weight > 0)
+    misses, objects = jax.vmap(one)(right, wanted.owner, wanted.classes, wanted.weight > 0)
     return (misses * counts).sum() / jnp.maximum((objects * counts).sum(), 1.0)
 
 

@@ -33,6 +33,9 @@ class ViewOptions:
       plain_share: share of the images whose objects keep their colours. With new colours in all images, neighbouring
         houses would always differ, and the model would merge two similar ones.
       min_distance: m; a frame is blocked if the nearest fifth of its pixels is closer than this.
+      targets: objects per scene that an aimed camera may look at, drawn so that rare classes are as frequent as others.
+      target_distance: range of the distance between an aimed camera and its object, m.
+      aim_noise: standard deviation of the direction of an aimed camera, rad.
     """
 
     ground_shares: tuple[tuple[str, float], ...] = (
@@ -45,6 +48,9 @@ class ViewOptions:
     ahead_share: float = 0.65
     plain_share: float = 0.35
     min_distance: float = 0.35
+    targets: int = 192
+    target_distance: tuple[float, float] = (2.0, 16.0)
+    aim_noise: float = 0.2
 
 
 _OPTIONS = ViewOptions()
@@ -59,6 +65,9 @@ class Views:
       weights: (Z, K) f32.
       table: (A + 1, 2) `classes.class_table` of the bank.
       heights, fields_of_view: ranges of cameras, m above the ground and degrees.
+      aimed: (Z, T, 4) f32, points on the ground (m) and yaw (rad) towards an object, or (Z, 0, 4).
+      aimed_share: share of the cameras that stand at a point of `aimed`.
+      balance: (C,) f32 weight of an object by class, 1 on average over the objects: see `_balance`.
     """
 
     renderer: Renderer
@@ -67,6 +76,9 @@ class Views:
     table: jax.Array
     heights: tuple[float, float] = HEIGHTS
     fields_of_view: tuple[float, float] = FIELDS_OF_VIEW
+    aimed: jax.Array | None = None
+    aimed_share: float = 0.0
+    balance: jax.Array | None = None
 
     @staticmethod
     def of(
@@ -79,6 +91,7 @@ class Views:
         seed: int = 0,
         heights: tuple[float, float] = HEIGHTS,
         fields_of_view: tuple[float, float] = FIELDS_OF_VIEW,
+        aimed_share: float = 0.0,
     ) -> "Views":
         """Makes the views of a bank.
 
@@ -87,6 +100,7 @@ class Views:
           mixed: share of the roads, pavements and grounds with the material of another kind, so that the material alone
             does not identify the kind.
           samples: rays per pixel and side, as in `capture`; with one, thin objects are rendered with gaps.
+          aimed_share: share of the cameras that look at an object whose class is drawn before its place.
         """
         bank = _with_mixed_ground(bank, mixed, np.random.default_rng([seed, 1]))
         renderer = Renderer(
@@ -101,8 +115,16 @@ class Views:
         )
         places, weights = _stands(bank, np.random.default_rng(seed))
         table = classes.class_table(bank.meta["categories"])
-        arrays = (jnp.asarray(x) for x in (places, weights, table))
-        return Views(renderer, *arrays, heights=heights, fields_of_view=fields_of_view)
+        aimed = _aimed(bank, table, places, weights, np.random.default_rng([seed, 2])) if aimed_share > 0 else None
+        return Views(
+            renderer,
+            *(jnp.asarray(x) for x in (places, weights, table)),
+            heights=heights,
+            fields_of_view=fields_of_view,
+            aimed=None if aimed is None else jnp.asarray(aimed),
+            aimed_share=aimed_share,
+            balance=jnp.asarray(_balance(bank, table)),
+        )
 
     def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, GroundTruth, jax.Array]:
         """One frame per key: images (n, H, W, 3) u8, their ground truth, and (n,) 0 where the view is blocked.
@@ -151,6 +173,13 @@ class Views:
             ahead,
             jax.random.uniform(anywhere, (), minval=-jnp.pi, maxval=jnp.pi),
         )
+        if self.aimed is not None:
+            draw, which, off = jax.random.split(jax.random.fold_in(keys[4], 1), 3)
+            x, y, z, towards = self.aimed[scene, jax.random.randint(which, (), 0, self.aimed.shape[1])]
+            aimed = jax.random.bernoulli(draw, self.aimed_share)
+            lifted = jnp.array([x, y, z + viewpoint[2] - place[2]])
+            viewpoint = jnp.where(aimed, lifted, viewpoint)
+            yaw = jnp.where(aimed, towards + _OPTIONS.aim_noise * jax.random.normal(off), yaw)
         pitch, roll = jnp.radians(jnp.array([-2.0, 0.0]) + jnp.array([7.0, 2.0]) * jax.random.normal(keys[5], (2,)))
         low, high = np.radians(self.fields_of_view)
         fovy = jax.random.uniform(keys[6], (), minval=low, maxval=high)
@@ -222,6 +251,49 @@ def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.n
                 f"{', '.join(kind for kind, _ in _OPTIONS.ground_shares)}."
             )
     return places, weights
+
+
+def _object_classes(bank: SceneBank, table: np.ndarray) -> np.ndarray:
+    """(Z, N) class of the object in each visual slot, -1 for ground, empty slots and objects of no group."""
+    kinds = table[bank.slot_category, 0]
+    return np.where((bank.slot_mesh >= 0) & (kinds > classes.FIRST_OBJECT), kinds, -1)
+
+
+def _balance(bank: SceneBank, table: np.ndarray) -> np.ndarray:
+    """`Views.balance`: the inverse root of a class's frequency, between a third and three times the mean.
+
+    The root is a compromise between equal objects and equal classes, as in the sampling of Mahajan et al. (ECCV 2018).
+    """
+    kinds = _object_classes(bank, table)
+    counts = np.bincount(kinds[kinds >= 0], minlength=len(classes.names()))
+    rarer = 1.0 / np.sqrt(np.maximum(counts, 1.0))
+    mean = (counts * rarer).sum() / max(counts.sum(), 1)
+    return np.where(counts > 0, np.clip(rarer / max(mean, 1e-9), 1 / 3, 3.0), 1.0).astype(np.float32)
+
+
+def _aimed(
+    bank: SceneBank, table: np.ndarray, places: np.ndarray, weights: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
+    """`Views.aimed`. The class of an object is drawn first, and all classes of a scene are equally likely.
+
+    A scene without objects, or without a point at `target_distance` of the object drawn, takes a random point and yaw.
+    """
+    kinds = _object_classes(bank, table)
+    out = np.zeros((bank.num_scenes, _OPTIONS.targets, 4), np.float32)
+    low, high = _OPTIONS.target_distance
+    for z in range(bank.num_scenes):
+        stands = places[z][weights[z] > 0].reshape(-1, 3)
+        slots = np.flatnonzero(kinds[z] >= 0)
+        found, inverse, counts = np.unique(kinds[z, slots], return_inverse=True, return_counts=True)
+        share = 1.0 / (counts[inverse] * max(len(found), 1))
+        chosen = rng.choice(slots, _OPTIONS.targets, p=share) if len(slots) else np.zeros(_OPTIONS.targets, int)
+        for t, slot in enumerate(chosen):
+            offset = bank.slot_position[z, slot, :2] - stands[:, :2]
+            near = np.flatnonzero((np.hypot(*offset.T) > low) & (np.hypot(*offset.T) < high)) if len(slots) else ()
+            at = int(rng.choice(near)) if len(near) else int(rng.integers(len(stands)))
+            yaw = np.arctan2(offset[at, 1], offset[at, 0]) if len(near) else rng.uniform(-np.pi, np.pi)
+            out[z, t] = *stands[at], yaw
+    return out
 
 
 def _kind_heights(bank: SceneBank) -> np.ndarray:
