@@ -296,7 +296,12 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
         )
         learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
         jax.block_until_ready(learner)
-        _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
+        ready = time.monotonic() - started
+        _say({"event": "compiled", "seconds": round(ready, 1)})
+        if arguments.within is not None:
+            arguments.minutes = min(
+                arguments.minutes, progress.seconds / 60.0 + max(arguments.within - ready / 60.0, 0.0)
+            )
 
         def validate(average: Any) -> None:
             _validate(list(predicted(average, arguments.validation_frames, *seeded)), progress)
@@ -407,6 +412,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     init = f"initial weights, '{SHIPPED}' for those of the package; default: random ones"
     parser.add_argument("--init", help=init)
     parser.add_argument("--minutes", type=float, default=16.0, help="of training in all; 0 only scores --init")
+    within = "wall time of the whole command without scoring: shortens --minutes by what reading and compiling take"
+    parser.add_argument("--within", type=float, metavar="MINUTES", help=within)
     parser.add_argument("--state", type=pathlib.Path, help="file with the state of the run, from which it continues")
     parser.add_argument("--pause-after", type=float, metavar="MINUTES", help="stop after so many and keep --state")
     every = "print the score of --validation-frames frames after so many minutes of training; 0: never"
