@@ -18,7 +18,7 @@ from urbanverse_mjx.distillation.perception_model.augment import augment, jpeg, 
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject, decode
 from urbanverse_mjx.distillation.perception_model.network import BLOCKS, LEAF_STRIDE, Seen, blocks_of
 from urbanverse_mjx.distillation.perception_model.targets import GroundTruth, ground_truth, loss
-from urbanverse_mjx.distillation.perception_model.views import _with_mixed_ground
+from urbanverse_mjx.distillation.perception_model.views import _OPTIONS, _aimed, _balance, _stands, _with_mixed_ground
 
 NAMES = classes.names()
 CAR, HOUSE, PERSON = (NAMES.index(n) for n in ("car", "house", "pedestrian adult"))
@@ -167,6 +167,21 @@ def test_a_right_answer_costs_less_than_any_other_and_small_objects_count_more(w
     assert (person["classes"] - base["classes"]) / areas[0] > 2 * (house["classes"] - base["classes"]) / areas[1]
 
 
+def test_an_object_of_a_heavier_class_costs_more(wanted: GroundTruth):
+    right, ground_truths = (jax.tree.map(lambda x: jnp.asarray(x)[None], x) for x in (_right(wanted), wanted))
+    missed = jnp.asarray(wanted.owner == 4)[None, ..., None]  # the person
+    seen = right._replace(classes=jnp.where(missed, jnp.zeros(len(NAMES)), right.classes))
+
+    def cost(of_person: float) -> float:
+        balance = jnp.ones(len(NAMES)).at[PERSON].set(of_person)
+        return float(loss(seen, ground_truths, jnp.ones(1), balance)[1]["objects"])
+
+    plain = float(loss(seen, ground_truths, jnp.ones(1))[1]["objects"])
+    assert cost(1.0) == pytest.approx(plain, rel=1e-6)
+    # A weighted mean over the person and the three others, which cost next to nothing.
+    assert cost(3.0) == pytest.approx(plain * 3.0 * 4.0 / 6.0, rel=0.05)
+
+
 def test_a_object_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(wanted: GroundTruth):
     right = _right(wanted)
     striped = right.classes.copy()
@@ -226,6 +241,32 @@ def test_mixed_paving_changes_grounds_alone(small_bank: SceneBank):
     assert set(mixed.mesh_material[changed]) <= set(small_bank.mesh_material[of_ground])
     same = _with_mixed_ground(small_bank, 0.0, np.random.default_rng(0))
     assert (same.mesh_material == small_bank.mesh_material).all()
+
+
+def test_aimed_cameras_look_at_objects_and_rare_classes_weigh_more(small_bank: SceneBank):
+    table = classes.class_table(small_bank.meta["categories"])
+    other = np.flatnonzero(table[:, 0] == classes.FIRST_OBJECT)
+    table[other, 0] = np.where(np.arange(len(other)) % 2, CAR, PERSON)
+    places, weights_of_ground = _stands(small_bank, np.random.default_rng(0))
+    aimed = _aimed(small_bank, table, places, weights_of_ground, np.random.default_rng(0))
+    kinds = np.where(small_bank.slot_mesh >= 0, table[small_bank.slot_category, 0], -1)
+    with_objects = np.flatnonzero((kinds > classes.FIRST_OBJECT).any(1))
+    assert len(with_objects)
+    for z in with_objects:
+        objects = small_bank.slot_position[z, kinds[z] > classes.FIRST_OBJECT, :2]
+        offset = objects - aimed[z, :, None, :2]
+        away = np.arctan2(offset[..., 1], offset[..., 0]) - aimed[z, :, None, 3]
+        distance = np.hypot(*np.moveaxis(offset, -1, 0))
+        low, high = _OPTIONS.target_distance
+        meets = (np.abs(np.sin(away / 2)) < 1e-3) & (distance > low) & (distance < high)
+        assert meets.any(1).mean() > 0.9
+    balance = _balance(small_bank, table)
+    counts = np.bincount(kinds[kinds > classes.FIRST_OBJECT], minlength=len(NAMES))
+    there = np.flatnonzero(counts)
+    order = there[np.argsort(counts[there])]
+    assert (np.diff(balance[order]) <= 1e-6).all()
+    assert balance.min() >= 1 / 3 - 1e-6
+    assert balance.max() <= 3.0 + 1e-6
 
 
 @pytest.fixture(scope="module")
