@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from mujoco import mjx
 
 from ..datatypes import AgentMotion, AgentShapes, Bodies, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from ..datatypes.reach_count import most_objects_in_reach, most_prisms_in_reach
 from ..precision import full_precision
+from . import kinematics
 from .collision_slots import body_contact, body_slots
 from .physics_model import make_physics_model
 
@@ -89,7 +89,6 @@ class EngineBase:
         self._fit_slots(bank)
         #: Whether the streets need more slots than requested.
         self.crowded = (self.num_slots, self.num_prism_slots) != asked
-        self._data = mjx.make_data(self.physics.model)
 
     def _fit_slots(self, bank: SceneBank) -> None:
         """Adds slots until all hulls within reach of traversable ground have one."""
@@ -142,7 +141,7 @@ class EngineBase:
         """
         scene = jnp.asarray(scene, jnp.int32)
         qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
-        data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
+        qpos, xpos, xquat = kinematics.forward(self.physics.model, qpos)
         no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
         nobody = None if self.agents is None else none
         feet = jnp.zeros(len(self.robot.foot_geoms))
@@ -150,7 +149,7 @@ class EngineBase:
         zero, one = jnp.zeros((), jnp.int32), jnp.ones(())
         warm = jnp.zeros_like(qvel)
         bodies = self._first_bodies(scene, objects)
-        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one, bodies)
+        return SimState(scene, qpos, qvel, xpos, xquat, contacts, zero, warm, one, one, bodies)
 
     def _first_bodies(self, scene: Any, objects: Any) -> Bodies | None:
         wanted = self.num_bodies

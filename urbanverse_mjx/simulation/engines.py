@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import jax
 
 from ..datatypes import AgentShapes, RobotSpec, SceneBank, ValidationError
+from ..datatypes import validation as v
 from ..datatypes.bank_reach import with_reach
 from .collision_slots.body_slots import Sizes
 
@@ -50,7 +51,7 @@ def make_engine(
 
     Raises:
       ValidationError: unknown engine, steps that do not divide, or a robot that reaches farther in a control step than
-        the grids of a bank can be made to.
+        the grids of a bank can be made to, or the jax engine without MJX.
     """
     if impl not in IMPLS:
         raise ValidationError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
@@ -72,7 +73,11 @@ def make_engine(
         from .warp_engine import WarpEngine
 
         return WarpEngine(bank, robot, **same, **sizes)
-    from .jax_engine import JaxEngine
+    try:
+        from .jax_engine import JaxEngine
+    except ImportError as error:
+        found = f"{impl!r} without MJX ({error})"
+        raise v.fail("impl", found, "the package mujoco-mjx for the jax engine", "try impl='warp'") from error
 
     return JaxEngine(bank, robot, **same, **sizes)
 

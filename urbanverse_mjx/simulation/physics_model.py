@@ -9,11 +9,11 @@ and the model does not depend on the scene.
 """
 
 import dataclasses
+import functools
 from typing import Any
 
 import mujoco
 import numpy as np
-from mujoco import mjx
 
 from ..datatypes import RobotSpec
 from ..datatypes import validation as v
@@ -80,7 +80,6 @@ class PhysicsModel:
     Attributes:
       spec: the robot.
       model: MuJoCo's model of the robot alone, without visual geoms.
-      mjx_model: the same for MJX.
       spheres: see `SphereTable`.
       limits: see `LimitTable`.
       root: number of the free body.
@@ -88,10 +87,16 @@ class PhysicsModel:
 
     spec: RobotSpec
     model: mujoco.MjModel
-    mjx_model: Any
     spheres: SphereTable
     limits: LimitTable
     root: int
+
+    @functools.cached_property
+    def mjx_model(self) -> Any:
+        """`model` for MJX, which only the jax engine needs."""
+        from mujoco import mjx
+
+        return mjx.put_model(self.model)
 
 
 def bare_robot(spec: mujoco.MjSpec) -> mujoco.MjSpec:
@@ -184,4 +189,4 @@ def make_physics_model(robot: RobotSpec) -> PhysicsModel:
     model.geom_contype[:] = 0
     model.geom_conaffinity[:] = 0
     model.jnt_limited[:] = 0
-    return PhysicsModel(robot, model, mjx.put_model(model), spheres, limits, int(model.body(robot.root_body).id))
+    return PhysicsModel(robot, model, spheres, limits, int(model.body(robot.root_body).id))

@@ -99,6 +99,7 @@ class JaxEngine(EngineBase):
         friction: str = "uniform",
     ) -> None:
         super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable, friction)
+        self._data = mjx.make_data(self.physics.model)
         self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, self.num_pairs)
         self.iterations = v.integer(iterations, "engine.iterations", 1)
         self.line_steps = v.integer(line_steps, "engine.line_steps", 1)
