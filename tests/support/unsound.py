@@ -24,16 +24,15 @@ def spoil(tree: Any, rng: np.random.Generator, envs: Sequence[int] | np.ndarray,
     leaves spoils each.
     """
     names = float_leaves(tree)
-    counted = iter(range(len(names)))
+    counted, chosen = iter(range(len(names))), np.asarray(envs, int)
 
     def change(path: Any, leaf: Any) -> Any:
         if jax.tree_util.keystr(path) not in names:
             return leaf
         turn, body = next(counted), np.array(leaf)
         rows = body.reshape(len(body), -1)
-        for env in envs:
-            if (env + first) % len(names) == turn:
-                rows[env, rng.integers(rows.shape[1])] = rng.choice(NO_NUMBERS)
+        for env in chosen[(chosen + first) % len(names) == turn]:
+            rows[env, rng.integers(rows.shape[1])] = rng.choice(NO_NUMBERS)
         return jnp.asarray(body)
 
     return jax.tree_util.tree_map_with_path(change, tree)
