@@ -12,6 +12,7 @@ import dataclasses
 import functools
 from typing import Any
 
+import jax
 import mujoco
 import numpy as np
 
@@ -96,7 +97,9 @@ class PhysicsModel:
         """`model` for MJX, which only the jax engine needs."""
         from mujoco import mjx
 
-        return mjx.put_model(self.model)
+        # The first use may be inside a trace, whose values must not stay in the cache.
+        with jax.ensure_compile_time_eval():
+            return mjx.put_model(self.model)
 
 
 def bare_robot(spec: mujoco.MjSpec) -> mujoco.MjSpec:
