@@ -1,6 +1,7 @@
 """Streets: free space, flats, routes, crossings, places to appear, behaviours, and a crowd that lives in one."""
 
 import itertools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -118,6 +119,41 @@ def test_flats_leave_nothing_blocked_in_front_of_them(spaces: dict[str, FreeSpac
         nearest = np.linalg.norm(np.maximum(np.abs(away[near]) - CELL / 2, 0), axis=1).min()
         assert offset[0] == pytest.approx(nearest, abs=0.05)
     assert full < 40
+
+
+def test_flats_are_made_on_the_cpu_where_jax_may_use_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With `JAX_PLATFORMS=cuda` JAX has no CPU: the default device makes the same table."""
+    free = np.random.default_rng(0).random((12, 14)) < 0.9
+    space = FreeSpace(np.zeros(2), free, np.zeros(free.shape, np.uint8))
+    table = flats.flats_of(space, 0.5)
+    assert ((table[..., flats.NUM_FLATS :] < 255).any(-1)).sum() > 10
+    asked = []
+
+    def local_devices(backend: str | None = None) -> list[Any]:
+        asked.append(backend)
+        raise RuntimeError(f"Unknown backend {backend}. Available backends are ['cuda']")
+
+    monkeypatch.setattr(jax, "local_devices", local_devices)
+    np.testing.assert_array_equal(flats.flats_of(space, 0.5), table)
+    assert asked == ["cpu"]
+
+
+def test_the_tables_of_scenes_keep_their_order() -> None:
+    """Scenes of different sizes, which threads finish in any order."""
+    rng = np.random.default_rng(1)
+    spaces = []
+    for number, shape in enumerate(((24, 20), (8, 10), (16, 6))):
+        free = rng.random(shape) < 0.9
+        spaces.append(FreeSpace(np.full(2, float(number)), free, np.zeros(shape, np.uint8)))
+    joined = flats.make_flats(spaces, 0.5)
+    assert joined.table.shape == (3, 12, 10, 2 * flats.NUM_FLATS)
+    np.testing.assert_array_equal(joined.origin[:, 0], [0.0, 1.0, 2.0])
+    for table, space in zip(np.asarray(joined.table), spaces, strict=True):
+        single = flats.flats_of(space, 0.5)
+        columns, rows = single.shape[:2]
+        np.testing.assert_array_equal(table[:columns, :rows], single)
+        assert (table[columns:] == 255).all()
+        assert (table[:, rows:] == 255).all()
 
 
 def test_walls_stop_a_walker_at_the_body(spaces: dict[str, FreeSpace]) -> None:

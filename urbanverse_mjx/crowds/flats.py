@@ -11,6 +11,8 @@ cover; here this is precomputed, and the result is a convex part of the free spa
 gather of `NUM_FLATS` pairs of bytes.
 """
 
+import concurrent.futures
+import contextlib
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -18,6 +20,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .. import settings
 from . import half_planes
 from .free_space import CELL, FreeSpace
 from .linear_program import HalfPlanes
@@ -96,6 +99,14 @@ def _peel(blocked: Any, corner: Any, offsets: Any) -> tuple[Any, Any]:
     return direction, behind - 0.5 * CELL * (jnp.abs(mx) + jnp.abs(my))
 
 
+def _on_host() -> contextlib.AbstractContextManager[Any]:
+    """Puts arrays and programs on the CPU; changes nothing where JAX may not use it, as with `JAX_PLATFORMS=cuda`."""
+    try:
+        return jax.default_device(jax.local_devices(backend="cpu")[0])
+    except RuntimeError:
+        return contextlib.nullcontext()
+
+
 def flats_of(space: FreeSpace, reach: float) -> np.ndarray:
     """(X, Y, 2 M) u8, the table of one scene; cells that are not free at their centre have no flat."""
     shape = tuple(n // POOL for n in space.free.shape)
@@ -104,20 +115,24 @@ def flats_of(space: FreeSpace, reach: float) -> np.ndarray:
     crowded = ~space.free[: shape[0] * POOL, : shape[1] * POOL]
     free = ~crowded.reshape(shape[0], POOL, shape[1], POOL).any((1, 3))
     cells = np.argwhere(free)
-    offsets, blocked = jnp.asarray(_offsets(reach)), jnp.asarray(~space.free)
-    for start in range(0, len(cells), _CHUNK):
-        part = cells[start : start + _CHUNK]
-        padded = np.pad(part, ((0, _CHUNK - len(part)), (0, 0)), mode="edge")
-        direction, distance = (np.asarray(a).T for a in _peel(blocked, jnp.asarray(padded * POOL + POOL // 2), offsets))
-        units = np.clip(np.floor(np.maximum(distance, 0.0) / UNIT), 0, 255)
-        row = np.concatenate([direction, units], axis=1).astype(np.uint8)
-        table[part[:, 0], part[:, 1]] = row[: len(part)]
+    # On the host: the loop has a turn for each of thousands of offsets, each of which a GPU would launch by itself.
+    with _on_host():
+        offsets, blocked = jnp.asarray(_offsets(reach)), jnp.asarray(~space.free)
+        for start in range(0, len(cells), _CHUNK):
+            part = cells[start : start + _CHUNK]
+            padded = np.pad(part, ((0, _CHUNK - len(part)), (0, 0)), mode="edge")
+            found = _peel(blocked, jnp.asarray(padded * POOL + POOL // 2), offsets)
+            direction, distance = (np.asarray(a).T for a in found)
+            units = np.clip(np.floor(np.maximum(distance, 0.0) / UNIT), 0, 255)
+            row = np.concatenate([direction, units], axis=1).astype(np.uint8)
+            table[part[:, 0], part[:, 1]] = row[: len(part)]
     return table
 
 
 def make_flats(spaces: Sequence[FreeSpace], reach: float) -> Flats:
     """The table of one surface in several scenes."""
-    tables = [flats_of(space, reach) for space in spaces]
+    with concurrent.futures.ThreadPoolExecutor(settings.num_threads()) as pool:
+        tables = list(pool.map(lambda space: flats_of(space, reach), spaces))
     size = np.max([t.shape[:2] for t in tables], axis=0)
     padded = [
         np.pad(t, ((0, size[0] - t.shape[0]), (0, size[1] - t.shape[1]), (0, 0)), constant_values=255) for t in tables
