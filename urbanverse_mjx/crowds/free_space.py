@@ -65,10 +65,13 @@ def free_spaces(bank: SceneBank, scene: int) -> dict[str, FreeSpace]:
     return spaces
 
 
-def ground_height(bank: SceneBank, scene: int) -> np.ndarray:
-    """(X, Y) m, height of the ground in cells of `CELL` from the map's origin; that of the nearest ground in cells
-    without."""
-    height = _ground(bank, scene, _grid(bank, scene))
+def ground_height(bank: SceneBank, scene: int, grid: Grid | None = None) -> np.ndarray:
+    """(X, Y) m, height of the ground in the cells of a grid; that of the nearest ground in cells without.
+
+    Args:
+      grid: default: cells of `CELL` from the map's origin.
+    """
+    height = _ground(bank, scene, grid or _grid(bank, scene))
     missing = np.isnan(height)
     if missing.all():
         return np.zeros(height.shape)

@@ -26,8 +26,8 @@ CELL = 0.05
 MAX_DISTANCE = 1.0
 #: m; hulls that rise less above the ground, such as manhole covers, are no obstacles.
 MIN_OBSTACLE_HEIGHT = 0.005
-#: m, least step between cells of `free_space.CELL` that counts as an edge: less than the lowest kerb (4 cm), more than
-#: a ramp of 1:3.
+#: m, least step between cells that counts as an edge: less than the lowest kerb (4 cm), more than the lips of up to
+#: 2 cm at the ends of fitted dropped kerbs (1:8) in cells of `CELL`; in cells twice as wide these would count.
 MIN_EDGE_STEP = 0.035
 
 
@@ -57,21 +57,14 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
     to_hull, to_edge = (np.zeros((bank.num_scenes, *shape), np.float16) for _ in range(2))
     origin = np.asarray(bank.map_origin, np.float64)
     for scene in scenes:
-        ground = _finer(free_space.ground_height(bank, scene), round(free_space.CELL / CELL), shape)
         grid = Grid(origin[scene], CELL, shape)
+        ground = free_space.ground_height(bank, scene, grid)
         to_hull[scene] = nearest(grid, _outlines(bank, scene, grid, ground, height), MAX_DISTANCE)
         walkable = np.kron(traversable(bank.map_kind[scene]), np.ones((cells, cells), bool))
         to_edge[scene] = -MAX_DISTANCE
         near = _up_to_its_ground(walkable)
         to_edge[scene][near] = _to_edge(walkable[near], ground[near])
     return ClearanceMaps(origin, to_hull, to_edge)
-
-
-def _finer(coarse: np.ndarray, times: int, shape: tuple[int, int]) -> np.ndarray:
-    """Repeats every cell `times` x `times`, and the last ones up to the map's border."""
-    fine = np.kron(coarse, np.ones((times, times)))[: shape[0], : shape[1]]
-    missing = [(0, n - m) for n, m in zip(shape, fine.shape, strict=True)]
-    return np.pad(fine, missing, mode="edge")
 
 
 def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, height: float) -> Iterator[Shape]:
