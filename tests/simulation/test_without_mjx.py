@@ -35,8 +35,9 @@ settings = {"vision": False}
 env = registry.load("CocoNav", config_overrides={**settings, "impl": IMPL}, bank=box_bank(2, seed=0))
 state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3))
 before = np.array(state.data.qpos)
+step = jax.jit(jax.vmap(env.step))
 for _ in range(5):
-    state = jax.jit(jax.vmap(env.step))(state, np.tile(np.float32([1.0, 0.0]), (3, 1)))
+    state = step(state, np.tile(np.float32([1.0, 0.0]), (3, 1)))
 moved = np.linalg.norm(np.array(state.data.qpos)[:, :2] - before[:, :2], axis=1)
 assert np.isfinite(np.array(state.data.qpos)).all()
 assert moved.max() > 0.1, moved
