@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks import campaign, tasks
+from benchmarks import campaign, films, tasks
 from tests.benchmarks.test_campaign import _args
 from urbanverse_mjx.envs import registry
 
@@ -55,7 +55,9 @@ def test_every_task_has_a_page_with_marks_and_a_film_and_scores_of_its_own() -> 
         assert registry.about(name)
         text = (tasks.PAGES / page).read_text(encoding="utf-8")
         assert all(mark in text for mark in tasks.MARKS)
-        assert (tasks.PAGES / page.replace(".md", ".mp4")).is_file()
+        film = page.removesuffix(".md")
+        assert films.TASKS[film] == name
+        assert f"--only {film}" in text
         assert next(iter(metrics)) == tasks.HEADLINE
 
 

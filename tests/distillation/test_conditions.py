@@ -96,7 +96,9 @@ def test_the_mean_over_objects_counts_a_small_one_as_much_as_a_large_one():
 
     def cost(wrong: int) -> float:
         right = jnp.where(wanted.owner == wrong, 0.1, 0.9)
-        return float(_object_loss(jnp.log(_spread(right, wanted.classes)), wanted, jnp.ones(1)))
+        return float(
+            _object_loss(jnp.log(_spread(right, wanted.classes)), wanted, jnp.ones(1), jnp.ones(len(classes.names())))
+        )
 
     expected = -(np.log(0.1) + np.log(0.9)) / 2.0
     assert cost(0) == pytest.approx(expected, abs=1e-4)

@@ -24,8 +24,9 @@ def products(jaxpr: Any) -> Iterator[Any]:
                 yield from products(inner)
 
 
-@pytest.mark.parametrize("impl", ["jax", "warp"])
-def test_every_product_in_an_env_is_of_full_precision(small_bank: SceneBank, impl: str) -> None:
+# On "warp" the step itself is Warp's: JAX multiplies only what the observation and the camera need.
+@pytest.mark.parametrize(("impl", "least"), [("jax", 4), ("warp", 2)])
+def test_every_product_in_an_env_is_of_full_precision(small_bank: SceneBank, impl: str, least: int) -> None:
     overrides = {"preset": "cpu", "scenes": "all", "impl": impl, "vision_config.height": 12, "vision_config.width": 20}
     env = registry.load("CocoNav", config_overrides=overrides, bank=small_bank)
     keys, action = jax.random.split(jax.random.key(0), 2), jnp.zeros((2, env.action_size))
@@ -34,7 +35,7 @@ def test_every_product_in_an_env_is_of_full_precision(small_bank: SceneBank, imp
         return jax.vmap(env.step)(jax.vmap(env.reset)(keys), action)
 
     found = list(products(jax.make_jaxpr(episode)(keys, action).jaxpr))
-    assert len(found) > 3
+    assert len(found) >= least
     highest = jax.lax.Precision.HIGHEST
     assert {p if isinstance(p, tuple) else (p, p) for p in found} == {(highest, highest)}
 
