@@ -25,7 +25,8 @@ Rows, of which `--rows` names patterns:
     teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
     student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
     goes-on-BENCHMARK-POLICY  contact does not end an episode
-    scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling)
+    scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling), and the
+                            privileged teacher: scaling-teacher-STUDY-SIZE-SEED
     horizon-LENGTH-SEED     the same on halves (100 m) and whole scenes (200 m) of urbanverse160
     transfer                the shipped policies in the places of benchmarks.transfer, on all cores
     missions                the shipped policies on the missions of benchmarks.missions, on all cores
@@ -300,13 +301,25 @@ def _fast(args: argparse.Namespace, row: Row, trained: pathlib.Path, tests: Sequ
     return _job(args, name, words, (), FAST, [row], trained, *tests)
 
 
+def _scaled_teacher(args: argparse.Namespace, row: Row) -> Job:
+    """A point of benchmarks.scaling of the privileged teacher; its final parameters are driven."""
+    streets, tests = scaling.SETS[scaling.varied(row.study)], ("craftbench",)
+    own = _of_teacher(args.scaling_steps) | {"checkpoints": 1}
+    own |= {"scenes": tuple(scaling.subset(row.study, row.size, row.seed))}
+    words = _words("teacher", _banks([streets]), (0,), tests, row.seed, own)
+    return _job(args, f"scaling-{row.study}-{row.size}-{row.seed}", words, (streets, *tests), TEACHER, [row])
+
+
 def _studies(args: argparse.Namespace) -> Iterator[Job]:
     """The points of benchmarks.scaling, all of a seed before the next seed."""
     for seed in args.seeds:
         for study, sizes in scaling.SIZES.items():
             for size in sizes:
-                row = Row("fast", seed=seed, study=study, size=size)
-                yield _fast(args, row, bank(scaling.SETS[study]), [bank("craftbench")])
+                if study.startswith(scaling.TEACHER):
+                    yield _scaled_teacher(args, Row("teacher", seed=seed, study=study, size=size))
+                else:
+                    row = Row("fast", seed=seed, study=study, size=size)
+                    yield _fast(args, row, bank(scaling.SETS[study]), [bank("craftbench")])
         tests = [bank("craftbench"), _halves(args, "craftbench")]
         for length, trained in ((100, _halves(args, "urbanverse160")), (200, bank("urbanverse160"))):
             yield _fast(args, Row("fast", seed=seed, study="horizon", size=length), trained, tests)

@@ -22,7 +22,7 @@ import jax
 from ml_collections import ConfigDict
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, brief, load, parsed_options, save_result
+from benchmarks.lib.unseen import Log, brief, load, parsed_options, save_result, steps_of
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
@@ -219,6 +219,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("role", choices=("teacher", "student"))
     cli.add_argument("--train", nargs="+", type=pathlib.Path, required=True, help="banks to train on")
     cli.add_argument("--test", nargs="*", type=pathlib.Path, default=[], help="banks of frozen benchmarks")
+    cli.add_argument("--scenes", nargs="+", help="ids of the scenes to train on; default: all but those held out")
     cli.add_argument("--out", type=pathlib.Path, required=True)
     cli.add_argument("--environment", default="CocoNav")
     cli.add_argument(
@@ -252,6 +253,12 @@ def main() -> int:
     keep_compiled()
     log = Log(args.out)
     bank, chosen, suite = load(args.train, args.test, args.holdout, args.validation_episodes, log)
+    unknown = sorted(set(args.scenes or ()) - set(chosen))
+    if unknown:
+        raise SystemExit(
+            f"error: --scenes: found {unknown[0]!r}, needed ids of scenes to train on that are not held out."
+        )
+    chosen = args.scenes or chosen
     height, width = (int(n) for n in args.size.split("x"))
     overrides = {
         "preset": "fast",
@@ -267,13 +274,14 @@ def main() -> int:
     env = registry.load(args.environment, config_overrides=overrides, bank=bank)
     suite.check(env)
     log(environment=args.role)
-    result: dict[str, Any] = {}
+    result: dict[str, Any] = {"trained_on": sorted(chosen)}
     if args.role == "teacher":
         from urbanverse_mjx.training.policy import load_policy
 
         folder = train_teacher(args, env, log)
         (args.out / "done").write_text(folder.name)
         agents = {"teacher": load_policy(folder)[0]}
+        result["steps"] = steps_of(args.out / "training")
     else:
         from urbanverse_mjx.training.student import StudentPolicy
 

@@ -5,10 +5,12 @@ scenes: writes the tables and the figure of docs/results.md from benchmarks/scor
     python -m benchmarks.campaign --out OUT --add
     python -m benchmarks.scaling
 
-The first command trains and scores the points that OUT does not have yet (preset `fast` at 54x96, equal env-steps, the
-final parameters), the second writes their rows, the third fits and draws. All points of a kind train on scenes of one
-bank, chosen by name: `subset(study, size, seed)` orders layouts, cousins and streets at random by the seed of the
-training and takes the first ones, so smaller subsets are part of larger ones, and seeds differ in their streets too.
+The first command trains and scores the points that OUT does not have yet (equal env-steps, the final parameters), the
+second writes their rows, the third fits and draws. Two learners train on the same scenes: PPO from images (preset
+`fast` at 54x96), and the privileged teacher of `benchmarks.generalise` (rows `scaling-teacher-*`), which is not limited
+by learning to see. All points of a kind train on scenes of one bank, chosen by name: `subset(study, size, seed)` orders
+layouts, cousins and streets at random by the seed of the training and takes the first ones, so smaller subsets are part
+of larger ones, and seeds differ in their streets too.
 
 A power law, failures = a n^-b in percent, is fitted by least squares to the mean success of each size. Intervals come
 from a bootstrap over seeds and scenes, the same draws for all sizes of a study. Rows that are not there are named in
@@ -28,11 +30,17 @@ import numpy as np
 from benchmarks import results
 from urbanverse_mjx.scene import library
 
-#: Study -> its sizes. Layouts have five cousins each; cousins are of all 32 layouts.
-SIZES = {"layouts": (1, 8, 16, 32), "cousins": (1, 2, 3, 4), "streets": (5, 40, 80, 160)}
+#: Prefix of the studies of the privileged teacher.
+TEACHER = "teacher-"
+#: What varies -> its sizes. Layouts have five cousins each; cousins are of all 32 layouts.
+VARIED = {"layouts": (1, 8, 16, 32), "cousins": (1, 2, 3, 4), "streets": (5, 40, 80, 160)}
 TITLES = {"layouts": "layouts, 5 cousins each", "cousins": "cousins of 32 layouts", "streets": "procedural streets"}
-#: Study -> the set of the library whose scenes it trains on.
+#: What varies -> the set of the library whose scenes are trained on.
 SETS = {"layouts": "urbanverse160", "cousins": "urbanverse160", "streets": "procedural"}
+#: Prefix of a study's name -> its learner in the tables, its agent in result.json, and its colour in the figure.
+LEARNERS = {"": ("PPO from images", "fast", "#2860be"), TEACHER: ("privileged teacher", "teacher", "#d64228")}
+#: Study (a learner's prefix and what varies) -> its sizes.
+SIZES = {f"{prefix}{name}": sizes for prefix in LEARNERS for name, sizes in VARIED.items()}
 SEEDS = (0, 1, 2)
 #: Length of the training scenes, m -> how the rows are called.
 HORIZON = {100: "halves", 200: "whole scenes"}
@@ -47,20 +55,23 @@ DRAWS, STEEPEST = 1_000, 5.0
 Rows = dict[tuple[str, int], dict[str, dict[tuple[str, str], float]]]
 
 
+def varied(study: str) -> str:
+    """Returns what a study varies: a key of `VARIED`."""
+    return study.removeprefix(TEACHER)
+
+
 def subset(study: str, size: int, seed: int) -> list[str]:
-    """Returns the ids of the scenes that a point trains on, sorted."""
-    rng = np.random.default_rng(seed)
-    ids = sorted(library.shipped_hashes(SETS[study]))
-    if study == "streets":
+    """Returns the ids of the scenes that a point trains on, sorted; all learners have the same."""
+    rng, name = np.random.default_rng(seed), varied(study)
+    ids = sorted(library.shipped_hashes(SETS[name]))
+    if name == "streets":
         return sorted(ids[i] for i in rng.permutation(len(ids))[:size])
-    cousins = library.scene_set(SETS[study]).cousins
+    cousins = library.scene_set(SETS[name]).cousins
     layouts = sorted({name.rsplit("_Cousin_", 1)[0] for name in ids})
     order = rng.permutation(len(layouts))
     numbers = rng.permuted(np.tile(np.arange(cousins), (len(layouts), 1)), axis=1)
-    taken, count = (order[:size], cousins) if study == "layouts" else (order, size)
-    return sorted(
-        library.scene_set(SETS[study]).scene_id(layouts[i], int(k)) for i in taken for k in numbers[i, :count]
-    )
+    taken, count = (order[:size], cousins) if name == "layouts" else (order, size)
+    return sorted(library.scene_set(SETS[name]).scene_id(layouts[i], int(k)) for i in taken for k in numbers[i, :count])
 
 
 def digest(scenes: Iterable[str]) -> str:
@@ -69,13 +80,15 @@ def digest(scenes: Iterable[str]) -> str:
 
 
 def add(folder: pathlib.Path, result: pathlib.Path, study: str, size: int, seed: int) -> None:
-    """Writes the rows of a result.json of `benchmarks.comparison` into scaling.csv, replacing those of this point.
+    """Writes the rows of a result.json of `benchmarks.comparison`, or for a teacher of `benchmarks.generalise`, into
+    scaling.csv, replacing those of this point.
 
     Raises:
       SystemExit: it trained on other scenes than those of the point.
     """
     body = json.loads(result.read_text(encoding="utf-8"))
-    scores, trained_on = results.agent_in(body, "fast", result), body["trained_on"]
+    agent = LEARNERS[TEACHER if study.startswith(TEACHER) else ""][1]
+    scores, trained_on = results.agent_in(body, agent, result), body["trained_on"]
     if study in SIZES and trained_on != subset(study, size, seed):
         raise SystemExit(
             f"error: {result}: found a training on {len(trained_on)} scenes that are not those of {study}, {size}, "
@@ -86,6 +99,7 @@ def add(folder: pathlib.Path, result: pathlib.Path, study: str, size: int, seed:
     rows = [
         {**about, **made, "set": name, "scene": scene, "SR": round(score["SR"], 6)}
         for name in scores
+        if name in TESTED  # a teacher is driven on validation streets as well
         for scene, score in sorted(scores[name]["by_scene"].items())
     ]
     results.replace_rows(folder / "scaling.csv", about, rows)
@@ -174,6 +188,10 @@ def absent(rows: Rows, seeds: Sequence[int] = SEEDS) -> list[str]:
     return [name for name, point in wanted if not has(*point)]
 
 
+def _learner(study: str) -> str:
+    return LEARNERS[TEACHER if study.startswith(TEACHER) else ""][0]
+
+
 def _cell(score: results.Score) -> str:
     return f"{score.mean:.1f} [{score.low:.1f}, {score.high:.1f}]"
 
@@ -193,19 +211,19 @@ def scaling_table(rows: Rows) -> str:
     studies = _studies(rows)
     if not studies:
         return ""
-    lines = ["| trained on | number | seeds | CraftBench |", "| --- | --- | --- | --- |"]
+    lines = ["| trained on | learner | number | seeds | CraftBench |", "| --- | --- | --- | --- | --- |"]
     for study, points in studies.items():
         for n in points:
             score = results.over_seeds_and_scenes(_rates(rows, study, n, "craftbench"))
-            lines.append(f"| {TITLES[study]} | {n} | {score.seeds} | {_cell(score)} |")
-    lines += ["", "| failures, % | a | b | R2 | seeds |", "| --- | --- | --- | --- | --- |"]
+            lines.append(f"| {TITLES[varied(study)]} | {_learner(study)} | {n} | {score.seeds} | {_cell(score)} |")
+    lines += ["", "| failures, % | learner | a | b | R2 | seeds |", "| --- | --- | --- | --- | --- | --- |"]
     for study, points in studies.items():
         found = fit(points)
         cells = ["no fit: fewer than three sizes with a common seed, or no failure", "", "", ""]
         if found is not None:
             b = f"{found.b:.3f} [{found.low:.3f}, {found.high:.3f}]"
             cells = [f"{found.a:.1f}", b, f"{found.r2:.2f}", str(found.seeds)]
-        lines.append(f"| a n^-b, {TITLES[study]} | {' | '.join(cells)} |")
+        lines.append(f"| a n^-b, {TITLES[varied(study)]} | {_learner(study)} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -269,22 +287,27 @@ def draw(rows: Rows, path: pathlib.Path) -> None:
     if not studies:
         path.unlink(missing_ok=True)
         return
-    width = 3.8 * len(studies)
-    figure, axes = plt.subplots(1, len(studies), figsize=(width, 3.4), sharey=True, squeeze=False, layout="constrained")
-    for axis, (study, points) in zip(axes[0], studies.items(), strict=True):
-        for n in points:
-            score = results.over_seeds_and_scenes(_rates(rows, study, n, "craftbench"))
-            ends = [[score.mean - score.low], [score.high - score.mean]]
-            axis.errorbar(n, score.mean, yerr=ends, fmt="o", color="#2860be", capsize=3)
-        found = fit(points)
-        if found is not None:
-            n = np.geomspace(min(points), max(points), 100)
-            axis.plot(n, 100.0 - found.a * n**-found.b, color="#d64228", label=f"100 - {found.a:.1f} n^-{found.b:.2f}")
-            axis.legend(loc="lower right")
+    panels = [name for name in VARIED if any(varied(study) == name for study in studies)]
+    width = 3.8 * len(panels)
+    figure, axes = plt.subplots(1, len(panels), figsize=(width, 3.4), sharey=True, squeeze=False, layout="constrained")
+    for axis, name in zip(axes[0], panels, strict=True):
+        for prefix, (learner, _, colour) in LEARNERS.items():
+            points = studies.get(f"{prefix}{name}", {})
+            for n in points:
+                score = results.over_seeds_and_scenes(_rates(rows, f"{prefix}{name}", n, "craftbench"))
+                ends = [[score.mean - score.low], [score.high - score.mean]]
+                axis.errorbar(n, score.mean, yerr=ends, fmt="o", color=colour, capsize=3)
+            found = fit(points)
+            if found is not None:
+                n = np.geomspace(min(points), max(points), 100)
+                law = f"{learner}: 100 - {found.a:.1f} n^-{found.b:.2f}"
+                axis.plot(n, 100.0 - found.a * n**-found.b, color=colour, label=law)
+        if axis.get_legend_handles_labels()[0]:
+            axis.legend(loc="lower right", fontsize="small")
         axis.set_xscale("log")
-        axis.set_xticks(list(points), [str(n) for n in points])
+        axis.set_xticks(list(VARIED[name]), [str(n) for n in VARIED[name]])
         axis.minorticks_off()
-        axis.set(xlabel=f"number of {TITLES[study]}")
+        axis.set(xlabel=f"number of {TITLES[name]}")
         axis.grid(alpha=0.4)
     axes[0][0].set(ylabel="success on CraftBench, % (95 % interval)")
     figure.savefig(path, dpi=110)

@@ -135,7 +135,9 @@ def test_a_training_that_ends_while_it_scores_is_not_done(
     assert scored == ["finetuned", "student"]
     assert not (tmp_path / "result.json").exists()
     assert generalise.main() == 0
-    assert set(json.loads((tmp_path / "result.json").read_text())) == {"steps", "student", "finetuned"}
+    assert set(json.loads((tmp_path / "result.json").read_text())) == {
+        "steps", "trained_on", "student", "finetuned"
+    }  # fmt: skip
 
 
 def test_two_gpus_take_jobs_at_the_same_time(tmp_path: pathlib.Path) -> None:
@@ -266,11 +268,14 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
 
 
 def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
-    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (12 + 2) + 10 + 2 + 2 * len(tasks.TASKS)
+    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (2 * 12 + 2) + 10 + 2 + 2 * len(tasks.TASKS)
     assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2 + 1
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
     assert (scaled.preset, scaled.seed, scaled.steps) == ("fast", 2, 6_000_000)
+    taught = next(args for args in parsed if args.out.name == "scaling-teacher-layouts-8-2")
+    assert (taught.role, taught.scenes, taught.steps, taught.holdout) == ("teacher", scaled.scenes, 6_000_000, [0])
+    assert [path.parent.name for path in taught.test] == ["craftbench"]
     light = ['vision_config.light="direct"', 'friction="uniform"']  # of version 1 of CraftBench
     assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
     # Those of street tuning take the same conditions by themselves; tasks are not judged on CraftBench.

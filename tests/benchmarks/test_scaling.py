@@ -68,7 +68,7 @@ def test_a_fit_needs_three_sizes_a_common_seed_and_failures() -> None:
     assert scaling.fit(law | {8: {("7", scene): 50.0 for scene in SCENES}}) is None
 
 
-@pytest.mark.parametrize("study", scaling.SIZES)
+@pytest.mark.parametrize("study", scaling.VARIED)
 def test_subsets_are_nested_and_differ_by_seed(study: str) -> None:
     sizes, each = scaling.SIZES[study], {"layouts": 5, "cousins": 32, "streets": 1}[study]
     chains = [[set(scaling.subset(study, n, seed)) for n in sizes] for seed in scaling.SEEDS]
@@ -83,16 +83,22 @@ def test_subsets_are_nested_and_differ_by_seed(study: str) -> None:
         assert all(len({name.rsplit("_Cousin_", 1)[0] for name in chain[0]}) == 32 for chain in chains)
 
 
+def test_both_learners_train_on_the_same_scenes() -> None:
+    for study, sizes in scaling.VARIED.items():
+        assert scaling.SIZES[f"teacher-{study}"] == sizes
+        assert scaling.subset(f"teacher-{study}", sizes[1], 2) == scaling.subset(study, sizes[1], 2)
+
+
 def test_subsets_stay_those_of_committed_rows() -> None:
     assert scaling.digest(scaling.subset("layouts", 8, 0)) == "7cf15c0f7e3a"
     assert scaling.digest(scaling.subset("cousins", 2, 1)) == "0a481be93433"
     assert scaling.digest(scaling.subset("streets", 40, 2)) == "46df0caf335c"
 
 
-def _result(folder: pathlib.Path, trained_on: list[str], rates: dict[str, float]) -> pathlib.Path:
+def _result(folder: pathlib.Path, trained_on: list[str], rates: dict[str, float], agent: str = "fast") -> pathlib.Path:
     sets = {name: {"by_scene": {scene: {"SR": rate} for scene in SCENES}} for name, rate in rates.items()}
     path = folder / "result.json"
-    path.write_text(json.dumps({"steps": 6_029_312, "trained_on": trained_on, "fast": sets}))
+    path.write_text(json.dumps({"steps": 6_029_312, "trained_on": trained_on, agent: sets}))
     return path
 
 
@@ -107,7 +113,10 @@ def test_a_result_of_other_scenes_is_refused(tmp_path: pathlib.Path) -> None:
 def test_the_page_says_what_is_there_and_what_is_absent(tmp_path: pathlib.Path) -> None:
     (tmp_path / "scaling.csv").write_text(HEAD + "\n")
     said = scaling.text(scaling.read(tmp_path))
-    assert said.startswith("Not run yet: `scaling-layouts-*`, `scaling-cousins-*`, `scaling-streets-*`, `horizon-*`; ")
+    assert said.startswith("Not run yet: `scaling-layouts-*`, `scaling-cousins-*`, `scaling-streets-*`, ")
+    assert (
+        "`scaling-teacher-layouts-*`, `scaling-teacher-cousins-*`, `scaling-teacher-streets-*`, `horizon-*`; " in said
+    )
     assert "|" not in said
     scaling.draw(scaling.read(tmp_path), tmp_path / "figure.png")
     assert not (tmp_path / "figure.png").exists()
@@ -120,14 +129,32 @@ def test_the_page_says_what_is_there_and_what_is_absent(tmp_path: pathlib.Path) 
             scaling.add(tmp_path, path, "layouts", n, seed)
     rows = scaling.read(tmp_path)
     said = scaling.text(rows)
-    assert "| layouts, 5 cousins each | 1 | 3 | 40.0 [40.0, 40.0] |" in said
-    assert "| layouts, 5 cousins each | 16 | 2 | 85.0 [85.0, 85.0] |" in said
-    assert "| a n^-b, layouts, 5 cousins each | 60.0 | 0.500 [0.500, 0.500] | 1.00 | 2 |" in said
+    assert "| layouts, 5 cousins each | PPO from images | 1 | 3 | 40.0 [40.0, 40.0] |" in said
+    assert "| layouts, 5 cousins each | PPO from images | 16 | 2 | 85.0 [85.0, 85.0] |" in said
+    assert "| a n^-b, layouts, 5 cousins each | PPO from images | 60.0 | 0.500 [0.500, 0.500] | 1.00 | 2 |" in said
     assert "Not run yet: `scaling-layouts-16-2`, `scaling-layouts-32-*`, `scaling-cousins-*`" in said
     scaling.draw(rows, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 5_000
     scaling.draw({}, tmp_path / "figure.png")
     assert not (tmp_path / "figure.png").exists()
+
+
+def test_a_teacher_has_rows_of_benchmarks_beside_those_of_ppo(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "scaling.csv").write_text(HEAD + "\n")
+    for prefix, agent, rate in (("", "fast", 40.0), ("teacher-", "teacher", 90.0)):
+        rates = {"craftbench": rate, "validation_composed": 1.0}
+        path = _result(tmp_path, scaling.subset("streets", 5, 0), rates, agent)
+        scaling.add(tmp_path, path, f"{prefix}streets", 5, 0)
+    with pytest.raises(SystemExit, match="teacher"):  # what PPO learnt is no row of the teacher
+        scaling.add(tmp_path, _result(tmp_path, ["a"], {"craftbench": 1.0}), "teacher-streets", 5, 0)
+    rows = scaling.read(tmp_path)
+    assert set(rows["teacher-streets", 5]) == {"craftbench"}
+    said = scaling.text(rows)
+    assert "| procedural streets | PPO from images | 5 | 1 | 40.0 [40.0, 40.0] |" in said
+    assert "| procedural streets | privileged teacher | 5 | 1 | 90.0 [90.0, 90.0] |" in said
+    assert "`scaling-teacher-streets-5-1`, `scaling-teacher-streets-5-2`, `scaling-teacher-streets-40-*`" in said
+    scaling.draw(rows, tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 5_000
 
 
 def test_the_horizon_compares_both_trainings_on_both_tests(tmp_path: pathlib.Path) -> None:
