@@ -21,7 +21,7 @@ import pathlib
 import sys
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import jax
@@ -59,7 +59,12 @@ KEPT_FRAMES = 6
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.render", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("--bank", type=pathlib.Path, help="a bank file (default: the shipped streets)")
+    parser.add_argument(
+        "--bank",
+        type=pathlib.Path,
+        nargs="+",
+        help="bank files, each measured in every configuration before the next one (default: the shipped streets)",
+    )
     parser.add_argument("--cases", default="135x240@1024,36x64@4096", help="HEIGHTxWIDTH@ENVS, ...")
     parser.add_argument("--shadings", default=",".join(SHADINGS))
     parser.add_argument("--styles", "--looks", default="plain,shadows", help=f"of {', '.join(STYLES)}")
@@ -250,7 +255,7 @@ def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: s
     return result, bare.outputs["rgb"][:KEPT_FRAMES].numpy()
 
 
-def describe(bank: SceneBank, arguments: argparse.Namespace) -> dict[str, Any]:
+def describe(name: str, bank: SceneBank, arguments: argparse.Namespace) -> dict[str, Any]:
     faces, present = np.diff(bank.mesh_face_start), bank.slot_mesh >= 0
     triangles = np.where(present, faces[np.maximum(bank.slot_mesh, 0)], 0).sum(1)
     return {
@@ -259,19 +264,28 @@ def describe(bank: SceneBank, arguments: argparse.Namespace) -> dict[str, Any]:
         "scenes": bank.num_scenes,
         "objects_per_scene": float(present.sum(1).mean()),
         "triangles_per_scene": float(triangles.mean()),
-        "bank": str(arguments.bank.name) if arguments.bank else "shipped streets",
+        "bank": name,
         "frames": arguments.frames,
         "repeats": arguments.repeats,
         "versions": {"jax": jax.__version__, "warp": wp.__version__, "mujoco": mujoco.__version__},
     }
 
 
-def configurations(arguments: argparse.Namespace) -> Any:
+def configurations(arguments: argparse.Namespace, banks: Iterable[str]) -> Any:
     for case in arguments.cases:
         for style in arguments.styles:
             for shading in arguments.shadings:
                 for block in [None] if shading in ("megakernel", "stock") else arguments.blocks:
-                    yield case, style, shading, block
+                    for bank in banks:
+                        yield case, style, shading, block, bank
+
+
+def named(paths: list[pathlib.Path] | None) -> dict[str, SceneBank]:
+    """The banks by their files' names; by folder and name where two have one name."""
+    if not paths:
+        return {"shipped streets": load_bank(None)}
+    alone = len({path.name for path in paths}) == len(paths)
+    return {path.name if alone else f"{path.parent.name}/{path.name}": load_bank(path) for path in paths}
 
 
 def load_bank(path: pathlib.Path | None) -> SceneBank:
@@ -286,7 +300,7 @@ def load_bank(path: pathlib.Path | None) -> SceneBank:
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     began = time.perf_counter()
-    bank, robot, images, failures = load_bank(arguments.bank), make_coco(), {}, 0
+    banks, robot, images, failures = named(arguments.bank), make_coco(), {}, 0
     lines = arguments.out.open("a") if arguments.out else None
 
     def tell(line: dict[str, Any]) -> None:
@@ -296,20 +310,21 @@ def main(argv: list[str] | None = None) -> int:
             lines.flush()
         print(text if arguments.json else "  ".join(f"{k} {v}" for k, v in line.items()), flush=True)
 
-    tell(describe(bank, arguments))
+    for key, bank in banks.items():
+        tell(describe(key, bank, arguments))
     chosen = street_draw.BLOCK
-    for case, style, shading, block in configurations(arguments):
+    for case, style, shading, block, key in configurations(arguments, banks):
         if time.perf_counter() - began > arguments.seconds:
             tell({"skipped": "out of time"})
             break
-        name = f"{case[0]}x{case[1]}@{case[2]} {shading} {style}"
+        name = f"{case[0]}x{case[1]}@{case[2]} {shading} {style}" + (f" {key}" if len(banks) > 1 else "")
         street_draw.BLOCK = block or chosen
         line = {"case": name, "block": block, "at_s": time.perf_counter() - began}
         try:
-            result, frames = measure(bank, robot, case, shading, style, arguments)
+            result, frames = measure(banks[key], robot, case, shading, style, arguments)
             line |= result
             if frames is not None:
-                images[name.replace(" ", "_")] = frames
+                images[name.replace(" ", "_").replace("/", "_")] = frames
         except Exception as error:
             failures += 1
             line |= {"error": repr(error)[:300], "trace": traceback.format_exc()[-600:]}

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from benchmarks.lib.gait_trials import Judge, Wandering, flat
+from tests.support.box_bank import HALF_WIDTH, LENGTH, box_scene, box_skies
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.datatypes import GroundRegion, SceneBank
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
@@ -18,6 +19,7 @@ from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, _Field, footprin
 from urbanverse_mjx.robots import make_coco, make_go2
 from urbanverse_mjx.robots.go2 import load_gait
 from urbanverse_mjx.robots.waypoint import pd_velocity
+from urbanverse_mjx.scene.bank import pack
 
 
 @pytest.mark.parametrize("drive", ["differential", "ackermann"])
@@ -105,6 +107,40 @@ def test_clearance_maps_hold_where_hulls_stand(small_bank: SceneBank) -> None:
     i, j = np.floor((starts - maps.origin[0]) / 0.05).astype(int).T
     assert maps.to_hull[0, i, j].min() > 0.3
     assert maps.to_edge[0, i, j].min() > 0.3
+
+
+def _dropped_kerb(lip: float, slope: float, shift: float) -> SceneBank:
+    """A crosswalk at y < shift and a ramp that begins `lip` m above it, rises by `slope` and ends 1 m on."""
+
+    def box(name: str, kind: str, y0: float, y1: float, plane: tuple[float, float, float]) -> GroundRegion:
+        return GroundRegion(name, kind, ((0.0, y0), (LENGTH, y0), (LENGTH, y1), (0.0, y1)), plane)
+
+    top = lip + slope
+    regions = [
+        box("crossing", "crosswalk", -HALF_WIDTH, shift, (0.0, 0.0, 0.0)),
+        box("ramp", "sidewalk", shift, shift + 1.0, (0.0, slope, lip - slope * shift)),
+        box("walk", "sidewalk", shift + 1.0, HALF_WIDTH, (0.0, 0.0, top)),
+    ]
+    return pack([box_scene(0, num_objects=1, regions=regions)], ["train"], box_skies())
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.013, 0.025, 0.049])
+@pytest.mark.parametrize(("lip", "slope", "edge"), [(0.02, 1 / 8, False), (0.025, 1 / 8, False), (0.04, 0.0, True)])
+def test_a_dropped_kerb_is_no_edge_and_a_low_kerb_is(lip: float, slope: float, edge: bool, shift: float) -> None:
+    """Wherever the border lies in a cell. In cells of 10 cm the lip of 2.5 cm would be an edge."""
+    bank = _dropped_kerb(lip, slope, shift)
+    maps = build_clearance_maps(bank, [0], 1.0)
+    i, low, high = (
+        int((at - start) / 0.05)
+        for at, start in ((3.0, maps.origin[0, 0]), (-0.5, maps.origin[0, 1]), (1.5, maps.origin[0, 1]))
+    )
+    across = maps.to_edge[0, i, low:high].astype(float)
+    if edge:
+        assert (across < 0.0).sum() == 2
+        border = maps.origin[0, 1] + (low + np.flatnonzero(across < 0.0).mean() + 0.5) * 0.05
+        assert border == pytest.approx(shift, abs=0.05)
+    else:
+        assert across.min() > 0.9
 
 
 def test_padding_a_bank_changes_no_clearance(small_bank: SceneBank) -> None:
