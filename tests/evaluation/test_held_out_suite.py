@@ -3,15 +3,20 @@
 import dataclasses
 import pathlib
 import types
+from typing import Any
 
+import jax.numpy as jnp
+import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
 from tests.support.box_bank import box_bank
+from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.datatypes.validation import ValidationError
 from urbanverse_mjx.evaluation.frozen import freeze
 from urbanverse_mjx.evaluation.held_out import Suite
+from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 
 
 def _env(**config: str) -> types.SimpleNamespace:
@@ -57,3 +62,28 @@ def test_a_suite_takes_the_friction_of_its_frozen_lists(
     assert Suite.of(bank, {"held": bank.scene_ids[:1]}, 4, []).friction is None
     with pytest.raises(ValidationError, match="friction of before: uniform, today: materials, needed one for all"):
         Suite.of(bank, {}, 0, ["before", "today"])
+
+
+class Straight:
+    """A student that waits for a step, then drives to the goal, or away from it where its parameter is negative."""
+
+    def first_memory(self, count: int) -> Any:
+        return jnp.zeros((count, 1))
+
+    def apply(self, params: Any, obs: Any, memory: Any, begins: Any) -> Any:
+        towards = obs["goal"] / jnp.linalg.norm(obs["goal"], axis=-1, keepdims=True)
+        return params * towards * (memory > 0.0), memory + 1.0, begins
+
+
+def test_quick_rates_are_those_of_each_set_when_all_steps_are_driven(small_bank: SceneBank) -> None:
+    """Routes of 10 to 13 m take up to 31 steps of 0.4 m and the longest, of 24 m, more than the 40 of an episode."""
+    env = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 40})
+    order = np.argsort(small_bank.episode_length[0, :12])
+    near, mixed = order[:3].astype(np.int32), order[[0, 1, 2, -1]].astype(np.int32)
+    sets = {
+        "near": EpisodeSet(np.zeros(3, np.int32), near, seeds=np.arange(3)),
+        "mixed": EpisodeSet(np.zeros(4, np.int32), mixed, seeds=np.arange(4)),
+    }
+    rates = Suite(small_bank, {}, sets, None).quick(env, Straight(), ["mixed", "near"], chunk=25)
+    assert rates(jnp.float32(1.0)) == {"mixed": 0.75, "near": 1.0}
+    assert rates(jnp.float32(-1.0)) == {"mixed": 0.0, "near": 0.0}

@@ -12,7 +12,7 @@ from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.robots.coco import Drive
 from urbanverse_mjx.scene.compiler import scene_geometry
-from urbanverse_mjx.scene.drive import drive_all, ground_model
+from urbanverse_mjx.scene.drive import ARRIVAL_DISTANCE, drive_all, ground_model
 from urbanverse_mjx.scene.planner import FreeSpace, RobotSize, free_space
 
 GRAPHS = sorted(settings.scene_root().glob("*/graph.json"))
@@ -116,12 +116,16 @@ def test_a_kerb_in_the_way_fails_the_drive() -> None:
     high = GroundRegion("high", "sidewalk", ((6, 0), (12, 0), (12, 4), (6, 4)), (0.0, 0.0, 0.15))
     road = GroundRegion("road", "road", ((0, 4), (12, 4), (12, 8), (0, 8)), (0.0, 0.0, 0.0))
     model, space = _ground((low, high, road), controller.robot)
-    starts = np.array([[3.0, 2.0, 0.0, 0.0], [3.0, 2.0, 0.0, 1.5], [1.0, 2.0, 0.0, 0.0]])
+    starts = np.array([[3.0, 2.0, 0.0, 0.0], [3.0, 2.0, 0.0, 1.5], *[[1.0, 2.0, 0.0, 0.0]] * 3])
     routes = [
         np.array([[3.0, 2.0], [9.0, 2.0]]),
         np.array([[3.0, 2.0], [3.0, 6.0]]),
         np.array([[1.0, 2.0], [4.5, 2.0]]),
+        np.array([[1.0, 2.0], [1.0 + ARRIVAL_DISTANCE + 0.04, 2.0]]),
+        np.array([[1.0, 2.0], [1.0 + ARRIVAL_DISTANCE - 0.04, 2.0]]),
     ]
     drives = drive_all(model, controller, space, starts, routes)
-    assert [d.reason for d in drives] == ["stuck", "off the traversable area", ""]
+    assert [d.reason for d in drives] == ["stuck", "off the traversable area", "", "", ""]
     assert drives[2].seconds == pytest.approx(3.0 / 2.0, abs=1.2)
+    assert drives[3].seconds > 0.0
+    assert drives[4].seconds == 0.0, "it is there"

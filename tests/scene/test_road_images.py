@@ -170,5 +170,8 @@ def test_images_on_kerbs_are_not_stretched() -> None:
         upright = np.ptp(corners[..., 2], axis=1) > 0.1
         assert upright.any()
         assert not upright.all()
+        top = corners[~upright, :, 2]
+        assert top.min() > 0.15 - kerb.position[2], "above the pavement"
+        np.testing.assert_allclose(corners[upright, :, 2].max(1), top.max(), atol=1e-6, err_msg="no gap at the edge")
         lowest = np.take_along_axis(uv[upright, :, 1], corners[upright, :, 2].argmin(1)[:, None], 1)
         np.testing.assert_allclose(lowest, 0.0, atol=1e-6)

@@ -78,6 +78,27 @@ def test_stop_lines_lie_on_the_side_of_the_traffic(traffic: str, side: int) -> N
     assert np.sign(westward[0, [1, 3]].mean()) == -side
 
 
+@pytest.mark.parametrize(("traffic", "side"), [("right", -1), ("left", 1)])
+def test_teeth_fill_the_lane_before_a_crosswalk_and_point_at_who_comes(traffic: str, side: int) -> None:
+    """Triangles of 0.5 m by 0.6 m every 0.75 m from the gutter to the middle of the road, 0.1 m away from each."""
+    made = found(RoadRules(traffic=traffic, approach="teeth"))
+    pieces = [p for m in made if m.kind == "road_marking" for p in shapely.get_parts(m.shape)]
+    pieces = [p for p in pieces if abs(p.bounds[2] - p.bounds[0] - 0.6) < 1e-6]
+    for sense in (1, -1):
+        teeth = [p for p in pieces if (CROSSWALK - p.centroid.x) * sense > 0.0]
+        rows = np.array(sorted((p.bounds for p in teeth), key=lambda row: row[1]))
+        assert len(rows) == 4
+        np.testing.assert_allclose(rows[:, 3] - rows[:, 1], 0.5, atol=1e-6)
+        np.testing.assert_allclose(np.diff(rows[:, 1]), 0.75, atol=1e-6)
+        low, high = (0.0, WIDTH / 2 - GUTTER) if side * sense > 0 else (-WIDTH / 2 + GUTTER, 0.0)
+        assert low + 0.05 < rows[0, 1] < low + 0.25
+        assert high - 0.4 < rows[-1, 3] < high - 0.1
+        for tooth in teeth:
+            corners = shapely.get_coordinates(tooth)
+            tip = corners[(corners[:, 0] * sense).argmin()]
+            assert tip[1] == pytest.approx(tooth.centroid.y, abs=1e-6), "its tip is away from the crosswalk"
+
+
 def test_the_centre_line_is_broken_in_the_middle_of_the_road_and_ends_before_the_crosswalk() -> None:
     lines = bounds(found(RoadRules(centre="yellow", dash=2.0, gap=3.0)), "yellow", "road_marking")
     assert np.abs(lines[:, [1, 3]].mean(1)).max() < 0.03
@@ -141,6 +162,8 @@ def test_nothing_lies_beside_the_road_and_rails_keep_their_gauge() -> None:
     rails = bounds(found(rules_of("Toronto", "Canada")), "steel", "road")
     middles = np.sort(rails[:, [1, 3]].mean(1))
     np.testing.assert_allclose(middles[1::2] - middles[::2], 1.435, atol=0.01)
+    (axis,) = find_roads(ground()).axes
+    np.testing.assert_allclose(rails[:, 2] - rails[:, 0], axis.length, atol=0.02, err_msg="from end to end")
 
 
 def test_what_is_drawn_lies_millimetres_above_the_ground() -> None:
