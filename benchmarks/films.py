@@ -27,7 +27,12 @@ from urbanverse_mjx.settings import cache_dir
 POLICIES = pathlib.Path(__file__).with_name("policies")
 BENCHMARK, DRIVER = "craftbench", "coco_best"
 #: Film -> environment of a task.
-TASKS = {"social_nav": "CocoSocialNav", "follow_person": "CocoFollowPerson"}
+TASKS = {
+    "social_nav": "CocoSocialNav",
+    "follow_person": "CocoFollowPerson",
+    "follow_route": "CocoFollowRoute",
+    "cross_street": "CocoCrossStreet",
+}
 #: Images a second of a policy's film, and of a scene's or task's, of which a gait's steps of 0.02 s make up a whole
 #: number each.
 _FPS, _SCENE_FPS = 25.0, 10.0

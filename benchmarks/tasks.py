@@ -65,6 +65,32 @@ TASKS: dict[str, tuple[str, dict[str, tuple[str, int]]]] = {
             "hit_episodes": ("episodes with contact %", 1),
         },
     ),
+    "CocoFollowRoute": (
+        "follow_route.md",
+        {
+            "task/score": ("score", 3),
+            "SR": ("SR %", 1),
+            "RC": ("RC %", 1),
+            "task/violations": ("violations", 2),
+            "task/crossings": ("crosswalks entered", 2),
+            "hit_episodes": ("episodes with contact %", 1),
+            "task/standing": ("standing s", 1),
+            "task/seconds": ("seconds", 1),
+        },
+    ),
+    "CocoCrossStreet": (
+        "cross_street.md",
+        {
+            "task/score": ("score", 3),
+            "SR": ("SR %", 1),
+            "task/near_misses": ("near misses", 2),
+            "task/time_to_collision": ("least time to collision s", 2),
+            "task/stops": ("stops on the road", 2),
+            "task/waited": ("waited s", 1),
+            "task/delay": ("delay s", 1),
+            "hit_episodes": ("episodes with contact %", 1),
+        },
+    ),
 }
 HEADLINE = "task/score"
 MARKS = "<!-- tasks: python -m benchmarks.tasks --page -->", "<!-- end of tasks -->"

@@ -133,6 +133,10 @@ CODE: Mapping[str, Code] = {
     # Walkable and drivable cells of agents, and distance fields around the robot.
     "crowds": Code(1, ("crowds", "envs.navigation.dynamic_tables"), ("datatypes",)),
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),
+    # Episode tables of tasks.
+    "routes": Code(
+        1, _below("envs.navigation", "clearance_maps", "tasks.crosswalks", "tasks.routes"), ("crowds", "surroundings")
+    ),
     # City blocks; the number is part of their seed.
     "blocks": Code(1, ("citygen.city_blocks", *_below("citygen", "catalogue", "clearance", "section")), ("cousins",)),
 }

@@ -272,8 +272,18 @@ def test_vehicles_look_up_their_route_ahead_and_walkers_where_they_stand(tables:
         np.testing.assert_allclose(model._courses(crowd, jnp.int32(0)), turned, atol=1e-3, err_msg=str(shift))
 
 
-def walkers_and_cars(cars: list[tuple[float, float]], walker: tuple[float, float]) -> crossings.Order:
-    """A crossing at x 28 to 32 of a road along x; one walker heading north, cars (x, speed) coming from the west."""
+def walkers_and_cars(
+    cars: list[tuple[float, float]],
+    walker: tuple[float, float],
+    phase: int | None = None,
+    robot: tuple[float, float, bool] = (0.0, -7.0, False),
+) -> crossings.Order:
+    """A crossing at x 28 to 32 of a road along x; one walker heading north, cars (x, speed) coming from the west.
+
+    Args:
+      phase: of its signal; None for no signals and no robot.
+      robot: x, y of a robot heading north, and whether drivers give way to it.
+    """
     kind = np.zeros((600, 160), np.uint8)
     kind[280:320, 40:120] = 3
     space = FreeSpace(np.array([0.0, -8.0]), np.ones(kind.shape, bool), kind)
@@ -289,7 +299,12 @@ def walkers_and_cars(cars: list[tuple[float, float]], walker: tuple[float, float
     walks = jnp.arange(len(cars) + 1) == 0
     speed = f(1.34, *(8.0 for _ in cars))
     front = f(0.27, *(2.37 for _ in cars))
-    return crossings.give_way(table, jnp.int32(0), bodies, bodies.heading, speed, walks, front, walks | True)
+    rights = None
+    if phase is not None:
+        x, y, yields = robot
+        phases = jnp.zeros(256, jnp.int32).at[1].set(phase)
+        rights = crossings.RightOfWay(phases, f(x)[0], f(y)[0], f(np.pi / 2)[0], jnp.bool_(yields))
+    return crossings.give_way(table, jnp.int32(0), bodies, bodies.heading, speed, walks, front, walks | True, rights)
 
 
 def test_crossing_waits_for_what_comes_and_not_for_what_does_not() -> None:
@@ -318,6 +333,46 @@ def test_vehicles_stop_for_walkers_if_they_can() -> None:
             assert 6.0 < limit < np.sqrt(2 * 1.7 * 15.2)
     # 8 m/s five metres before it: too late to stop gently.
     assert not np.isfinite(float(walkers_and_cars([(21.0, 8.0)], (30.0, 0.0)).limit[1]))
+
+
+def test_people_and_vehicles_obey_signals() -> None:
+    kerb, on_it, away = (30.0, -4.4), (30.0, 0.0), (30.0, -7.0)
+    far = [(10.5, 6.0)]
+    # Nobody comes, yet only in the phase of walking people begin; on the crosswalk they go on.
+    for phase, waits in (
+        (crossings.UNSIGNALLED, False),
+        (crossings.WALK, False),
+        (crossings.CLEAR, True),
+        (crossings.STOP, True),
+    ):
+        assert bool(walkers_and_cars([(0.0, 0.0)], kerb, phase).wait[0]) == waits
+        assert not walkers_and_cars([(0.0, 0.0)], on_it, phase).wait[0]
+    # A car stops although nobody is near, until its own phase, in which it stops for people on the crosswalk alone.
+    for phase, walker, stops in (
+        (crossings.UNSIGNALLED, away, False),
+        (crossings.UNSIGNALLED, kerb, True),
+        (crossings.WALK, away, True),
+        (crossings.CLEAR, away, True),
+        (crossings.STOP, away, False),
+        (crossings.STOP, kerb, False),
+        (crossings.STOP, on_it, True),
+    ):
+        assert np.isfinite(float(walkers_and_cars(far, walker, phase).limit[1])) == stops, (phase, walker)
+
+
+def test_drivers_give_way_to_a_robot_where_they_have_to() -> None:
+    away = (10.0, -7.0)
+    for place, yields, phase, stops in (
+        ((30.0, -4.9), True, crossings.UNSIGNALLED, True),  # at the kerb, heading to the crosswalk
+        ((30.0, -4.9), False, crossings.UNSIGNALLED, False),
+        ((30.0, -4.9), True, crossings.STOP, False),
+        ((30.0, 0.0), True, crossings.STOP, True),  # on it
+        ((30.0, 0.0), False, crossings.UNSIGNALLED, False),
+        ((30.0, -6.0), True, crossings.UNSIGNALLED, False),  # too far away to be about to cross
+        ((30.0, 4.9), True, crossings.UNSIGNALLED, False),  # behind it, heading on
+    ):
+        limit = walkers_and_cars([(10.5, 6.0)], away, phase, (*place, yields)).limit[1]
+        assert np.isfinite(float(limit)) == stops, (place, yields, phase)
 
 
 def test_nobody_appears_in_sight_or_upon_another() -> None:

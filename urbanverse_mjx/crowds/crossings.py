@@ -1,4 +1,5 @@
-"""Right of way at crosswalks: pedestrians wait for a gap, vehicles stop for pedestrians.
+"""Right of way at crosswalks: pedestrians wait for a gap, vehicles stop for pedestrians; where there are signals, both
+obey them.
 
 In:   the scene's crosswalks, bodies, their headings. Out: which agents wait, and the largest speed of each vehicle.
 When: the table once per scene; the rest every crowd step, before `orca`, inside jit.
@@ -19,6 +20,8 @@ from .free_space import CELL, FreeSpace
 
 #: Cells of the free space along a cell of the table.
 POOL = 4
+#: Phases of a crosswalk: without a signal, or people may begin to cross, may only finish, may not be on it.
+UNSIGNALLED, WALK, CLEAR, STOP = range(4)
 #: m ahead, distances at which a vehicle looks for a crosswalk.
 _LOOKAHEAD_STEPS = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
 
@@ -36,6 +39,8 @@ class CrossingOptions:
       stopped_speed: m/s; slower vehicles count as stopped.
       stop_distance: m between a stopped vehicle's front and the crosswalk.
       braking: m/s², deceleration of a vehicle for a pedestrian.
+      robot_distance: m from a robot's centre to a crosswalk ahead of it at which it waits to cross: that of a
+        pedestrian and half the length of a delivery robot.
     """
 
     decision_distance: float = 0.8
@@ -43,6 +48,7 @@ class CrossingOptions:
     stopped_speed: float = 0.8
     stop_distance: float = 1.0
     braking: float = 1.7
+    robot_distance: float = 1.3
 
 
 _OPTIONS = CrossingOptions()
@@ -60,6 +66,22 @@ class Crossings(NamedTuple):
     number: Any
     origin: Any
     width: Any
+
+
+class RightOfWay(NamedTuple):
+    """Signals and the robot's rights, in one env.
+
+    Attributes:
+      phase: (256,) i32, phase of each crosswalk by its number.
+      x, y, heading: () m and rad, the robot's pose.
+      walks: () bool, whether drivers stop for the robot at crosswalks as for a pedestrian.
+    """
+
+    phase: Any
+    x: Any
+    y: Any
+    heading: Any
+    walks: Any
 
 
 def make_crossings(spaces: Sequence[FreeSpace]) -> Crossings:
@@ -103,12 +125,22 @@ class Order(NamedTuple):
 
 
 def give_way(
-    table: Crossings, scene: Any, bodies: Bodies, course: Any, speed: Any, walks: Any, front: Any, present: Any
+    table: Crossings,
+    scene: Any,
+    bodies: Bodies,
+    course: Any,
+    speed: Any,
+    walks: Any,
+    front: Any,
+    present: Any,
+    rights: RightOfWay | None = None,
 ) -> Order:
     """Right of way at crosswalks, for the bodies (A,) of one env.
 
     A pedestrian at the kerb crosses when every approaching vehicle needs longer to arrive than the crossing takes, or
-    has stopped. A vehicle stops before a crosswalk with a pedestrian on or at it, if its braking distance allows.
+    has stopped. A vehicle stops before a crosswalk with a pedestrian on or at it, if its braking distance allows. At a
+    signal a pedestrian begins only in the phase `WALK`, and vehicles stop until the phase `STOP` as for a pedestrian;
+    in that phase they stop for those on the crosswalk, not for those who wait.
 
     Args:
       course: (A,) rad, direction of each agent's route.
@@ -116,6 +148,7 @@ def give_way(
       walks: (A,) bool, whether an agent is on foot or on the pavement.
       front: (A,) m, distance from centre to front.
       present: (A,) bool.
+      rights: signals and the robot, or None for neither.
     """
     here = crossing_at(table, scene, bodies.x, bodies.y)
     cos, sin = jnp.cos(course), jnp.sin(course)
@@ -145,6 +178,25 @@ def give_way(
     threatened |= drives[:, None] & (here > 0)[:, None] & (here[:, None] == ahead[None])
     wait = at_kerb & threatened.any(0)
     busy = ((wanted[None] == coming[:, None]) & (coming > 0)[:, None]).any(1)
+    if rights is not None:
+        signal = rights.phase[ahead]
+        wait |= at_kerb & (signal != UNSIGNALLED) & (signal != WALK)
+        phase = rights.phase[coming]
+        on_foot = ((here[None] == coming[:, None]) & on_it[None]).any(1)
+        lights = (phase == WALK) | (phase == CLEAR)
+        busy = jnp.where(phase == STOP, on_foot, busy | lights) | _robot_crosses(table, scene, rights, coming)
+        busy &= coming > 0
     stop = busy & (going * going < 2.0 * 2.0 * _OPTIONS.braking * jnp.maximum(gap, 0.0))
     limit = jnp.sqrt(2.0 * _OPTIONS.braking * jnp.maximum(gap - _OPTIONS.stop_distance, 0.0))
     return Order(wait, jnp.where(stop, limit, jnp.inf))
+
+
+def _robot_crosses(table: Crossings, scene: Any, rights: RightOfWay, coming: Any) -> Any:
+    """(A,) bool, whether vehicles that come to crosswalks (A,) have to stop for the robot: on one, or at a kerb and
+    heading to it, there not in the phase `STOP`."""
+    x, y = rights.x, rights.y
+    here = crossing_at(table, scene, x, y)
+    reach = _OPTIONS.robot_distance
+    ahead = crossing_at(table, scene, x + reach * jnp.cos(rights.heading), y + reach * jnp.sin(rights.heading))
+    waits = (here == 0) & (ahead == coming) & (rights.phase[ahead] != STOP)
+    return rights.walks & ((here == coming) | waits)

@@ -242,18 +242,27 @@ class CrowdModel:
             still=put(crowd.still, 0.0),
         )
 
-    def step(self, crowd: Crowd, scene: Any, observer: Observer, robot_velocity: tuple[Any, Any], key: Any) -> Crowd:
+    def step(
+        self,
+        crowd: Crowd,
+        scene: Any,
+        observer: Observer,
+        robot_velocity: tuple[Any, Any],
+        key: Any,
+        rights: crossings.RightOfWay | None = None,
+    ) -> Crowd:
         """Advances the crowd by `dt` s.
 
         Args:
           scene: () i32.
           observer: the robot.
           robot_velocity: () m/s, x and y.
+          rights: signals of crosswalks and the robot's right of way; None for neither.
         """
         keys = jax.random.split(key, 4)
         crowd = self._next_errands(crowd, scene, observer, keys[0])
         course = self._courses(crowd, scene)
-        preferred_velocity = self._preferred_velocities(crowd, scene, course)
+        preferred_velocity = self._preferred_velocities(crowd, scene, course, rights)
         aside = deadlock.step_aside(preferred_velocity, crowd.blocked, crowd.side)
         aside = deadlock.back_up(aside, crowd.backing, crowd.bodies.heading)
         robot = self._robot_body(observer, robot_velocity)
@@ -341,7 +350,9 @@ class CrowdModel:
                 course = course.at[some].set(heading)
         return course
 
-    def _preferred_velocities(self, crowd: Crowd, scene: Any, course: Any) -> PreferredVelocity:
+    def _preferred_velocities(
+        self, crowd: Crowd, scene: Any, course: Any, rights: crossings.RightOfWay | None
+    ) -> PreferredVelocity:
         """Preferred velocities of all agents: by route or script, at the speed that crossings and goals allow."""
         order = crossings.give_way(
             self.tables.crossings,
@@ -352,6 +363,7 @@ class CrowdModel:
             self._on_foot,
             self._traits.radius + self._traits.half_length,
             crowd.present,
+            rights,
         )
         pace = jnp.where(order.wait, 0.0, jnp.minimum(crowd.speed, order.limit))
         for group, rows in self._groups.items():

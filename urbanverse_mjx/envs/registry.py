@@ -23,7 +23,7 @@ from .navigation.config import PRESETS, catalogue_config, default_config, go2_na
 from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import ppo_config
-from .navigation.tasks.config import follow_person_config, social_nav_config
+from .navigation.tasks.config import cross_street_config, follow_person_config, follow_route_config, social_nav_config
 from .playground import domain_randomize
 from .types import StagedEnv
 
@@ -338,6 +338,18 @@ register_environment(
     make_wheeled_env,
     follow_person_config,
     about="COCO keeps 1.5-3 m from one pedestrian through a crowd",
+)
+register_environment(
+    "CocoFollowRoute",
+    make_wheeled_env,
+    follow_route_config,
+    about="COCO follows pavements and crosswalks with signals over 200 m",
+)
+register_environment(
+    "CocoCrossStreet",
+    make_wheeled_env,
+    cross_street_config,
+    about="COCO crosses a road where vehicles come, with and without right of way",
 )
 register_environment(
     "Go2Joystick",

@@ -88,6 +88,7 @@ class Trajectory:
       running: (T, n) bool, whether the episode had not ended.
       agents: poses of moving agents, fields (T, n, A, ...); None if there are none.
       goals: (T, n, 3) m, which move in some tasks; None in trajectories from elsewhere.
+      shown: (T, n) values of the task for captions by name, see `Task.shown`; None in trajectories from elsewhere.
     """
 
     xpos: np.ndarray
@@ -95,6 +96,7 @@ class Trajectory:
     running: np.ndarray
     agents: AgentMotion | None
     goals: np.ndarray | None = None
+    shown: Mapping[str, np.ndarray] | None = None
 
 
 def checked_actions(name: str, agent: BatchAgent, obs: Any, shape: tuple[int, int]) -> np.ndarray:
@@ -208,12 +210,13 @@ class Rollout:
         memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (number, *x.shape)), first)
         return nav, _Tally(hit_time, none, none, keys, people, memory)
 
-    def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any, Any]:
+    def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any, Any, Any]:
         """One step of all envs in a `Trajectory`."""
         agents = None
         if self.env.dynamic is not None and nav.crowd is not None:
             agents = jax.vmap(self.env.dynamic.places)(nav.crowd, nav.sim.scene)
-        return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents, nav.goal
+        shown = jax.vmap(self.env.task.shown)(nav)
+        return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents, nav.goal, shown
 
     def _advance(self, nav: NavState, tally: _Tally, action: jax.Array) -> tuple[NavState, _Tally]:
         """Advances one env by a step; the state of an ended episode does not change."""

@@ -4,13 +4,17 @@ of the state, the ceiling."""
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 
+from ..crowds.crossings import UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
+from ..envs.navigation.tasks.cross import CrossStreet
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
+from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
 from .planner import Planner
-from .route_follower import TIMES, RouteFollower
+from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
 
 #: `Planner`'s distance and cost where the comfort of people counts: beyond Hall's intimate distance of 0.45 m, and less
 #: than the cost of an obstacle. A distance that must be kept stops it for good in a dense crowd.
@@ -21,6 +25,13 @@ FOLLOWING_DISTANCE = 2.2
 NOSE = 0.6
 #: s of the person's walk that the planner looks ahead: to the end of its drives.
 ANTICIPATION = TIMES[-1]
+#: m/s, mean speed with which the robot comes to a crosswalk, and s by which it has to be on it before people must not
+#: begin to cross any more.
+APPROACH_SPEED, SPARE_TIME = 1.2, 0.6
+#: s, times at which vehicles are looked for on a crosswalk, as long as a robot takes to cross one; m that they have to
+#: stay away from it; m/s below which they have stopped (that of `crossings`).
+GAP_TIMES = np.arange(0.0, 12.0, 0.5, dtype=np.float32)
+GAP_MARGIN, STOPPED_SPEED = 0.5, 0.8
 
 
 class PersonFollower(RouteFollower):
@@ -36,10 +47,89 @@ class PersonFollower(RouteFollower):
         return person - (FOLLOWING_DISTANCE - NOSE) * away / jnp.maximum(jnp.linalg.norm(away), 1e-6)
 
 
+class CrosswalkFollower(RouteFollower):
+    """`RouteFollower` for which crosswalks that it should not enter now are edges."""
+
+    def __init__(self, env: NavEnv) -> None:
+        super().__init__(env)
+        task = env.task
+        assert isinstance(task, FollowRoute | CrossStreet)
+        self.crosswalks = task.crosswalks
+
+    def distances(self, nav: NavState, p_xy: Any) -> Any:
+        """See `RouteFollower.distances`."""
+        found = super().distances(nav, p_xy)
+        away = jnp.where(self.closed(nav), self.crosswalks.away(nav.sim.scene, p_xy), jnp.inf).min(-1)
+        return found.at[..., 1].min(away)
+
+    def closed(self, nav: NavState) -> Any:
+        """(C,) bool, the crosswalks that the robot should not enter; not the one on which it is."""
+        raise NotImplementedError
+
+
+class SignalFollower(CrosswalkFollower):
+    """The ceiling of `FollowRoute`: enters crosswalks while their signals let it."""
+
+    def __init__(self, env: NavEnv) -> None:
+        super().__init__(env)
+        assert isinstance(env.task, FollowRoute)
+        self._task = env.task
+
+    def target(self, nav: NavState, xy: Any) -> Any:
+        """(2,) m, a point of the route ahead of its part to the next waypoint."""
+        here = self._task.position(nav, xy)
+        return route_point(nav.start, nav.waypoints, here + LOOKAHEAD_DISTANCE)
+
+    def closed(self, nav: NavState) -> Any:
+        """See `CrosswalkFollower.closed`: those that the robot cannot enter in time."""
+        state: RouteState = nav.task
+        scene, task = nav.sim.scene, self._task
+        phase = task.phases(scene, state.offset, nav.steps)
+        left = task.cycle.walk_left(state.offset + nav.steps * task.dt)
+        arrives = task.crosswalks.away(scene, task.pose(nav.sim).xy) / APPROACH_SPEED + SPARE_TIME
+        enters = (phase == UNSIGNALLED) | ((phase == WALK) & (left > arrives))
+        return ~enters & (jnp.arange(len(phase)) != state.inside)
+
+
+class GapFollower(CrosswalkFollower):
+    """The ceiling of `CrossStreet`: enters a crosswalk if no vehicle, at constant velocity, comes onto it or within
+    `GAP_MARGIN` m of it until the robot is across."""
+
+    def __init__(self, env: NavEnv) -> None:
+        super().__init__(env)
+        assert isinstance(env.task, CrossStreet)
+        self._task = env.task
+
+    def closed(self, nav: NavState) -> Any:
+        """See `CrosswalkFollower.closed`."""
+        assert nav.crowd is not None
+        task, scene, body = self._task, nav.sim.scene, nav.crowd.bodies
+        away = self.crosswalks.away(scene, task.pose(nav.sim).xy)
+        needed = (away + 2.0 * self.crosswalks.half[scene, :, 0]) / APPROACH_SPEED + SPARE_TIME
+        times = jnp.asarray(GAP_TIMES)
+        half = jnp.asarray(task.dynamic.shapes.half_length)
+        axis = jnp.stack([jnp.cos(body.heading), jnp.sin(body.heading)], -1)
+        centre, velocity = jnp.stack([body.x, body.y], -1), jnp.stack([body.vx, body.vy], -1)
+        ahead = centre + times[:, None, None] * velocity
+        # Front, middle and rear of each vehicle at each time.
+        parts = ahead[:, :, None] + jnp.array([-1.0, 0.0, 1.0])[:, None] * (half[:, None] * axis)[:, None]
+        reach = jnp.asarray(task.dynamic.shapes.radius) + GAP_MARGIN
+        comes = (self.crosswalks.away(scene, parts) < reach[:, None, None]).any(2)
+        # A vehicle that has stopped gives way, unless it stands on the crosswalk.
+        moves = (velocity * velocity).sum(-1) > STOPPED_SPEED**2
+        counts = task.vehicles & nav.crowd.present & (moves | (self.crosswalks.away(scene, centre) <= 0.0).any(-1))
+        threatened = (comes & counts[:, None] & (times[:, None, None] <= needed)).any((0, 1))
+        return threatened & (away > 0.0)
+
+
 def planner_of(env: NavEnv) -> Privileged:
     """The planner with full knowledge of the state for an environment's task."""
     if isinstance(env.task, FollowPerson):
         return PersonFollower(env)
+    if isinstance(env.task, FollowRoute):
+        return SignalFollower(env)
+    if isinstance(env.task, CrossStreet):
+        return GapFollower(env)
     if isinstance(env.task, SocialNav):
         return Planner(env, comfort=COMFORT)
     return Planner(env)

@@ -40,7 +40,12 @@ def write_episodes(
     from ..envs.navigation.dynamic import slot_appearances
     from ..viz.video import write_rollout_video
 
-    bank = env.bank
+    bank, shown_values = env.bank, trajectory.shown or {}
+
+    def note(column: int, step: int) -> str:
+        values = {name: float(x[step, column]) for name, x in shown_values.items()}
+        return env.task.note(values) if values else ""
+
     write_rollout_video(
         path,
         bank,
@@ -58,5 +63,6 @@ def write_episodes(
         frames_per_second=round(1 / env.dt),
         appearances=slot_appearances(env.dynamic.kinds, bank) if env.dynamic is not None else (),
         goal_name=env.task.GOAL_NAME,
+        note=note,
         **style,
     )

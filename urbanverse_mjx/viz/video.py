@@ -55,16 +55,17 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
 
 
 def caption(
-    scene: str, seconds: float, goal_distance: float, outcome: str, left: float, goal_name: str = "goal"
+    scene: str, seconds: float, goal_distance: float, outcome: str, left: float, goal_name: str = "goal", note: str = ""
 ) -> str:
     """Returns the caption of a frame: scene, time, distance to the goal (m), and in the last second the outcome.
 
     Args:
       left: s until the episode ends.
       goal_name: word for the goal.
+      note: addition of a task.
     """
     end = f"   ends: {CAPTIONS[outcome]}" if left < OUTCOME_TIME else ""
-    return f"{scene}   {seconds:4.1f} s   {goal_name} {goal_distance:4.1f} m{end}"
+    return f"{scene}   {seconds:4.1f} s   {goal_name} {goal_distance:4.1f} m{f'   {note}' if note else ''}{end}"
 
 
 def write_video(
@@ -115,6 +116,7 @@ def write_rollout_video(
     quality: float = 7.0,
     on_progress: Callable[[int], None] | None = None,
     goal_name: str = "goal",
+    note: Callable[[int, int], str] = lambda column, step: "",
 ) -> None:
     """Renders envs of an evaluation one after another, with a view from behind on the left and the robot's camera on
     the right.
@@ -134,6 +136,7 @@ def write_rollout_video(
       quality: see `write_video`.
       on_progress: called with the number of rendered envs.
       goal_name: word for the goal in captions.
+      note: function (env of the trajectory, step) -> addition to a caption.
     """
     renderer = Renderer(bank, robot, *size, ("rgb", "depth"), shadows=True, agents=appearances, samples=samples)
     depth = jax.jit(jax.vmap(lambda s, e, t, f: renderer.view(s, e, t, f)["depth"]))
@@ -164,7 +167,7 @@ def write_rollout_video(
             away = float(np.linalg.norm(xpos[t, 1, :2] - (goal if goal.ndim == 1 else goal[t])[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)
             seconds, left_over = t / frames_per_second, (length - 1 - t) / frames_per_second
-            text = caption(bank.scene_ids[scene], seconds, away, outcome, left_over, goal_name)
+            text = caption(bank.scene_ids[scene], seconds, away, outcome, left_over, goal_name, note(column, t))
             frames.append(_caption(both, text))
         if on_progress is not None:
             on_progress(done)

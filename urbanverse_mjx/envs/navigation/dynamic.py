@@ -15,6 +15,7 @@ from ml_collections import ConfigDict
 
 from ...crowds import KINDS
 from ...crowds.behaviours import Script
+from ...crowds.crossings import RightOfWay
 from ...crowds.crowd import Crowd, CrowdModel
 from ...crowds.crowd import Robot as RobotBody
 from ...crowds.free_space import CELL
@@ -145,9 +146,13 @@ class DynamicStreet:
         script: Script | None = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
         return self.model.init(keys[2], scene, observer, jnp.round(share * number).astype(jnp.int32), script)
 
-    def advance(self, nav: NavState, root: int) -> tuple[Crowd, AgentMotion]:
-        """Advances the crowd of `nav` by one control step; returns it and the motion of its agents. root: the robot's
-        body."""
+    def advance(self, nav: NavState, root: int, rights: RightOfWay | None = None) -> tuple[Crowd, AgentMotion]:
+        """Advances the crowd of `nav` by one control step; returns it and the motion of its agents.
+
+        Args:
+          root: the robot's body.
+          rights: see `CrowdModel.step`.
+        """
         sim, before = nav.sim, nav.crowd
         assert before is not None
         x, y = sim.xpos[root, :2]
@@ -156,7 +161,7 @@ class DynamicStreet:
         key = jax.random.fold_in(nav.key, _STEP + nav.steps)
 
         def step(k: Int[Array, ""], crowd: Crowd) -> Crowd:
-            return self.model.step(crowd, sim.scene, observer, (vx, vy), jax.random.fold_in(key, k))
+            return self.model.step(crowd, sim.scene, observer, (vx, vy), jax.random.fold_in(key, k), rights)
 
         crowd = jax.lax.fori_loop(0, self._crowd_steps, step, before)
         return crowd, self.motion(before, crowd, sim.scene)

@@ -25,7 +25,7 @@ from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
 from .starts import RandomStarts
 from .surroundings import Surroundings
-from .tasks import Parts, Task, make_task
+from .tasks import Parts, Task, make_task, task_class
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _MIN_UP = 0.5
@@ -85,6 +85,8 @@ class NavEnv(StagedBase[NavState]):
         if config.goal_mode not in ("final", "waypoint"):
             raise ValidationError(f"config.goal_mode: found {config.goal_mode!r}, needed 'final' or 'waypoint'.")
         self._config = config
+        named = select_scenes(bank, config.scenes)
+        bank, self.scenes = task_class(config).episodes(config, bank, robot, named)
         self.bank = bank
         self.robot = robot
         self.engine = engine
@@ -96,7 +98,6 @@ class NavEnv(StagedBase[NavState]):
         self.qpos0 = jnp.asarray(model.key_qpos[0] if model.nkey else model.qpos0, jnp.float32)
         self._nv = model.nv
         self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
-        self.scenes = select_scenes(bank, config.scenes)
         # Configurations of older policies do not have this field.
         chosen = config.get("observations", {})
         self._sees_proprio, self._sees_map = (bool(chosen.get(k, False)) for k in ("proprio", "privileged_map"))
@@ -127,7 +128,7 @@ class NavEnv(StagedBase[NavState]):
                 self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
             else:
                 self.clutter = Clutter(bank, engine.body_rows, engine.num_bodies, robot, self._surroundings)
-        parts = Parts(config, bank, robot, model, self._root, self._surroundings, self.dynamic)
+        parts = Parts(config, bank, self.scenes, robot, model, self._root, self._surroundings, self.dynamic)
         #: What the robot has to do.
         self.task: Task = make_task(parts)
 
@@ -216,7 +217,9 @@ class NavEnv(StagedBase[NavState]):
         """
         nav, given = finite.repaired(nav)
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
-        crowd, agents = (None, None) if self.dynamic is None else self.dynamic.advance(nav, self._root)
+        crowd, agents = None, None
+        if self.dynamic is not None:
+            crowd, agents = self.dynamic.advance(nav, self._root, self.task.rights(nav))
         sim = self.engine.step(nav.sim, self._obeyed(nav, action), agents)
         sound = given & finite.is_sound((sim, crowd))
         sim, crowd = finite.choose(sound, (sim, crowd), (nav.sim, nav.crowd))
@@ -241,10 +244,7 @@ class NavEnv(StagedBase[NavState]):
         done = result != Result.RUNNING
         done_f = done.astype(jnp.float32)
         driven = nav.driven + jnp.linalg.norm(p_xy - nav.sim.xpos[self._root, :2])
-        if self.task.FOLLOWS_ROUTE:
-            completed = terms.route_completed(p_xy, nav.start, moved.waypoints, moved.route_length, distance, driven)
-        else:
-            completed = jnp.clip(moved.route_length - distance, 0.0, driven)
+        completed = self.task.completed(moved, p_xy, distance, driven)
         route_done = jnp.where(result == Result.GOAL, moved.route_length, jnp.maximum(nav.route_done, completed))
         new = moved._replace(
             sim=sim,

@@ -1,8 +1,12 @@
 """Tasks on streets beside point goals: each is a `Task`, composed with `NavEnv` by the name in `config.task`."""
 
+from ml_collections import ConfigDict
+
 from ....datatypes import ValidationError
+from .cross import CrossStreet
 from .follow import FollowPerson
 from .people import PeopleTask
+from .route import FollowRoute
 from .social import SocialNav
 from .task import Parts, Task
 
@@ -11,20 +15,31 @@ TASKS: dict[str, type[Task]] = {
     "point_goal": Task,
     "social_nav": SocialNav,
     "follow_person": FollowPerson,
+    "follow_route": FollowRoute,
+    "cross_street": CrossStreet,
 }
 
 
+def task_class(config: ConfigDict) -> type[Task]:
+    """The class of the task of a config; that of point-goal navigation if it names none.
+
+    Raises:
+      ValidationError: the task is unknown.
+    """
+    section = config.get("task", None)
+    name = "point_goal" if section is None else section.name
+    if name not in TASKS:
+        raise ValidationError(f"config.task.name: found {name!r}, needed one of {', '.join(TASKS)}.")
+    return TASKS[name]
+
+
 def make_task(parts: Parts) -> Task:
-    """Makes the task of a config; point-goal navigation if it names none.
+    """Makes the task of a config.
 
     Raises:
       ValidationError: the task is unknown or does not fit the environment.
     """
-    section = parts.config.get("task", None)
-    name = "point_goal" if section is None else section.name
-    if name not in TASKS:
-        raise ValidationError(f"config.task.name: found {name!r}, needed one of {', '.join(TASKS)}.")
-    return TASKS[name](parts)
+    return task_class(parts.config)(parts)
 
 
-__all__ = ["TASKS", "Parts", "PeopleTask", "Task", "make_task"]
+__all__ = ["TASKS", "Parts", "PeopleTask", "Task", "make_task", "task_class"]

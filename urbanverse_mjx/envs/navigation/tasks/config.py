@@ -10,6 +10,9 @@ from ..config import default_config
 #: Terms of reward with which a policy learns in few steps, whatever the preset: those of the preset `fast`.
 _DENSE = "fast"
 
+#: s, time limits of `FollowRoute` and `CrossStreet`.
+FOLLOW_ROUTE_TIME, CROSS_STREET_TIME = 360.0, 60.0
+
 
 def _with_task(
     preset: str, name: str, options: Mapping[str, Any], scales: Mapping[str, float], crowd: Mapping[str, Any]
@@ -95,4 +98,50 @@ def follow_person_config(preset: str = "paper") -> ConfigDict:
     scales = {**off, "band": 0.05, "in_sight": 0.02, "kept": 0.05, "lost": -10.0}
     config = _with_task(preset, "follow_person", options, scales, crowd)
     config.success_radius = 0.0  # the person is no place to arrive at
+    return config.lock()
+
+
+def follow_route_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `FollowRoute` (`route.FollowRoute`) for COCO.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    options = {
+        "length": 200.0,  # m
+        "cycle": 60.0,  # s, the shortest that NACTO recommends (`signals`)
+        "walk": 20.0,  # s
+    }
+    off = {"arrived": 10.0, "progress": 0.0, "hit": -10.0, "off_traversable": -10.0}
+    scales = {**off, "route": 1.0, "violation": -5.0}
+    # Fewer people, more vehicles than in the other streets.
+    crowd = {"slots": {"pedestrian": 9, "wheelchair": 1, "scooter": 0, "cyclist": 1, "car": 4}}
+    config = _with_task(preset, "follow_route", options, scales, crowd)
+    config.goal_mode = "waypoint"
+    config.goal_observation_limit = 0.0
+    # 200 m at a mean of 1 m/s, and a cycle of each of some five signals.
+    config.episode_length = round(FOLLOW_ROUTE_TIME / config.ctrl_dt)
+    return config.lock()
+
+
+def cross_street_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `CrossStreet` (`cross.CrossStreet`) for COCO.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    crowd = {
+        # Mostly vehicles, all of them near the robot.
+        "slots": {"pedestrian": 4, "wheelchair": 0, "scooter": 0, "cyclist": 2, "car": 6},
+        "filled": _everywhere(1.0, default_config(preset)),
+        "encounters": {"head_on": 0.0, "cross": 0.0, "obstruct": 0.0, "overtaken": 0.0, "talk": 0.0, "queue": 0.0},
+    }
+    options = {
+        "priority": 0.5,  # share of the episodes in which drivers give way to the robot
+        "horizon": 3.0,  # s, time to a collision below which there is a penalty, as in `social_nav_config`
+    }
+    off = {"hit": -10.0, "off_traversable": -10.0}
+    scales = {**off, "near_miss": -3.0, "stop": -1.0, "time_to_collision": -0.2}
+    config = _with_task(preset, "cross_street", options, scales, crowd)
+    config.episode_length = round(CROSS_STREET_TIME / config.ctrl_dt)
     return config.lock()

@@ -82,7 +82,6 @@ class FollowPerson(PeopleTask):
     """
 
     SCORES = ("score", "in_sight", "distance")
-    FOLLOWS_ROUTE = False
     GOAL_NAME = "person"
 
     def __init__(self, parts: Parts) -> None:
@@ -162,6 +161,13 @@ class FollowPerson(PeopleTask):
 
     def _target(self, nav: NavState, person: Float[Array, "3"]) -> dict[str, Any]:
         return {"goal": person, "waypoints": jnp.broadcast_to(person, nav.waypoints.shape)}
+
+    def completed(
+        self, nav: NavState, p_xy: Float[Array, "2"], distance: Float[Array, ""], driven: Float[Array, ""]
+    ) -> Float[Array, ""]:
+        """See `Task.completed`; the person's path may lead anywhere."""
+        del p_xy
+        return jnp.clip(nav.route_length - distance, 0.0, driven)
 
     def advance(self, nav: NavState, sim: SimState, crowd: Crowd | None) -> dict[str, Any]:
         """See `Task.advance`."""

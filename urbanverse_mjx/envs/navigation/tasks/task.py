@@ -5,17 +5,20 @@ Out:  changes of its state, further endings, rewards, scores and observations.
 When: inside jit, per env, at reset and in every control step.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import mujoco
-from jaxtyping import Array, Float, Int, Key
+import numpy as np
+from jaxtyping import Array, Float, Int, Int32, Key
 from ml_collections import ConfigDict
 
+from ....crowds.crossings import RightOfWay
 from ....crowds.crowd import Crowd
 from ....datatypes import RobotSpec, SceneBank, SimState
 from ....geometry import rotations
 from ...types import NavState
+from .. import terms
 from ..dynamic import DynamicStreet
 from ..surroundings import Surroundings
 
@@ -26,6 +29,7 @@ class Parts(NamedTuple):
     Attributes:
       config: its whole configuration; `config.task` is the task's section.
       bank: the scenes.
+      scenes: (n,) rows of it in use.
       robot: its robot.
       model: the robot's model without scene.
       root: id of its free body.
@@ -35,6 +39,7 @@ class Parts(NamedTuple):
 
     config: ConfigDict
     bank: SceneBank
+    scenes: Int32[np.ndarray, " n"]
     robot: RobotSpec
     model: mujoco.MjModel
     root: int
@@ -60,8 +65,6 @@ class Task:
 
     #: Scores of an ended episode, see `scores`; the first one is the task's headline.
     SCORES: tuple[str, ...] = ()
-    #: Whether an episode follows the route of its row in the episode table.
-    FOLLOWS_ROUTE = True
     #: Word for the goal in captions.
     GOAL_NAME = "goal"
 
@@ -74,6 +77,34 @@ class Task:
         """The robot's pose and velocity in a state."""
         root = self.parts.root
         return RobotPose(sim.xpos[root, :2], rotations.yaw_of(sim.xquat[root]), sim.qvel[:2])
+
+    @classmethod
+    def episodes(
+        cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec, scenes: Int32[np.ndarray, " n"]
+    ) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
+        """The bank with the episode table of the task, and those of the scenes (n,) that have episodes.
+
+        Raises:
+          ValidationError: none of them has any.
+        """
+        del config, robot
+        return bank, scenes
+
+    def rights(self, nav: NavState) -> RightOfWay | None:
+        """Signals at crosswalks and the robot's right of way in the step after a state; None for neither."""
+        del nav
+        return None
+
+    def completed(
+        self, nav: NavState, p_xy: Float[Array, "2"], distance: Float[Array, ""], driven: Float[Array, ""]
+    ) -> Float[Array, ""]:
+        """() m of the route completed at (2,) m, of which the largest counts.
+
+        Args:
+          nav: the state before the step with the goal after it.
+          distance: () m to the goal. driven: () m.
+        """
+        return terms.route_completed(p_xy, nav.start, nav.waypoints, nav.route_length, distance, driven)
 
     def begin(self, key: Key[Array, ""], nav: NavState) -> NavState:
         """The first state of an episode; key: typed, which can be reused."""
@@ -114,3 +145,13 @@ class Task:
         """Additions to the observation `privileged`, of order one."""
         del nav
         return ()
+
+    def shown(self, nav: NavState) -> dict[str, Array]:
+        """Values () of a state that `note` tells; none here."""
+        del nav
+        return {}
+
+    def note(self, values: Mapping[str, float]) -> str:
+        """Addition to the caption of a film's frame; values: of `shown`."""
+        del values
+        return ""

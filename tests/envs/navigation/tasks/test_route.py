@@ -1,0 +1,260 @@
+"""`FollowRoute`: its routes, signals, ends and scores, and configurations that are refused."""
+
+import dataclasses
+import itertools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.compiling import optimized
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.crowds.crossings import CLEAR, STOP, UNSIGNALLED, WALK
+from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
+from urbanverse_mjx.envs import NavEnv, Result, check_env
+from urbanverse_mjx.envs.navigation.tasks.config import follow_route_config
+from urbanverse_mjx.envs.navigation.tasks.crosswalks import rectangles
+from urbanverse_mjx.envs.navigation.tasks.route import FollowRoute, RouteState
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes
+from urbanverse_mjx.evaluation.agents import go_to_goal
+from urbanverse_mjx.evaluation.task_agents import SignalFollower, baseline_of, planner_of
+
+FEW = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "cyclist")}
+FEW |= {"crowd.slots.pedestrian": 2, "crowd.slots.car": 1, "task.length": 60.0, "episode_length": 400}
+
+
+@pytest.fixture(scope="module")
+def env(small_bank: SceneBank) -> NavEnv:
+    with optimized():  # the crowd's tables take seconds
+        return unicycle_env(small_bank, {**FEW, "scenes": list(small_bank.scene_ids[:1])}, config=follow_route_config())
+
+
+@pytest.fixture(scope="module")
+def task(env: NavEnv) -> FollowRoute:
+    assert isinstance(env.task, FollowRoute)
+    return env.task
+
+
+@pytest.fixture(scope="module")
+def begun(env: NavEnv) -> Any:
+    return jax.jit(env.begin_at)(jax.random.key(0), jnp.int32(0), jnp.int32(0))
+
+
+def at(nav: Any, xy: tuple[float, float]) -> Any:
+    return nav._replace(sim=nav.sim._replace(xpos=nav.sim.xpos.at[1, :2].set(jnp.array(xy))))
+
+
+def after(env: NavEnv, nav: Any, xy: tuple[float, float]) -> Any:
+    """The state after a step to a point (m)."""
+    moved = at(nav, xy)
+    changes = env.task.advance(nav, moved.sim, nav.crowd)
+    return moved._replace(**changes, steps=nav.steps + 1)
+
+
+def with_time(nav: Any, seconds: float) -> Any:
+    """A state in which the signals of all crosswalks began to walk some seconds ago."""
+    return nav._replace(task=nav.task._replace(offset=jnp.full_like(nav.task.offset, seconds)), steps=jnp.int32(0))
+
+
+def test_routes_are_long_lead_over_the_crosswalk_and_stay_where_a_robot_may_be(env: NavEnv) -> None:
+    bank, scene = env.bank, int(env.scenes[0])
+    (row,) = rectangles(bank, scene)
+    assert int(bank.num_episodes[scene]) == 64
+    for k in range(0, 64, 9):
+        count = int(bank.episode_num_waypoints[scene, k])
+        line = np.concatenate([bank.episode_start[scene, k, None, :2], bank.episode_waypoints[scene, k, :count, :2]])
+        span = np.linalg.norm(np.diff(line, axis=0), axis=-1)
+        assert 60.0 <= span.sum() < 80.0
+        assert span.sum() == pytest.approx(float(bank.episode_length[scene, k]), rel=1e-5)
+        assert span.max() < 5.3
+        np.testing.assert_allclose(bank.episode_goal[scene, k], bank.episode_waypoints[scene, k, count - 1])
+        points = np.concatenate([np.linspace(a, b, 20) for a, b in itertools.pairwise(line)])
+        assert row.holds(points).any()
+        assert not row.holds(line[[0, -1]], 1.0).any(), "nobody begins or ends at the kerb"
+        cells = np.floor((points - bank.map_origin[scene]) / float(bank.map_resolution)).astype(int)
+        kinds = set(np.unique(bank.map_kind[scene][tuple(cells.T)]).tolist())
+        assert kinds <= {KIND_INDEX["sidewalk"], KIND_INDEX["crosswalk"]}
+
+
+def test_scenes_that_are_not_used_keep_an_episode_and_the_bank_stays_as_it_was(
+    env: NavEnv, small_bank: SceneBank
+) -> None:
+    assert env.bank.num_episodes.tolist() == [64, 1, 1]
+    np.testing.assert_array_equal(env.bank.episode_start[1, 0], small_bank.episode_start[1, 0])
+    assert int(small_bank.num_episodes[0]) != 64
+
+
+def test_routes_are_the_same_when_they_are_made_again(
+    env: NavEnv, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch, tmp_path: Any
+) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    named = np.array([0], np.int32)
+    again, scenes = FollowRoute.episodes(env.config, small_bank, env.robot, named)
+    assert scenes.tolist() == [0]
+    np.testing.assert_array_equal(again.episode_waypoints, env.bank.episode_waypoints)
+    np.testing.assert_array_equal(again.episode_start, env.bank.episode_start)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "phase", "violations"), [(5.0, WALK, 0.0), (21.0, CLEAR, 1.0), (40.0, STOP, 1.0), (59.9, WALK, 0.0)]
+)
+def test_entering_a_crosswalk_counts_by_its_phase(
+    env: NavEnv, task: FollowRoute, begun: Any, seconds: float, phase: int, violations: float
+) -> None:
+    nav = with_time(at(begun, (30.0, -4.5)), seconds)
+    new = after(env, nav, (30.0, -3.9))  # a step of 0.2 s later: 59.9 s is 0.1 s
+    assert int(task.phases(jnp.int32(0), new.task.offset, new.steps)[0]) == phase
+    assert (float(new.task.entries), float(new.task.violations)) == (1.0, violations)
+    assert float(task.rewards(nav, new)["violation"]) == violations
+    # On it, at its border and 0.4 m beside it, it is the same crossing; beyond that it is left.
+    for xy, inside in (((30.0, 0.0), 0), ((30.0, 4.4), 0), ((30.0, 3.9), 0), ((30.0, 4.6), -1)):
+        new = after(env, new, xy)
+        assert int(new.task.inside) == inside
+        assert float(new.task.entries) == 1.0
+        assert not bool(new.task.violated)
+
+
+def test_the_light_of_the_next_crosswalk_is_observed(env: NavEnv, task: FollowRoute, begun: Any) -> None:
+    arc = float(task._arc[0, 0, 0])
+    nav = with_time(begun, 45.0)._replace(route_done=jnp.float32(arc - 6.0))
+    light = task.light(nav)
+    assert (int(light.phase), int(light.row), bool(light.on)) == (STOP, 0, False)
+    assert float(light.to_walk) == pytest.approx(15.0, abs=1e-3)
+    assert float(light.distance) >= 6.0 - 1e-3
+    values = np.asarray(env._proprio(nav))[3:8]
+    np.testing.assert_allclose(values, [float(light.distance) / 20.0, 0.0, 0.0, 0.5, 0.0], atol=1e-4)
+    np.testing.assert_allclose(env.observe(nav)["privileged"][-5:], values, atol=1e-6)
+    on = after(env, with_time(at(nav, (30.0, -4.2)), 4.8), (30.0, 0.0))
+    np.testing.assert_allclose(env._proprio(on)[3:8], [0.0, 1.0, 1.0, 0.0, 15.0 / 30.0], atol=1e-4)
+    done = begun._replace(route_done=begun.route_length)
+    assert int(task.light(done).phase) == UNSIGNALLED
+    np.testing.assert_allclose(env._proprio(done)[3:8], [1.0, 0.0, 1.0, 0.0, 1.0])
+
+
+def test_progress_counts_on_the_way_to_the_next_waypoint_only(env: NavEnv, task: FollowRoute, begun: Any) -> None:
+    corners = np.concatenate([np.asarray(begun.start)[None, :2], np.asarray(begun.waypoints)[:, :2]])
+    ends = np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=-1))
+    first, third = (begun._replace(waypoint=jnp.int32(k)) for k in (0, 3))
+    middle = 0.5 * (corners[3] + corners[4])
+    assert float(task.position(third, jnp.asarray(middle))) == pytest.approx(0.5 * (ends[2] + ends[3]), abs=1e-3)
+    assert float(task.position(first, jnp.asarray(corners[-1]))) == 0.0, "the goal is not reached past the others"
+    assert float(task.position(third, jnp.asarray(corners[0]))) >= ends[2] - 1e-3
+
+
+@pytest.mark.parametrize(
+    ("waypoint", "steps", "base", "end"),
+    [
+        (3, 10, Result.GOAL, Result.RUNNING),
+        (3, 400, Result.GOAL, Result.TIMEOUT),
+        (-1, 10, Result.GOAL, Result.GOAL),
+        (3, 10, Result.HIT, Result.HIT),
+        (-1, 400, Result.TIMEOUT, Result.TIMEOUT),
+        (3, 10, Result.RUNNING, Result.RUNNING),
+    ],
+)
+def test_ends(env: NavEnv, begun: Any, waypoint: int, steps: int, base: Result, end: Result) -> None:
+    row = waypoint if waypoint >= 0 else int(begun.num_waypoints) + waypoint
+    nav = begun._replace(waypoint=jnp.int32(row), steps=jnp.int32(steps))
+    assert int(env.task.result(nav, jnp.int32(base))) == end
+
+
+@pytest.mark.parametrize(
+    ("result", "agent", "violations", "factor"),
+    [
+        (Result.TIMEOUT, -1, 0.0, 1.0),
+        (Result.TIMEOUT, -1, 2.0, 0.49),
+        (Result.HIT, -1, 0.0, 0.65),
+        (Result.HIT_AGENT, 0, 1.0, 0.35),  # a pedestrian: 0.5, and 0.7
+        (Result.HIT_AGENT, 2, 0.0, 0.60),  # the car behind two pedestrians
+    ],
+)
+def test_the_score_is_the_completed_share_times_factors(
+    env: NavEnv, task: FollowRoute, begun: Any, result: Result, agent: int, violations: float, factor: float
+) -> None:
+    assert env.dynamic is not None
+    assert env.dynamic.kinds == ("pedestrian", "pedestrian", "car")
+    state = begun.task._replace(violations=jnp.float32(violations), entries=jnp.float32(3.0), standing=jnp.float32(4.0))
+    contacts = begun.sim.contacts._replace(hit_agent=jnp.int32(agent))
+    nav = begun._replace(
+        sim=begun.sim._replace(contacts=contacts),
+        task=state,
+        result=jnp.int32(result),
+        route_done=0.5 * begun.route_length,
+        steps=jnp.int32(50),
+    )
+    scores = {name: float(x) for name, x in task.scores(nav).items()}
+    assert scores == pytest.approx(
+        {"score": 0.5 * factor, "violations": violations, "crossings": 3.0, "standing": 4.0, "seconds": 10.0}
+    )
+
+
+def test_signals_hold_people_and_vehicles_and_drivers_stop_for_the_robot(task: FollowRoute, begun: Any) -> None:
+    for seconds, phase in ((5.0, WALK), (21.0, CLEAR), (40.0, STOP)):
+        rights = task.rights(with_time(begun, seconds))
+        assert int(rights.phase[task.crosswalks.number[0, 0]]) == phase
+        assert int(rights.phase[0]) == UNSIGNALLED
+        assert bool(rights.walks)
+
+
+def test_an_episode_is_the_same_when_it_is_run_again(env: NavEnv) -> None:
+    begin = jax.jit(lambda key: env.begin_at(key, jnp.int32(0), jnp.int32(3)))
+    first, second, other = begin(jax.random.key(1)), begin(jax.random.key(1)), begin(jax.random.key(2))
+    assert isinstance(first.task, RouteState)
+    np.testing.assert_array_equal(first.task.offset, second.task.offset)
+    assert float(first.task.offset[0]) != float(other.task.offset[0])
+    step = jax.jit(lambda nav: env.advance(nav, jnp.array([0.5, 0.1]))[0])
+    for _ in range(3):
+        first, second = step(first), step(second)
+    for a, b in zip(jax.tree.leaves((first.sim, first.task)), jax.tree.leaves((second.sim, second.task)), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.slow
+def test_the_planner_waits_at_signals_and_the_baseline_does_not(env: NavEnv) -> None:
+    planner = planner_of(env)
+    assert isinstance(planner, SignalFollower)
+    assert baseline_of(env) == ("go_to_goal", go_to_goal)
+    agents = {"go_to_goal": go_to_goal, "planner": planner}
+    results, _ = Rollout(env, chunk=20).run(agents, fixed_episodes(env, 8))
+    found = {a: [r.task_scores for r in results if r.agent == a and r.task_scores] for a in agents}
+    violations = {a: sum(s["violations"] for s in rows) for a, rows in found.items()}
+    assert sum(s["crossings"] for s in found["planner"]) >= 4
+    assert violations["planner"] == 0 < violations["go_to_goal"]
+    score = {a: np.mean([s["score"] for s in rows]) for a, rows in found.items()}
+    assert score["planner"] > score["go_to_goal"] + 0.1
+
+
+@pytest.mark.slow
+def test_check_env_accepts_it(env: NavEnv) -> None:
+    check_env(env, num_envs=4, num_steps=6)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        ({"task.length": 5.0}, "config.task.length: found 5 m, needed 20 to 1000 m"),
+        ({"task.walk": 3.0}, "config.task.walk: found 3 s, needed at least 7 s"),
+        ({"task.cycle": 22.0}, "config.task.cycle: found 22 s, needed more than the 27.5 s"),
+        ({"goal_mode": "final"}, "config.goal_mode: found 'final' for the task 'follow_route', needed 'waypoint'"),
+    ],
+)
+def test_bad_configurations_are_refused_in_a_sentence(
+    small_bank: SceneBank, overrides: dict[str, Any], words: str
+) -> None:
+    scenes = {"scenes": list(small_bank.scene_ids[:1]), "scenario": "static"}
+    with pytest.raises(ValidationError, match=words):
+        unicycle_env(small_bank, {**FEW, **scenes, **overrides}, config=follow_route_config())
+
+
+def test_scenes_without_a_crosswalk_are_refused_in_a_sentence(small_bank: SceneBank) -> None:
+    road = KIND_INDEX["road"]
+    kinds = np.where(small_bank.map_kind == KIND_INDEX["crosswalk"], road, small_bank.map_kind).astype(np.uint8)
+    bank = dataclasses.replace(small_bank, map_kind=kinds)
+    with pytest.raises(
+        ValidationError, match=r"config.scenes: found none of 1 \(\w+\) with a crosswalk between pavements"
+    ):
+        unicycle_env(
+            bank, {**FEW, "scenes": list(bank.scene_ids[:1]), "scenario": "static"}, config=follow_route_config()
+        )
