@@ -32,6 +32,7 @@ TASKS = {
     "follow_person": "CocoFollowPerson",
     "follow_route": "CocoFollowRoute",
     "cross_street": "CocoCrossStreet",
+    "object_goal": "CocoObjectGoal",
 }
 #: Images a second of a policy's film, and of a scene's or task's, of which a gait's steps of 0.02 s make up a whole
 #: number each.

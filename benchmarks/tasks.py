@@ -54,6 +54,16 @@ TASKS: dict[str, tuple[str, dict[str, tuple[str, int]]]] = {
             "task/people_delay": ("people's delay s/min", 2),
         },
     ),
+    "CocoObjectGoal": (
+        "object_goal.md",
+        {
+            "task/score": ("score (SPL)", 3),
+            "SR": ("SR %", 1),
+            "task/distance_to_success": ("distance to success m", 2),
+            "RC": ("RC %", 1),
+            "hit_episodes": ("episodes with contact %", 1),
+        },
+    ),
     "CocoFollowPerson": (
         "follow_person.md",
         {

@@ -137,6 +137,15 @@ CODE: Mapping[str, Code] = {
     "routes": Code(
         1, _below("envs.navigation", "clearance_maps", "tasks.crosswalks", "tasks.routes"), ("crowds", "surroundings")
     ),
+    # Episodes that ask for objects.
+    "object_goals": Code(
+        1,
+        (
+            "envs.navigation.clearance_maps",
+            *_below("envs.navigation.tasks", "colours", "object_episodes", "object_names"),
+        ),
+        ("crowds", "surroundings"),
+    ),
     # City blocks; the number is part of their seed.
     "blocks": Code(1, ("citygen.city_blocks", *_below("citygen", "catalogue", "clearance", "section")), ("cousins",)),
 }

@@ -23,7 +23,13 @@ from .navigation.config import PRESETS, catalogue_config, default_config, go2_na
 from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import ppo_config
-from .navigation.tasks.config import cross_street_config, follow_person_config, follow_route_config, social_nav_config
+from .navigation.tasks.config import (
+    cross_street_config,
+    follow_person_config,
+    follow_route_config,
+    object_goal_config,
+    social_nav_config,
+)
 from .playground import domain_randomize
 from .types import StagedEnv
 
@@ -350,6 +356,12 @@ register_environment(
     make_wheeled_env,
     cross_street_config,
     about="COCO crosses a road where vehicles come, with and without right of way",
+)
+register_environment(
+    "CocoObjectGoal",
+    make_wheeled_env,
+    object_goal_config,
+    about="COCO finds a named object, such as the red postbox, and stops beside it",
 )
 register_environment(
     "Go2Joystick",

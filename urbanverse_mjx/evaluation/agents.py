@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..datatypes import ValidationError
 from ..envs import NavState
 
 #: Function (obs, key) -> action, called inside jit.
@@ -111,10 +112,25 @@ def random(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     return jax.random.uniform(key, (2,), minval=-1.0, maxval=1.0)
 
 
+def _way(obs: Mapping[str, Any], agent: str) -> jax.Array:
+    """(2,) m, the way to the goal.
+
+    Raises:
+      ValidationError: the goal is given otherwise.
+    """
+    goal = obs["goal"]
+    if goal.shape != (2,):
+        raise ValidationError(
+            f"policy {agent!r}: found a goal of {goal.size} numbers, such as a phrase's, needed the way to it (ahead, "
+            "left); take 'planner', or a policy trained for this environment."
+        )
+    return goal
+
+
 def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     """Agent that drives straight to the goal without images: a waypoint one metre ahead in the goal's direction."""
     del key
-    goal = obs["goal"]
+    goal = _way(obs, "go_to_goal")
     return goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
 
 
@@ -126,7 +142,7 @@ def keep_distance(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     """Agent that drives straight towards the goal without images, and stops and faces it at `KEPT_DISTANCE`: a
     follower of a person."""
     del key
-    goal = obs["goal"]
+    goal = _way(obs, "keep_distance")
     distance = jnp.linalg.norm(goal)
     share = jnp.clip((distance - KEPT_DISTANCE) / (FULL_SPEED_DISTANCE - KEPT_DISTANCE), 0.02, 1.0)
     return share * goal / jnp.maximum(distance, 1e-6)

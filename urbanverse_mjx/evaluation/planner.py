@@ -33,6 +33,8 @@ from .planner_options import PlannerOptions
 from .route_fields import NODE, build_route_fields
 
 _OPTIONS = PlannerOptions()
+#: m, remaining route that counts as arrived.
+GOAL_DISTANCE = _OPTIONS.goal_distance
 
 
 @dataclasses.dataclass(frozen=True)

@@ -87,10 +87,14 @@ class RouteFollower:
         """(..., 2) m from points (..., 2) to the nearest hull or agent and to the edge of where the robot may be."""
         return self._env.distances(nav, p_xy)
 
-    def act(self, nav: NavState, known: None = None) -> Any:
+    def act(self, nav: NavState, known: Any = None) -> Any:
         """(2,) waypoint in [-1, 1]."""
+        return self.towards(nav, self.target(nav, nav.sim.xpos[self._root, :2]))
+
+    def towards(self, nav: NavState, place: Any) -> Any:
+        """(2,) waypoint in [-1, 1] on the way to a place (2,) m."""
         xy, yaw = nav.sim.xpos[self._root, :2], rotations.yaw_of(nav.sim.xquat[self._root])
-        target = terms.to_body(self.target(nav, xy) - xy, yaw)
+        target = terms.to_body(place - xy, yaw)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         pose = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw]))
         to_go = self._cost_to_go(nav, pose, target)

@@ -8,12 +8,14 @@ import numpy as np
 
 from ..crowds.crossings import UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
+from ..envs.navigation import terms
 from ..envs.navigation.tasks.cross import CrossStreet
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
+from ..envs.navigation.tasks.object_goal import ObjectGoal
 from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
-from .planner import Planner
+from .planner import GOAL_DISTANCE, Planner, RouteField
 from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
 
 #: `Planner`'s distance and cost where the comfort of people counts: beyond Hall's intimate distance of 0.45 m, and less
@@ -23,6 +25,12 @@ COMFORT = (0.6, 0.15)
 FOLLOWING_DISTANCE = 2.2
 #: m from the robot's centre to the point that `RouteFollower` drives to the target.
 NOSE = 0.6
+#: m at which `ObjectWanderer` recognises an object.
+DETECTION_DISTANCE = 8.0
+#: m within the distance of success at which a stop begins.
+STOPPING_MARGIN = 0.05
+#: m to the place of `ObjectPlanner` from which it drives straight, and its action there, a share of full speed.
+APPROACH_DISTANCE, SLOW = 0.8, 0.3
 #: s of the person's walk that the planner looks ahead: to the end of its drives.
 ANTICIPATION = TIMES[-1]
 #: m/s, mean speed with which the robot comes to a crosswalk, and s by which it has to be on it before people must not
@@ -122,6 +130,62 @@ class GapFollower(CrosswalkFollower):
         return threatened & (away > 0.0)
 
 
+class ObjectPlanner(Planner):
+    """`Planner` that drives to the place of `ObjectGoal` from which the object is within reach, and stops there.
+
+    The planner weighs where its nose is and halts before the place; the last metre is driven straight and slowly.
+    """
+
+    def __init__(self, env: NavEnv) -> None:
+        super().__init__(env)
+        assert isinstance(env.task, ObjectGoal)
+        self._task = env.task
+
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteField:
+        """See `Planner.prepare`; the field's goal is the place itself, not a disc around it."""
+        route = super().prepare(scenes, rows)
+        return route._replace(cost=route.cost + GOAL_DISTANCE)
+
+    def act(self, nav: NavState, route: RouteField) -> Any:
+        """(2,) waypoint in [-1, 1]."""
+        robot = self._task.pose(nav.sim)
+        left = terms.to_body(nav.goal[:2] - robot.xy, robot.yaw)
+        away = jnp.linalg.norm(left)
+        straight = SLOW * left / jnp.maximum(away, 1e-6)
+        action = jnp.where(away < APPROACH_DISTANCE, straight, super().act(nav, route))
+        there = nav.task.reached & (nav.task.distance < self._task.reach - STOPPING_MARGIN)
+        return jnp.where(there, 0.0, action)
+
+
+class ObjectWanderer(RouteFollower):
+    """Searches for the object of `ObjectGoal` along the pavements: it follows the route that the street's table has
+    from the same start, drives to the object when the camera has it in view within `DETECTION_DISTANCE` m, and stops
+    within reach of it, or where the route ends.
+
+    It knows distances and the route, as `RouteFollower` does, and recognises the object without error, but not where it
+    is.
+    """
+
+    def __init__(self, env: NavEnv) -> None:
+        super().__init__(env)
+        assert isinstance(env.task, ObjectGoal)
+        self._task = env.task
+
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
+        """(n, W, 3) m, the routes of the street's table."""
+        return jnp.asarray(self._task.goals.routes[scenes, self._task.goals.source[scenes, rows]], jnp.float32)
+
+    def act(self, nav: NavState, known: Any = None) -> Any:
+        """(2,) waypoint in [-1, 1]."""
+        seen, place = self._task.in_view(nav, DETECTION_DISTANCE)
+        xy = nav.sim.xpos[self._root, :2]
+        here = terms.route_position(xy, nav.start, known)
+        ahead = route_point(nav.start, known, here + LOOKAHEAD_DISTANCE)
+        left = jnp.linalg.norm(known[-1, :2] - xy)
+        stop = (nav.task.reached & (nav.task.distance < self._task.reach - STOPPING_MARGIN)) | (~seen & (left < 1.0))
+        return jnp.where(stop, 0.0, self.towards(nav, jnp.where(seen, place, ahead)))
+
+
 def planner_of(env: NavEnv) -> Privileged:
     """The planner with full knowledge of the state for an environment's task."""
     if isinstance(env.task, FollowPerson):
@@ -132,11 +196,16 @@ def planner_of(env: NavEnv) -> Privileged:
         return GapFollower(env)
     if isinstance(env.task, SocialNav):
         return Planner(env, comfort=COMFORT)
+    if isinstance(env.task, ObjectGoal):
+        return ObjectPlanner(env)
     return Planner(env)
 
 
-def baseline_of(env: NavEnv) -> tuple[str, Agent]:
-    """Name and function of the scripted baseline for an environment's task, which uses `obs["goal"]` alone."""
+def baseline_of(env: NavEnv) -> tuple[str, Agent | Privileged]:
+    """Name and agent of the scripted baseline for an environment's task, which uses `obs["goal"]` alone, or for a
+    phrase see `ObjectWanderer`."""
+    if isinstance(env.task, ObjectGoal):
+        return "wander", ObjectWanderer(env)
     if isinstance(env.task, FollowPerson):
         return "keep_distance", keep_distance
     return "go_to_goal", go_to_goal

@@ -78,3 +78,10 @@ class GridGraph:
         node on the path (itself at the end)."""
         cost, following = csgraph.dijkstra(self._backwards, indices=goal, limit=limit, return_predecessors=True)
         return cost, np.where(following < 0, np.arange(len(following)), following)
+
+    def to_goals(self, goals: np.ndarray, limit: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the same as `to_goal` for the nearest of several goal nodes (g,)."""
+        cost, following, _ = csgraph.dijkstra(
+            self._backwards, indices=goals, limit=limit, min_only=True, return_predecessors=True
+        )
+        return cost, np.where(following < 0, np.arange(len(following)), following)

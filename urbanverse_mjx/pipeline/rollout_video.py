@@ -62,7 +62,7 @@ def write_episodes(
         outcomes=[results[i].outcome for i in shown],
         frames_per_second=round(1 / env.dt),
         appearances=slot_appearances(env.dynamic.kinds, bank) if env.dynamic is not None else (),
-        goal_name=env.task.GOAL_NAME,
+        goal_names=[env.task.goal_name(int(episodes.scenes[i]), int(episodes.episodes[i])) for i in shown],
         note=note,
         **style,
     )

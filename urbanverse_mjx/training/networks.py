@@ -118,7 +118,9 @@ class Encoder(nn.Module):
 
 def goal_features(goal: jax.Array) -> jax.Array:
     """Features (..., 5) of a goal (..., 2) m in the heading frame: the goal in units of 10 m, its direction, and its
-    nearness at a scale of 1 m."""
+    nearness at a scale of 1 m; a vector of another size, such as that of a phrase, as it is."""
+    if goal.shape[-1] != 2:
+        return goal
     # `jnp.linalg.norm` by operations that ONNX supports.
     distance = jnp.sqrt((goal * goal).sum(-1, keepdims=True))
     direction = goal / jnp.maximum(distance, 1e-3)

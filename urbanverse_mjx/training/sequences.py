@@ -35,7 +35,8 @@ def mirrored_view(obs: Mapping[str, jax.Array], mirrored: jax.Array) -> dict[str
     wide = mirrored[:, None, None, None]
     return {
         PIXELS: jnp.where(wide, obs[PIXELS][:, :, ::-1], obs[PIXELS]),
-        "goal": mirror_lateral(obs["goal"], mirrored, (1,)),
+        # The vector of a phrase is the same in a mirror.
+        "goal": mirror_lateral(obs["goal"], mirrored, (1,)) if obs["goal"].shape[-1] == 2 else obs["goal"],
         "proprio": mirror_lateral(obs["proprio"], mirrored, (1, 2, 4)),
     }
 

@@ -22,6 +22,7 @@ ENDS = {
     "off_traversable": (30, 90, 200),
     "fall": (110, 60, 20),
     "lost": (0, 150, 160),
+    "stopped": (120, 120, 120),
     "non_finite": (0, 0, 0),
 }
 #: m above the ground; a hull that begins below is an obstacle.

@@ -36,6 +36,7 @@ CAPTIONS = {
     "hit_ground": "touched the ground with its body",
     "hit_agent": "hit an agent",
     "lost": "lost the person",
+    "stopped": "stopped elsewhere",
     "off_traversable": "left the walkable ground",
     "fall": "fell",
     "non_finite": "not finite",
@@ -115,7 +116,7 @@ def write_rollout_video(
     samples: int = 1,
     quality: float = 7.0,
     on_progress: Callable[[int], None] | None = None,
-    goal_name: str = "goal",
+    goal_names: Sequence[str] = (),
     note: Callable[[int, int], str] = lambda column, step: "",
 ) -> None:
     """Renders envs of an evaluation one after another, with a view from behind on the left and the robot's camera on
@@ -135,7 +136,7 @@ def write_rollout_video(
       samples: rays per pixel along each side.
       quality: see `write_video`.
       on_progress: called with the number of rendered envs.
-      goal_name: word for the goal in captions.
+      goal_names: words for the goals of these episodes in captions; default: "goal".
       note: function (env of the trajectory, step) -> addition to a caption.
     """
     renderer = Renderer(bank, robot, *size, ("rgb", "depth"), shadows=True, agents=appearances, samples=samples)
@@ -151,7 +152,9 @@ def write_rollout_video(
         jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, FOLLOWING_FOV, p, q, 0, _agents(a))["rgb"])
     )
     frames: list[np.ndarray] = []
-    for done, (column, scene, goal, outcome) in enumerate(zip(columns, scenes, goals, outcomes, strict=True), 1):
+    names = goal_names or ["goal"] * len(columns)
+    rows = zip(columns, scenes, goals, outcomes, names, strict=True)
+    for done, (column, scene, goal, outcome, named) in enumerate(rows, 1):
         length = int(trajectory.running[:, column].sum())
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
@@ -167,7 +170,7 @@ def write_rollout_video(
             away = float(np.linalg.norm(xpos[t, 1, :2] - (goal if goal.ndim == 1 else goal[t])[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)
             seconds, left_over = t / frames_per_second, (length - 1 - t) / frames_per_second
-            text = caption(bank.scene_ids[scene], seconds, away, outcome, left_over, goal_name, note(column, t))
+            text = caption(bank.scene_ids[scene], seconds, away, outcome, left_over, named, note(column, t))
             frames.append(_caption(both, text))
         if on_progress is not None:
             on_progress(done)

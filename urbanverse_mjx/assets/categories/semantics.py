@@ -9,13 +9,13 @@ import collections
 import functools
 import json
 import math
-import re
 from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
+from urbanverse_mjx.datatypes.text_features import text_features
 from urbanverse_mjx.settings import asset_root
 
 from . import ontology
@@ -25,8 +25,6 @@ from .ontology import UnknownLabelError
 #: Scores of exact names and of nouns of phrases, which rank before embeddings.
 EXACT_SCORE, GUESS_SCORE = 1.0, 0.9
 MAX_EMBEDDING_SCORE = 0.79  # lower than `GUESS_SCORE` by more than a query can add for colours and materials
-LETTERS = (3, 4, 5)
-WORD_WEIGHT = 2.0  # a common whole word has more weight than its letters
 
 
 class TextEmbedder(Protocol):
@@ -45,7 +43,7 @@ class NgramIndex:
         self.leaves = tuple(ontology.categories())
         place = {leaf: k for k, leaf in enumerate(self.leaves)}
         self._leaf_of = np.array([place[leaf] for _, leaf in names])
-        counts = [_features(ontology.normalised(name)) for name, _ in names]
+        counts = [text_features(ontology.normalised(name)) for name, _ in names]
         frequency = collections.Counter(feature for count in counts for feature in count)
         self._column = {feature: k for k, feature in enumerate(frequency)}
         self._idf = np.array([math.log((1 + len(names)) / (1 + n)) + 1.0 for n in frequency.values()])
@@ -53,7 +51,7 @@ class NgramIndex:
 
     def scores(self, label: str) -> np.ndarray:
         """(659,) cosine with the nearest name of each leaf."""
-        query = self._matrix([_features(ontology.normalised(label))])
+        query = self._matrix([text_features(ontology.normalised(label))])
         cosine = np.asarray((self._documents @ query.T).todense()).ravel()
         best = np.zeros(len(self.leaves))
         np.maximum.at(best, self._leaf_of, cosine)
@@ -125,16 +123,3 @@ def _embedded(embedder: TextEmbedder, label: str) -> np.ndarray:
 @functools.lru_cache(maxsize=2)
 def _leaf_vectors(embedder: TextEmbedder) -> np.ndarray:
     return embedder([f"{leaf}, {middle}" for leaf, (_, middle, _) in ontology.categories().items()])
-
-
-def _features(text: str) -> dict[str, float]:
-    """Words and the letter sequences in them, with marked ends, and their weights."""
-    found: dict[str, float] = collections.defaultdict(float)
-    for word in re.findall(r"[^\W_]+", text):
-        stem = word[:-1] if len(word) > 3 and word.endswith("s") and not word.endswith("ss") else word
-        found[f"w:{stem}"] += WORD_WEIGHT
-        marked = f"<{stem}>"
-        for length in LETTERS:
-            for start in range(len(marked) - length + 1):
-                found[marked[start : start + length]] += 1.0 / len(LETTERS)
-    return {feature: 1.0 + math.log(x) if x > 1.0 else x for feature, x in found.items()}

@@ -57,8 +57,8 @@ class NavEnv(StagedBase[NavState]):
 
     Observation (dict): pixels/front: (H, W, 3) uint8; with vision_config.depth (H, W, 4), the fourth in 10 cm up to
     25.5 m; present when `config.vision`. goal: (2,) f32 m, the final goal (or the next 5 m waypoint with
-    goal_mode="waypoint") in the heading frame. privileged: (41 + action_size,) f32 for critics and tests only: goal,
-    next waypoint, the one after (heading frame, m), forward and lateral speed (m/s), yaw rate (rad/s), share of time
+    goal_mode="waypoint") in the heading frame; or what a task has in its place. privileged: (41 + action_size,) f32 for
+    critics and tests only: goal, next waypoint, the one after (heading frame, m), forward and lateral speed (m/s), yaw rate (rad/s), share of time
     and of route left, distances (m) to the next hull and to the edge of the walkable ground at the 15 `PROBES` around
     the robot, last action. proprio: (3 + action_size,) f32, forward and lateral speed (m/s), yaw rate (rad/s), last
     action: what wheel odometry or a state estimator gives; with `config.observations.proprio`. privileged_map: (640,)
@@ -84,9 +84,9 @@ class NavEnv(StagedBase[NavState]):
             raise ValidationError(f"config.action_mode: found {config.action_mode!r}, needed one of {ACTION_MODES}.")
         if config.goal_mode not in ("final", "waypoint"):
             raise ValidationError(f"config.goal_mode: found {config.goal_mode!r}, needed 'final' or 'waypoint'.")
-        self._config = config
         named = select_scenes(bank, config.scenes)
-        bank, self.scenes = task_class(config).episodes(config, bank, robot, named)
+        bank, self.scenes, own = task_class(config).episodes(config, bank, robot, named)
+        self._config = config
         self.bank = bank
         self.robot = robot
         self.engine = engine
@@ -128,7 +128,7 @@ class NavEnv(StagedBase[NavState]):
                 self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
             else:
                 self.clutter = Clutter(bank, engine.body_rows, engine.num_bodies, robot, self._surroundings)
-        parts = Parts(config, bank, self.scenes, robot, model, self._root, self._surroundings, self.dynamic)
+        parts = Parts(config, bank, self.scenes, robot, model, self._root, self._surroundings, self.dynamic, own)
         #: What the robot has to do.
         self.task: Task = make_task(parts)
 
@@ -284,6 +284,8 @@ class NavEnv(StagedBase[NavState]):
         goal = final if config.goal_mode == "final" else to[1]
         if config.goal_observation_limit > 0.0:
             goal = terms.limit_norm(goal, config.goal_observation_limit)
+        told = self.task.goal_observation(nav)
+        goal = goal if told is None else told
         speed = terms.to_body(nav.sim.qvel[:2], yaw)
         left = jnp.stack(
             [

@@ -5,6 +5,7 @@ from ml_collections import ConfigDict
 from ....datatypes import ValidationError
 from .cross import CrossStreet
 from .follow import FollowPerson
+from .object_goal import ObjectGoal
 from .people import PeopleTask
 from .route import FollowRoute
 from .social import SocialNav
@@ -17,11 +18,12 @@ TASKS: dict[str, type[Task]] = {
     "follow_person": FollowPerson,
     "follow_route": FollowRoute,
     "cross_street": CrossStreet,
+    "object_goal": ObjectGoal,
 }
 
 
 def task_class(config: ConfigDict) -> type[Task]:
-    """The class of the task of a config; that of point-goal navigation if it names none.
+    """The class of a config's task; that of point-goal navigation if it names none.
 
     Raises:
       ValidationError: the task is unknown.

@@ -35,6 +35,27 @@ def _with_task(
     return config
 
 
+def object_goal_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `ObjectGoal` (`object_goal.ObjectGoal`) for COCO: that of a preset, with objects that stand.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    config = ConfigDict(default_config(preset).to_dict())
+    config.scenario = "static"
+    config.success_radius = 0.0  # being near is not enough
+    config.reward_config.multiply_by_dt = False
+    dense = default_config(_DENSE).reward_config.scales
+    config.reward_config.scales = {**dense, "at_object": 0.1, "stopped": -5.0}
+    config.task = {
+        "name": "object_goal",
+        "path_length": (8.0, 35.0),  # m, shortest path from the start; a whole street is about 50 m long
+        "success_distance": 1.0,  # m, of Batra et al. (2020)
+        "stop_time": 1.0,  # s
+    }
+    return config.lock()
+
+
 def _everywhere(share: float, config: ConfigDict) -> dict[str, float]:
     return dict.fromkeys(config.crowd.filled, share)
 

@@ -115,15 +115,16 @@ class CrossStreet(PeopleTask):
     @classmethod
     def episodes(
         cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec, scenes: Int32[Any, " n"]
-    ) -> tuple[SceneBank, Int32[Any, " n"]]:
+    ) -> tuple[SceneBank, Int32[Any, " n"], Any]:
         """See `Task.episodes`."""
 
         def make(scene: int) -> routes.Routes | None:
             return routes.crossing_routes(bank, scene, robot)
 
-        return routes.with_routes(
+        found = routes.with_routes(
             bank, scenes, robot, "crossing", make, "a crosswalk that routes of vehicles pass, between pavements"
         )
+        return (*found, None)
 
     def begin(self, key: Key[Array, ""], nav: NavState) -> NavState:
         """The first state of an episode."""

@@ -159,7 +159,7 @@ class FollowRoute(Task):
     @classmethod
     def episodes(
         cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec, scenes: Int32[np.ndarray, " n"]
-    ) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
+    ) -> tuple[SceneBank, Int32[np.ndarray, " n"], Any]:
         """See `Task.episodes`."""
         length = float(config.task.length)
         if not MIN_LENGTH <= length <= MAX_LENGTH:
@@ -168,7 +168,8 @@ class FollowRoute(Task):
         def make(scene: int) -> routes.Routes | None:
             return routes.long_routes(bank, scene, robot, length)
 
-        return routes.with_routes(bank, scenes, robot, f"long {length:g}", make, "a crosswalk between pavements")
+        found = routes.with_routes(bank, scenes, robot, f"long {length:g}", make, "a crosswalk between pavements")
+        return (*found, None)
 
     def _events(self, bank: SceneBank, scene: int) -> tuple[np.ndarray, np.ndarray]:
         """(E, M) m of arc length and i32 rows, where the routes of a scene enter its crosswalks."""

@@ -35,6 +35,7 @@ class Parts(NamedTuple):
       root: id of its free body.
       surroundings: distances to hulls and edges.
       dynamic: the crowd; None in a scenario without one.
+      own: what `Task.episodes` found beside the episodes.
     """
 
     config: ConfigDict
@@ -45,6 +46,7 @@ class Parts(NamedTuple):
     root: int
     surroundings: Surroundings
     dynamic: DynamicStreet | None
+    own: Any = None
 
 
 class RobotPose(NamedTuple):
@@ -81,14 +83,15 @@ class Task:
     @classmethod
     def episodes(
         cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec, scenes: Int32[np.ndarray, " n"]
-    ) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
-        """The bank with the episode table of the task, and those of the scenes (n,) that have episodes.
+    ) -> tuple[SceneBank, Int32[np.ndarray, " n"], Any]:
+        """The bank with the episode table of the task, those of the scenes (n,) that have episodes, and what the
+        constructor finds in `Parts.own`.
 
         Raises:
           ValidationError: none of them has any.
         """
         del config, robot
-        return bank, scenes
+        return bank, scenes, None
 
     def rights(self, nav: NavState) -> RightOfWay | None:
         """Signals at crosswalks and the robot's right of way in the step after a state; None for neither."""
@@ -122,6 +125,11 @@ class Task:
         del nav
         return result
 
+    def goal_name(self, scene: int, row: int) -> str:
+        """What captions call the goal of an episode of the task's table."""
+        del scene, row
+        return self.GOAL_NAME
+
     def rewards(self, old: NavState, new: NavState) -> dict[str, Float[Array, ""]]:
         """Values of the reward terms that the task adds, by their names in `reward_config.scales`."""
         del old, new
@@ -135,6 +143,11 @@ class Task:
     def observed_goal(self, nav: NavState) -> Float[Array, "3"]:
         """(3,) m, the goal as a policy knows it."""
         return nav.goal
+
+    def goal_observation(self, nav: NavState) -> Float[Array, " n"] | None:
+        """What the observation `goal` is in place of a vector to a goal; None for that vector."""
+        del nav
+        return None
 
     def proprio(self, nav: NavState) -> Sequence[Float[Array, " n"]]:
         """Additions to the observation `proprio`, of order one."""
