@@ -58,15 +58,15 @@ class NavEnv(StagedBase[NavState]):
     Observation (dict): pixels/front: (H, W, 3) uint8; with vision_config.depth (H, W, 4), the fourth in 10 cm up to
     25.5 m; present when `config.vision`. goal: (2,) f32 m, the final goal (or the next 5 m waypoint with
     goal_mode="waypoint") in the heading frame; or what a task has in its place. privileged: (41 + action_size,) f32 for
-    critics and tests only: goal, next waypoint, the one after (heading frame, m), forward and lateral speed (m/s), yaw rate (rad/s), share of time
-    and of route left, distances (m) to the next hull and to the edge of the walkable ground at the 15 `PROBES` around
-    the robot, last action. proprio: (3 + action_size,) f32, forward and lateral speed (m/s), yaw rate (rad/s), last
-    action: what wheel odometry or a state estimator gives; with `config.observations.proprio`. privileged_map: (640,)
-    u8 cm, the two distances of `privileged` at the (20, 16) `MAP_PROBES` around the robot, for teachers and auxiliary
-    losses only; with `config.observations.privileged_map`. A task may add values to the ends of privileged and of
-    proprio's speeds, see its class. Flat, because Brax keeps statistics of every observation
-    except images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`: waypoint: (2,), (dx, dy) in
-    the body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 *
+    critics and tests only: goal, next waypoint, the one after (heading frame, m), forward and lateral speed (m/s), yaw
+    rate (rad/s), share of time and of route left, distances (m) to the next hull and to the edge of the walkable ground
+    at the 15 `PROBES` around the robot, last action. proprio: (3 + action_size,) f32, forward and lateral speed (m/s),
+    yaw rate (rad/s), last action: what wheel odometry or a state estimator gives; with `config.observations.proprio`.
+    privileged_map: (640,) u8 cm, the two distances of `privileged` at the (20, 16) `MAP_PROBES` around the robot, for
+    teachers and auxiliary losses only; with `config.observations.privileged_map`. A task may add values to the ends of
+    privileged and of proprio's speeds, see its class. Flat, because Brax keeps statistics of every observation except
+    images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`: waypoint: (2,), (dx, dy) in the
+    body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 *
     max_yaw_rate); joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it has none
     (wheels), they are its command at full speed straight ahead, backwards and forwards. Not for robots with a gait.
     Reward: sum of `reward_config.scales` times the terms of `terms`. Ends: see `Result`; TIMEOUT is a truncation. With
