@@ -66,25 +66,43 @@ def drive_all(
     adr = int(model.jnt_qposadr[model.body(f"robot/{robot.root_body}").jntadr[0]])
     state = _initial_states(model, data, adr, robot, starts)
     substeps = round(CONTROL_PERIOD / model.opt.timestep)
-    dense = [np.concatenate([p[:1], resample(p, _PATH_SPACING)]) for p in paths]
+    dense = _Paths([np.concatenate([p[:1], resample(p, _PATH_SPACING)]) for p in paths])
     progress = np.zeros(len(paths), int)
     limit = np.array([path_length(p) / MIN_MEAN_SPEED + MAX_WAIT for p in paths])
     drives: list[Drive | None] = [None] * len(paths)
     alive, time = np.arange(len(paths)), 0.0
     while len(alive):
-        pose = state[:, 1 + adr : 1 + adr + 7]
-        targets = np.zeros((len(paths), 2))
-        for e in alive:
-            drives[e] = _judge(pose[e], dense[e][-1], space, time, limit[e])
-            progress[e], targets[e] = _target(pose[e], dense[e], int(progress[e]))
-        alive = np.array([e for e in alive if drives[e] is None], int)
+        pose = state[alive, 1 + adr : 1 + adr + 7]
+        for e, drive in zip(alive, _judge(pose, dense.goals[alive], space, time, limit[alive]), strict=True):
+            drives[e] = drive
+        going = np.array([drives[e] is None for e in alive])
+        alive, pose = alive[going], pose[going]
         if len(alive):
+            targets = np.zeros((len(paths), 2))
+            progress[alive], targets[alive] = _target(pose, dense, alive, progress[alive])
             control = np.asarray(controller.command(targets), np.float64)[alive]
             control = np.repeat(control[:, None], substeps, 1)
             out, _ = mujoco.rollout.rollout(model, data, state[alive], control)
             state[alive] = out[:, -1]
             time += CONTROL_PERIOD
     return [d for d in drives if d is not None]
+
+
+class _Paths:
+    """Paths of different lengths as one array.
+
+    Attributes:
+      points: (E, most, 2) m; after the end of a path its last point.
+      counts: (E,) points of each.
+      goals: (E, 2) m, their last points.
+    """
+
+    def __init__(self, paths: Sequence[np.ndarray]) -> None:
+        self.counts = np.array([len(p) for p in paths])
+        most = int(self.counts.max(initial=1))
+        last = np.minimum(np.arange(most), self.counts[:, None] - 1)
+        self.points = np.array([p[k] for p, k in zip(paths, last, strict=True)]).reshape(len(paths), most, 2)
+        self.goals = self.points[:, -1]
 
 
 def _initial_states(
@@ -99,24 +117,26 @@ def _initial_states(
     return state
 
 
-def _judge(pose: np.ndarray, goal: np.ndarray, space: FreeSpace, time: float, limit: float) -> Drive | None:
-    """A finished drive, or None while it continues."""
-    if not np.isfinite(pose).all():
-        return Drive(-1.0, "unstable")
-    if np.linalg.norm(pose[:2] - goal) < ARRIVAL_DISTANCE:
-        return Drive(time, "")
-    if rotations.up_of(pose[3:7]) < 0.7:
-        return Drive(-1.0, "tipped over")
-    if not traversable(space.map.kind[space.cell(pose[:2])]):
-        return Drive(-1.0, "off the traversable area")
-    return Drive(-1.0, "stuck") if time > limit else None
+def _judge(pose: np.ndarray, goal: np.ndarray, space: FreeSpace, time: float, limit: np.ndarray) -> list[Drive | None]:
+    """Of each pose (n, 7) with its goal (n, 2) and limit (n,) s: the finished drive, or None while it continues."""
+    stable = np.isfinite(pose).all(1)
+    pose = np.where(stable[:, None], pose, 0.0)
+    arrived = np.linalg.norm(pose[:, :2] - goal, axis=1) < ARRIVAL_DISTANCE
+    tipped = rotations.up_of(pose[:, 3:7]) < 0.7
+    outside = ~traversable(space.map.kind[space.cell(pose[:, :2])])
+    ends = np.select([~stable, arrived, tipped, outside, time > limit], range(5), default=-1)
+    reasons = ("unstable", "", "tipped over", "off the traversable area", "stuck")
+    return [None if k < 0 else Drive(time if reasons[k] == "" else -1.0, reasons[k]) for k in ends]
 
 
-def _target(pose: np.ndarray, path: np.ndarray, progress: int) -> tuple[int, np.ndarray]:
-    """The nearest point of the path from `progress` on, and the body-frame point to steer for."""
-    window = path[progress : progress + 30]
-    progress += int(np.linalg.norm(window - pose[:2], axis=1).argmin())
-    ahead = path[min(progress + round(LOOKAHEAD / _PATH_SPACING), len(path) - 1)] - pose[:2]
-    yaw = rotations.yaw_of(pose[3:7])
+def _target(pose: np.ndarray, paths: _Paths, rows: np.ndarray, progress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) index of the nearest point of the paths `rows` from `progress` on, and (n, 2) body-frame points to steer
+    for."""
+    window = np.minimum(progress[:, None] + np.arange(30), paths.counts[rows, None] - 1)
+    apart = np.linalg.norm(paths.points[rows[:, None], window] - pose[:, None, :2], axis=2)
+    progress = progress + apart.argmin(1)
+    far = np.minimum(progress + round(LOOKAHEAD / _PATH_SPACING), paths.counts[rows] - 1)
+    ahead = paths.points[rows, far] - pose[:, :2]
+    yaw = rotations.yaw_of(pose[:, 3:7])
     c, s = np.cos(yaw), np.sin(yaw)
-    return progress, np.array([c * ahead[0] + s * ahead[1], -s * ahead[0] + c * ahead[1]])
+    return progress, np.stack([c * ahead[:, 0] + s * ahead[:, 1], -s * ahead[:, 0] + c * ahead[:, 1]], 1)

@@ -62,6 +62,7 @@ class ObjectLibrary:
         self.table = load_store() if table is None else table
         uids = self.table["uid"].to_pylist()
         self._rows = {uid: k for k, uid in enumerate(uids)}
+        self._made: dict[str, AssetRecord] = {}
         self._all = np.array(uids, dtype=object)  # converted once, because the conversion costs more than any filter
         self._filters: dict[str, Callable[[Any], Mask]] = {
             **{name: functools.partial(self._in_range, column, name) for name, column in RANGES.items()},
@@ -167,7 +168,11 @@ class ObjectLibrary:
         Raises:
           ValidationError: no such uid, or one without a mesh.
         """
-        return [record_of(row) for row in self._take(uids)]
+        # Making a cousin asks for the same hundreds of records for every object of a kind.
+        new = [uid for uid in dict.fromkeys(uids) if uid not in self._made]
+        if new:
+            self._made |= {row["uid"]: record_of(row) for row in self._take(new)}
+        return [self._made[uid] for uid in uids]
 
     def imported(self) -> list[AssetRecord]:
         """The records whose meshes are files that the user imported."""
