@@ -7,13 +7,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from ml_collections import ConfigDict
 
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, State, wrap_for_training
 from urbanverse_mjx.envs.navigation.env import MAP_PROBES
 from urbanverse_mjx.envs.staged import observed_size
-from urbanverse_mjx.evaluation import Rollout, blank_image, fixed_episodes
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.training import dagger, sequences, snapshot
 from urbanverse_mjx.training.map_networks import MAP_SHAPE
 from urbanverse_mjx.training.networks import PIXELS
@@ -151,22 +152,32 @@ def test_seen_in_a_mirror_twice_is_seen_as_it_is() -> None:
         np.testing.assert_array_equal(once[name][1], obs[name][1])
 
 
-def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
-    small_bank: SceneBank, tmp_path: pathlib.Path
-) -> None:
-    """The teacher drives straight to the goal, which the student observes: a few iterations bring it near."""
+def teach(params: None, state: State[Any], key: jax.Array) -> jax.Array:
+    """Straight to the goal, with some noise."""
+    del params
+    goal = state.obs["goal"]
+    towards = goal / jnp.maximum(jnp.linalg.norm(goal, axis=-1, keepdims=True), 1e-6)
+    return towards + 0.02 * jax.random.normal(key, goal.shape)
+
+
+@pytest.fixture(scope="module")
+def learning(small_bank: SceneBank) -> tuple[NavEnv, ConfigDict, dagger.Dagger]:
+    """An env, a config and a compiled training with them."""
     env = seeing_env(small_bank)
     config = dagger.default_dagger_config()
-    config.update({"num_envs": 8, "unroll_length": 8, "minibatches": 2, "learning_rate": 3e-3, "warm_up": 0})
+    config.update({"num_envs": 8, "unroll_length": 8, "minibatches": 2, "learning_rate": 3e-3, "warm_up": 320})
     config.network.update({"layers": LAYERS, "hidden": 32, "memory": 8, "bfloat16": False})
-
-    def teach(params: None, state: State[Any], key: jax.Array) -> jax.Array:
-        del params, key
-        obs = state.obs
-        return obs["goal"] / jnp.maximum(jnp.linalg.norm(obs["goal"], axis=-1, keepdims=True), 1e-6)
-
-    losses = []
     learner = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
+    learner.compile()
+    return env, config, learner
+
+
+def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
+    learning: tuple[NavEnv, ConfigDict, dagger.Dagger], tmp_path: pathlib.Path
+) -> None:
+    """The teacher drives straight to the goal, which the student observes: a few iterations bring it near."""
+    env, config, learner = learning
+    losses = []
     state = sequences.run(
         learner, 60, float("inf"), lambda number, state, said: losses.append(said["imitation"]), learner.begin()
     )
@@ -176,7 +187,7 @@ def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
     folder = save_student(tmp_path, state.params, spec)
     policy, found = load_policy(folder)
     assert found.steps == 60 * 64
-    agents = {"trained": policy, "blank": blank_image(policy), "untrained": untrained_policy(spec)}
+    agents = {"trained": policy, "untrained": untrained_policy(spec)}
     results, _ = Rollout(env).run(agents, fixed_episodes(env, 6))
     distance = {name: np.mean([r.distance_to_goal for r in results if r.agent == name]) for name in agents}
     assert distance["trained"] < 0.8 * distance["untrained"]
@@ -201,19 +212,11 @@ def test_a_rollout_keeps_what_each_agent_remembers(small_bank: SceneBank) -> Non
     assert (moved[3, 3:] > 0.05).any()
 
 
-def test_a_training_cut_in_two_ends_with_the_digits_of_one(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
-    env = seeing_env(small_bank)
-    config = dagger.default_dagger_config()
-    config.update({"num_envs": 4, "unroll_length": 4, "minibatches": 2, "warm_up": 100})
-    config.network.update({"layers": LAYERS, "hidden": 16, "memory": 8, "bfloat16": False})
-
-    def teach(params: None, state: State[Any], key: jax.Array) -> jax.Array:
-        del params
-        obs = state.obs
-        return jnp.clip(obs["goal"] + jax.random.normal(key, obs["goal"].shape), -1.0, 1.0)
-
-    learner = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
-    learner.compile()
+def test_a_training_cut_in_two_ends_with_the_digits_of_one(
+    learning: tuple[NavEnv, ConfigDict, dagger.Dagger], tmp_path: pathlib.Path
+) -> None:
+    """Cut while the teacher still drives: after three of its five iterations."""
+    env, config, learner = learning
     kept: list[pathlib.Path] = []
 
     def on_iteration(number: int, state: LearnerState, reported: dict[str, float]) -> None:
@@ -231,8 +234,9 @@ def test_a_training_cut_in_two_ends_with_the_digits_of_one(small_bank: SceneBank
     learner.iterate(learner.begin(start), jnp.float32(0.0))
     assert not any(leaf.is_deleted() for leaf in jax.tree.leaves(start)), "only the state's buffers are donated"
 
-    config.network.hidden = 24
-    other = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
+    wider = ConfigDict(config.to_dict())
+    wider.network.hidden = 24
+    other = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, wider)
     with pytest.raises(ValidationError, match="other shapes"):
         snapshot.load_state(a, jax.eval_shape(other.begin))
     with pytest.raises(ValidationError, match="found no file"):

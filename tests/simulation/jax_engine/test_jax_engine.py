@@ -6,6 +6,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 import pytest
 
@@ -13,9 +14,10 @@ from tests.support.box_bank import box_bank
 from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.simulation.collision_slots.body_slots import Awake
 from urbanverse_mjx.simulation.collision_slots.hull_contact import SphereContacts
 from urbanverse_mjx.simulation.collision_slots.static_slots import Slots
-from urbanverse_mjx.simulation.jax_engine import JaxEngine, constraint
+from urbanverse_mjx.simulation.jax_engine import JaxEngine, body_dynamics, constraint
 from urbanverse_mjx.simulation.jax_engine.engine import _Touch
 
 
@@ -250,3 +252,30 @@ def test_callers_mistakes_are_one_sentence(small_bank: SceneBank) -> None:
         JaxEngine(small_bank, dataclasses.replace(robot, mjcf=box))
     with pytest.raises(ValidationError, match="foot_geoms"):
         JaxEngine(small_bank, dataclasses.replace(robot, foot_geoms=("paw",)))
+
+
+def test_a_body_moves_by_its_acceleration_as_in_c_mujoco() -> None:
+    """A box that tumbles and falls: its new velocity moves it, and its spin turns it about axes of the world."""
+    box = "<mujoco><option timestep='.02'/><worldbody><body pos='1 2 3' quat='.8 0 .6 0'><freejoint/>"
+    box += "<geom type='box' size='.1 .2 .3'/></body></worldbody></mujoco>"
+    model = mujoco.MjModel.from_xml_string(box)
+    data = mujoco.MjData(model)
+    data.qvel[:] = [0.4, -0.3, 0.2, 2.0, -3.0, 4.0]
+    mujoco.mj_forward(model, data)
+
+    def turned(spin: np.ndarray) -> np.ndarray:
+        out = np.zeros(3)
+        mujoco.mju_rotVecQuat(out, spin, turn)
+        return out
+
+    turn = data.qpos[3:].copy()
+    linear, angular = data.qvel[:3].copy(), turned(data.qvel[3:])
+    acceleration = jnp.asarray([*data.qacc[:3], *turned(data.qacc[3:])])
+    body = Awake(*(jnp.asarray(x)[None] for x in (0, 0, data.qpos[:3], turn, linear, angular, np.zeros(6))))
+    found = body_dynamics.moved(body, acceleration, model.opt.timestep)
+    mujoco.mj_Euler(model, data)
+    np.testing.assert_allclose(found.place[0], data.qpos[:3], atol=1e-6)
+    np.testing.assert_allclose(found.quaternion[0], data.qpos[3:], atol=1e-6)
+    np.testing.assert_allclose(found.velocity[0], data.qvel[:3], atol=1e-6)
+    np.testing.assert_allclose(found.spin[0], turned(data.qvel[3:]), atol=1e-5)
+    np.testing.assert_allclose(found.warm[0], acceleration, atol=1e-6)

@@ -71,6 +71,16 @@ def _street(bank: SceneBank, robot: RobotSpec) -> render_reference.Street:
     return street
 
 
+@pytest.mark.parametrize("sun", [SUN, np.array([0.0, 0.0, 1.0])])
+def test_the_suns_disc_is_seen_in_four_directions_around_it(sun: np.ndarray) -> None:
+    """At 0.7 of its radius, half a degree wide in all, a quarter turn from each other."""
+    away = light_bake._disc(sun) - sun
+    np.testing.assert_allclose(np.linalg.norm(away, axis=1), 0.7 * np.radians(0.5329) / 2, rtol=2e-3)
+    np.testing.assert_allclose(away @ sun, 0.0, atol=1e-9)
+    cosines = away @ away.T / np.linalg.norm(away[0]) ** 2
+    np.testing.assert_allclose(cosines, [[1, 0, -1, 0], [0, 1, 0, -1], [-1, 0, 1, 0], [0, -1, 0, 1]], atol=1e-9)
+
+
 def test_shadows_on_the_ground_are_where_mj_ray_finds_the_sun_hidden(sunlit: SceneBank, robot: RobotSpec) -> None:
     """Away from the edges of shadows, where a texel is partly lit, ground is black or as bright as open ground."""
     camera_position, fovy = np.array([20.0, 6.0, 7.0]), 1.2

@@ -170,12 +170,15 @@ def test_the_ceiling_is_a_planner_to_whom_nearness_to_people_costs(env: NavEnv, 
     known = jax.tree.map(lambda x: x[0], plain.prepare(np.array([0]), np.array([0])))
     state = jnp.concatenate([begun.start[:2], jnp.zeros(3)])
 
-    def costs(chosen: Planner, x: float, y: float) -> np.ndarray:
-        agents = jnp.array([[begun.start[0] + x, begun.start[1] + y, 0.0, 0.0, PEDESTRIAN, 1.0]])
-        return np.asarray(jax.jit(lambda a: chosen.costs(jnp.int32(0), state, known, a))(agents))
+    both = jax.jit(lambda agents: [x.costs(jnp.int32(0), state, known, agents) for x in (planner, plain)])
 
-    np.testing.assert_array_equal(costs(planner, 20.0, 0.0), costs(plain, 20.0, 0.0))
-    near = costs(planner, 1.0, 1.0) - costs(plain, 1.0, 1.0)
+    def costs(x: float, y: float) -> list[np.ndarray]:
+        agents = jnp.array([[begun.start[0] + x, begun.start[1] + y, 0.0, 0.0, PEDESTRIAN, 1.0]])
+        return [np.asarray(values) for values in both(agents)]
+
+    np.testing.assert_array_equal(*costs(20.0, 0.0))
+    ours, plain_costs = costs(1.0, 1.0)
+    near = ours - plain_costs
     assert near.min() >= -1e-3
     assert near.max() > 0.1
 
