@@ -229,6 +229,22 @@ def test_distances_to_the_middle_of_a_road_are_those_of_a_strip(degrees: float) 
     assert ((to_edge * normal).sum(-1)[nodes] > 0.7).all()
 
 
+@pytest.mark.parametrize("quarter", range(4))
+def test_a_vehicle_has_room_where_both_of_its_ends_are_on_its_nodes(quarter: int) -> None:
+    """A passage of one node: room along it, none across it, none where an end is beyond its own end."""
+    nodes = np.zeros((21, 21), bool)
+    nodes[10] = True
+    if quarter % 2 == 0:
+        nodes = nodes.T  # along x
+    along = quarter * goal_fields._OPTIONS.directions // 4
+    across = (along + goal_fields._OPTIONS.directions // 4) % goal_fields._OPTIONS.directions
+    middle, ends = np.array([10, 10]), [np.array([10, 10]) for _ in range(2)]
+    ends[0][quarter % 2], ends[1][quarter % 2] = 0, 20
+    assert goal_fields._roomy(nodes, middle, np.full(nodes.shape, along))
+    assert not goal_fields._roomy(nodes, middle, np.full(nodes.shape, across))
+    assert not any(goal_fields._roomy(nodes, end, np.full(nodes.shape, along)) for end in ends)
+
+
 def crowd_at(x: list[float], y: list[float], vx: float = 0.0) -> Crowd:
     """Agents at these places, m, that follow their routes along x to goal 0."""
     zero, number = jnp.zeros(len(x)), len(x)

@@ -56,7 +56,7 @@ def test_readers_go_on_through_the_episodes_and_every_second_one_sees_a_mirror()
     data = demonstrations((3, 4))
     data.obs[PIXELS][:, :, 0] += 7  # the left column is brighter
     learner = Cloning(data, small_config())
-    block = jax.jit(learner.block)(jax.tree.map(jnp.asarray, data), jnp.array([5, 5]))
+    block = learner.block(jax.tree.map(jnp.asarray, data), jnp.array([5, 5]))
     np.testing.assert_array_equal(block.begins[:, 0], [False, False, True, False], "steps 5, 6 and 0, 1")
     np.testing.assert_array_equal(block.obs["goal"][:, 0], data.obs["goal"][[5, 6, 0, 1]])
     np.testing.assert_array_equal(block.obs[PIXELS][:, 0], data.obs[PIXELS][[5, 6, 0, 1]])

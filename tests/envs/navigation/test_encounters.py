@@ -16,22 +16,6 @@ def test_a_place_beside_the_route_is_in_its_frame(heading: float) -> None:
     np.testing.assert_allclose([x, y, turned], [3 + 2 * cos - 0.7 * sin, -1 + 2 * sin + 0.7 * cos, heading], atol=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("arc", "place"),
-    [
-        (0.0, (1.0, 2.0, 0.0)),
-        (1.5, (2.5, 2.0, 0.0)),
-        (4.0, (4.0, 3.0, np.pi / 2)),  # a metre after the turn
-        (9.0, (4.0, 6.0, np.pi / 2)),  # 2 m beyond the end
-    ],
-)
-def test_a_pose_on_a_route_is_as_far_along_it_and_looks_ahead(arc: float, place: tuple[float, float, float]) -> None:
-    """3 m to the east, where a waypoint stands twice, then 4 m to the north, whose end is repeated."""
-    waypoints = jnp.array([[4.0, 2.0, 0.1], [4.0, 2.0, 0.1], [4.0, 6.0, 0.2], [4.0, 6.0, 0.2]])
-    pose = encounters.route_pose(jnp.array([1.0, 2.0, 0.1, 0.0]), waypoints, jnp.float32(arc))
-    np.testing.assert_allclose(pose, place, atol=1e-5)
-
-
 def test_who_comes_head_on_meets_the_robot_at_the_drawn_place() -> None:
     """Six metres before it, walking back along the route."""
     pose = jnp.float32(3.0), jnp.float32(-1.0), jnp.float32(1.1)

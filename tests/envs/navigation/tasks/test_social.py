@@ -1,5 +1,6 @@
 """`SocialNav`: its measures of comfort by hand, its score, and configurations that are refused."""
 
+import types
 from typing import Any
 
 import jax
@@ -9,12 +10,13 @@ import pytest
 
 from tests.support.compiling import optimized
 from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.crowds import Bodies
 from urbanverse_mjx.crowds.behaviours import GO, STAY
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env
 from urbanverse_mjx.envs.navigation.dynamic import MAX_PEOPLE_DISTANCE
 from urbanverse_mjx.envs.navigation.tasks.config import social_nav_config
-from urbanverse_mjx.envs.navigation.tasks.people import MAX_TIME_TO_COLLISION, time_to_collision
+from urbanverse_mjx.envs.navigation.tasks.people import MAX_TIME_TO_COLLISION, PeopleTask, time_to_collision
 from urbanverse_mjx.envs.navigation.tasks.social import (
     OBSERVED,
     SocialNav,
@@ -109,6 +111,18 @@ def test_the_robots_own_motion_counts_in_the_time_to_collision(env: NavEnv, begu
     assert float(after(env, nav, (1.5, 0.0)).least_time) == pytest.approx(gap / 2.0, abs=1e-4)
     assert float(after(env, nav, (-0.5, 0.0)).least_time) == MAX_TIME_TO_COLLISION
     assert float(after(env, with_people(begun, []), (1.5, 0.0)).least_time) == MAX_TIME_TO_COLLISION
+
+
+@pytest.mark.parametrize(("heading", "gap"), [(0.0, 3.0), (np.pi, 3.0), (np.pi / 2, 4.5)])
+def test_the_time_to_a_collision_with_a_car_is_that_to_its_nearest_point(heading: float, gap: float) -> None:
+    """A car of 5 m by 2 m, 6 m ahead of a robot of 0.5 m that drives at 1 m/s: its tail, its front, or its side."""
+    f = lambda *v: jnp.array(v, jnp.float32)  # noqa: E731
+    shapes = types.SimpleNamespace(half_length=np.array([0.0, 1.5]), radius=np.array([0.3, 1.0]))
+    task: Any = types.SimpleNamespace(dynamic=types.SimpleNamespace(shapes=shapes), radius=0.5)
+    crowd: Any = types.SimpleNamespace(bodies=Bodies(f(1.0, 6.0), f(0.0, 0.0), f(0, 0), f(0, 0), f(0.0, heading)))
+    robot: Any = types.SimpleNamespace(xy=f(0.0, 0.0), velocity=f(1.0, 0.0))
+    time = PeopleTask.time_to_collision(task, crowd, robot, jnp.array([False, True]))
+    assert float(time) == pytest.approx(gap, abs=1e-5)
 
 
 def test_jerk_turning_and_scores_of_a_drive(env: NavEnv, begun: Any) -> None:
