@@ -45,7 +45,7 @@ from urbanverse_mjx.scene.compiler import scene_geometry
 
 DISTANT = 30.0  # m
 CLUTTER = 15  # objects of 25 pixels or more in a frame
-COLUMNS = (
+COLUMNS: tuple[str, ...] = (
     "condition",
     "frames",
     "objects",
