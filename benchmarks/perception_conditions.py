@@ -60,7 +60,7 @@ COLUMNS: tuple[str, ...] = (
 
 
 @dataclasses.dataclass(frozen=True)
-class Thing:
+class JudgedObject:
     """One true object or false detection: the street it is on, number of its frame, distance (m), class, whether it is
     true, whether it was found, and the true objects in its frame."""
 
@@ -109,9 +109,9 @@ def raised(views: Views, flat: Views) -> Views:
     return dataclasses.replace(views, places=jnp.asarray(places), weights=flat.weights)
 
 
-def things(
+def judged(
     seen: Decoded, kinds: np.ndarray, owner: np.ndarray, distance: np.ndarray, at: tuple[int, int]
-) -> list[Thing]:
+) -> list[JudgedObject]:
     """True objects and false detections of a frame, by the rules of `score`.
 
     Args:
@@ -137,22 +137,22 @@ def things(
         return float(np.median(distance[mask]))
 
     out = [
-        Thing(*at, far(inverse == row), int(kind_of[row]), True, bool(hit[row].any()), around)
+        JudgedObject(*at, far(inverse == row), int(kind_of[row]), True, bool(hit[row].any()), around)
         for row in np.flatnonzero(asked)
     ]
     excused = (counts[(true >= 0) & ~asked].sum(0) > 0.5 * areas) | (areas < score.MIN_PIXELS)
     for column in np.flatnonzero(~hit[asked].any(0) & ~excused):
-        out.append(Thing(*at, far(seen.masks == column), int(predicted[column]), False, False, around))
+        out.append(JudgedObject(*at, far(seen.masks == column), int(predicted[column]), False, False, around))
     return out
 
 
-def look(variables: Any, views: Views, frames: int, batch: int, seed: int) -> tuple[list[Thing], int]:
+def look(variables: Any, views: Views, frames: int, batch: int, seed: int) -> tuple[list[JudgedObject], int]:
     """Results of seeded frames, and their number; blocked frames are left out."""
     model = weights.network(jnp.float32, network.blocks_of(variables))
     apply = jax.jit(lambda images: model.apply(variables, images, train=False))
     draw = jax.jit(lambda keys: (*views(keys, dye=False), *_pose(views, keys)))
     fault = jax.jit(jax.vmap(augment))
-    out: list[Thing] = []
+    out: list[JudgedObject] = []
     drawn = 0
     for start in range(0, frames, batch):
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
@@ -165,7 +165,7 @@ def look(variables: Any, views: Views, frames: int, batch: int, seed: int) -> tu
                 network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * float(focal[i]) / network.CANONICAL_FOCAL
             )
             kinds, owner = np.asarray(wanted.classes[i]), np.asarray(wanted.owner[i])
-            out += things(found.surer(MIN_SCORE), kinds, owner, metres, (int(scene[i]), start + int(i)))
+            out += judged(found.surer(MIN_SCORE), kinds, owner, metres, (int(scene[i]), start + int(i)))
             drawn += 1
     return out, drawn
 
@@ -176,10 +176,10 @@ def _pose(views: Views, keys: jax.Array) -> tuple[jax.Array, jax.Array]:
     return scene, views.renderer.settings.height / (2.0 * jnp.tan(fovy / 2.0))
 
 
-def row(name: str, chosen: Sequence[Thing], streets: int, frames: int) -> dict[str, Any]:
+def row(name: str, chosen: Sequence[JudgedObject], streets: int, frames: int) -> dict[str, Any]:
     """Recall and precision with intervals over streets."""
 
-    def of(test: Callable[[Thing], bool]) -> np.ndarray:
+    def of(test: Callable[[JudgedObject], bool]) -> np.ndarray:
         return np.bincount([x.street for x in chosen if test(x)], minlength=streets)
 
     there, found, false = of(lambda x: x.true), of(lambda x: x.found), of(lambda x: not x.true)
@@ -194,11 +194,11 @@ def _three(share: list[float] | None) -> list[float | None]:
     return [*(share or []), None, None, None][:3]
 
 
-def rows_of(seen: dict[str, tuple[list[Thing], int]], streets: int) -> list[dict[str, Any]]:
+def rows_of(seen: dict[str, tuple[list[JudgedObject], int]], streets: int) -> list[dict[str, Any]]:
     """A row for each condition and for what it is compared with."""
     plain, frames = seen["plain"]
 
-    def part(name: str, test: Callable[[Thing], bool]) -> dict[str, Any]:
+    def part(name: str, test: Callable[[JudgedObject], bool]) -> dict[str, Any]:
         chosen = [x for x in plain if test(x)]
         return row(name, chosen, streets, len({x.frame for x in chosen}))
 
@@ -229,7 +229,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         variables, _ = weights.load(arguments.weights)
         flat = layouts(arguments.streets)
-        seen: dict[str, tuple[list[Thing], int]] = {}
+        seen: dict[str, tuple[list[JudgedObject], int]] = {}
         level = None
         for condition in ("plain", "dusk", "night", "steep"):
             views = Views.of(bank_of(condition, flat), *network.SIZE, appearance=0.0)

@@ -1,6 +1,6 @@
 """Test streets of the perception model at dusk, at night, and on a slope with steps.
 
-The street keeps its objects and its plan, so that a camera at the same place sees the same things.
+The street keeps its objects and its plan, so that a camera at the same place sees the same objects.
 """
 
 import dataclasses

@@ -9,7 +9,7 @@ import pytest
 from benchmarks import perception_conditions, perception_streets
 from benchmarks.lib import hard_streets
 from benchmarks.lib.resampling import share_interval, with_interval
-from benchmarks.perception_conditions import Thing, rows_of, things
+from benchmarks.perception_conditions import JudgedObject, judged, rows_of
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import SceneLayout
 from urbanverse_mjx.distillation.perception_model import classes
@@ -84,7 +84,7 @@ def test_true_and_false_objects_have_a_distance():
         kinds[at], owner[at] = kind, number
     masks[5:20, 0:10], masks[5:20, 40:50], masks[25:35, 52:60] = 0, 1, 2
     seen = Decoded(kinds, masks, tuple(FoundObject(CAR, 0.9, 0) for _ in range(3)), distance)
-    out = things(seen, kinds, owner, distance, (3, 7))
+    out = judged(seen, kinds, owner, distance, (3, 7))
     assert [(x.kind, x.true, x.found) for x in out] == [
         (CAR, True, True),
         (TREE, True, False),
@@ -96,9 +96,9 @@ def test_true_and_false_objects_have_a_distance():
 
 
 def test_rows_part_objects_by_distance_and_frames_by_clutter():
-    near = [Thing(s, s, 5.0, CAR, True, s > 0, 2) for s in range(4)]
-    far = [Thing(s, 9 + s, 50.0, CAR, True, False, 30) for s in range(4)]
-    false = [Thing(0, 0, 50.0, CAR, False, False, 2)]
+    near = [JudgedObject(s, s, 5.0, CAR, True, s > 0, 2) for s in range(4)]
+    far = [JudgedObject(s, 9 + s, 50.0, CAR, True, False, 30) for s in range(4)]
+    false = [JudgedObject(0, 0, 50.0, CAR, False, False, 2)]
     rows = {
         r["condition"]: r
         for r in rows_of(dict.fromkeys(("plain", "dusk", "night", "steep"), (near + far + false, 8)), 4)

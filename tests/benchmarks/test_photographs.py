@@ -1,5 +1,6 @@
 """Scoring of photographs: the labels' form, and what counts as found, missed and false."""
 
+import csv
 import io
 import json
 import pathlib
@@ -106,6 +107,18 @@ def test_boxes_enclose_masks_in_pixels_of_the_photograph():
     found = boxes_of(Decoded(masks, masks, objects, masks), 100, 400)
     assert [name for name, _, _ in found] == ["car"]
     np.testing.assert_array_equal(found[0][2], [80, 20, 200, 50])
+
+
+def test_the_kept_counts_are_those_of_the_labels():
+    body = json.loads(photographs.LABELS.read_text(encoding="utf-8"))
+    with (photographs.LABELS.parent / "scores" / "photographs.csv").open(encoding="utf-8", newline="") as file:
+        kept = {r["photograph"]: r for r in csv.DictReader(file)}
+    assert set(kept) == {f"{e['repository']}/{e['path']}" for e in body["photographs"]}
+    for entry in body["photographs"]:
+        counts = kept[f"{entry['repository']}/{entry['path']}"]
+        assert int(counts["labelled"]) == len(entry["boxes"])
+        assert int(counts["found"]) <= int(counts["labelled"])
+        assert int(counts["distant"]) == sum(b[4] - b[2] < photographs.DISTANT for b in entry["boxes"])
 
 
 def test_a_photograph_is_read_at_its_commit(tmp_path: pathlib.Path):
