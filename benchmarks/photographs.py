@@ -19,7 +19,7 @@ complex terrain (steps, slopes, unpaved paths) is marked by hand, "terrain" in t
 object is labelled and lower than `DISTANT` pixels of 1000, whatever the photograph (its precision is not defined).
 
 With --camvid, the pixels of so many of the 233 test images of CamVid (Brostow et al., 2009) are compared with its
-labels in eleven classes, which are in the same repository. --pictures writes a CSV file with the counts of each
+labels in eleven classes, which are in the same repository. --counts writes a CSV file with the counts of each
 photograph. Prints one JSON line.
 """
 
@@ -94,7 +94,7 @@ class Count:
 
 
 @dataclasses.dataclass(frozen=True)
-class Picture:
+class ScoredPhotograph:
     """Results of one photograph: its conditions, counts by class, counts of the distant objects (without false ones),
     and kinds of the labelled points with whether they are right."""
 
@@ -205,9 +205,9 @@ def match(
     return distant
 
 
-def score_picture(
+def score_photograph(
     model: PerceptionModel, clones: pathlib.Path, entry: dict[str, Any], width: int, cut: float
-) -> Picture:
+) -> ScoredPhotograph:
     """Counts of one labelled photograph."""
     image = photograph(read_file(clones, entry["repository"], entry["commit"], entry["path"]), width)
     height = image.shape[0]
@@ -223,42 +223,42 @@ def score_picture(
         )
         points.append((kind, classes.names()[seen.kinds[at]] == kind))
     name = f"{entry['repository']}/{entry['path']}"
-    return Picture(name, conditions_of(image, entry), counts, distant, tuple(points))
+    return ScoredPhotograph(name, conditions_of(image, entry), counts, distant, tuple(points))
 
 
-def score_boxes(model: PerceptionModel, clones: pathlib.Path, cut: float) -> list[Picture]:
+def score_boxes(model: PerceptionModel, clones: pathlib.Path, cut: float) -> list[ScoredPhotograph]:
     """The counts of all labelled photographs."""
     body = v.read_json(LABELS, "labels of photographs")
-    return [score_picture(model, clones, entry, body["width"], cut) for entry in body["photographs"]]
+    return [score_photograph(model, clones, entry, body["width"], cut) for entry in body["photographs"]]
 
 
-def summary(pictures: Sequence[Picture]) -> dict[str, Any]:
+def summary(scored: Sequence[ScoredPhotograph]) -> dict[str, Any]:
     """Recall and precision of objects by class and by condition, and the share of right points by kind."""
-    objects = {name: row([p.counts[name] for p in pictures]) for name in GROUPS}
-    objects["all"] = row([total(p.counts) for p in pictures])
+    objects = {name: row([p.counts[name] for p in scored]) for name in GROUPS}
+    objects["all"] = row([total(p.counts) for p in scored])
     by_condition = {}
     for name in CONDITIONS:
-        chosen = [p for p in pictures if name in p.conditions]
+        chosen = [p for p in scored if name in p.conditions]
         by_condition[name] = {"photographs": len(chosen), **row([total(p.counts) for p in chosen])}
-    apart = [p for p in pictures if not p.conditions]
+    apart = [p for p in scored if not p.conditions]
     by_condition["none of these"] = {"photographs": len(apart), **row([total(p.counts) for p in apart])}
-    there = sum(p.distant.there > 0 for p in pictures)
-    by_condition["distant objects"] = {"photographs": there, **row([p.distant for p in pictures]), "precision": None}
-    kinds = sorted({kind for p in pictures for kind, _ in p.points})
+    there = sum(p.distant.there > 0 for p in scored)
+    by_condition["distant objects"] = {"photographs": there, **row([p.distant for p in scored]), "precision": None}
+    kinds = sorted({kind for p in scored for kind, _ in p.points})
     ground = {}
     for kind in kinds:
-        asked = np.array([sum(k == kind for k, _ in p.points) for p in pictures])
-        right = np.array([sum(k == kind and ok for k, ok in p.points) for p in pictures])
+        asked = np.array([sum(k == kind for k, _ in p.points) for p in scored])
+        right = np.array([sum(k == kind and ok for k, ok in p.points) for p in scored])
         ground[kind] = {"points": int(asked.sum()), "right": with_interval(right, asked)}
-    return {"photographs": len(pictures), "objects": objects, "conditions": by_condition, "points": ground}
+    return {"photographs": len(scored), "objects": objects, "conditions": by_condition, "points": ground}
 
 
-def write_pictures(pictures: Sequence[Picture], path: pathlib.Path) -> None:
+def write_counts(scored: Sequence[ScoredPhotograph], path: pathlib.Path) -> None:
     """A CSV file with a row for each photograph."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["photograph", "conditions", "labelled", "found", "false", "distant", "distant_found"])
-        for p in pictures:
+        for p in scored:
             all_ = total(p.counts)
             counts = (all_.there, all_.found, all_.false, p.distant.there, p.distant.found)
             writer.writerow([p.name, "+".join(p.conditions), *counts])
@@ -300,14 +300,14 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--weights", type=pathlib.Path, help="default: the shipped ones")
     parser.add_argument("--camvid", type=int, default=0, metavar="IMAGES", help="compare pixels with CamVid's labels")
     parser.add_argument("--cut", type=float, default=MIN_SCORE, help="least score of detected objects")
-    parser.add_argument("--pictures", type=pathlib.Path, metavar="FILE.csv", help="write the counts of each photograph")
+    parser.add_argument("--counts", type=pathlib.Path, metavar="FILE.csv", help="write the counts of each photograph")
     arguments = parser.parse_args(argv)
     try:
         model = PerceptionModel.load(arguments.weights)
-        pictures = score_boxes(model, arguments.clones, arguments.cut)
-        table = summary(pictures)
-        if arguments.pictures is not None:
-            write_pictures(pictures, arguments.pictures)
+        scored = score_boxes(model, arguments.clones, arguments.cut)
+        table = summary(scored)
+        if arguments.counts is not None:
+            write_counts(scored, arguments.counts)
         if arguments.camvid > 0:
             table["camvid"] = score_camvid(model, arguments.clones, arguments.camvid)
     except ValidationError as error:

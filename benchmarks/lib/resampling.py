@@ -1,4 +1,4 @@
-"""Percentile intervals of shares, from resampling whole units (pictures, streets) with replacement."""
+"""Percentile intervals of shares, from resampling whole units (photographs, streets) with replacement."""
 
 import numpy as np
 

@@ -11,7 +11,7 @@ import PIL.Image
 import pytest
 
 from benchmarks import photographs
-from benchmarks.photographs import Count, Picture, boxes_of, conditions_of, match, row, summary, total
+from benchmarks.photographs import Count, ScoredPhotograph, boxes_of, conditions_of, match, row, summary, total
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation.perception_model import classes
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject
@@ -80,20 +80,25 @@ def test_conditions_are_light_clutter_and_a_mark_for_terrain():
 
 
 def test_the_summary_parts_photographs_by_condition(tmp_path: pathlib.Path):
-    def picture(name: str, found: int, *conditions: str) -> Picture:
+    def scored_photograph(name: str, found: int, *conditions: str) -> ScoredPhotograph:
         counts = {group: Count() for group in photographs.GROUPS}
         counts["car"] = Count(there=4, found=found, false=1, any_class=found)
-        return Picture(name, conditions, counts, Count(there=1), (("sky", found > 1),))
+        return ScoredPhotograph(name, conditions, counts, Count(there=1), (("sky", found > 1),))
 
-    pictures = [picture("a", 4), picture("b", 2), picture("c", 0, "low light"), picture("d", 1, "low light", "clutter")]
-    table = summary(pictures)
+    scored = [
+        scored_photograph("a", 4),
+        scored_photograph("b", 2),
+        scored_photograph("c", 0, "low light"),
+        scored_photograph("d", 1, "low light", "clutter"),
+    ]
+    table = summary(scored)
     assert table["objects"]["car"]["recall"][0] == pytest.approx(7 / 16, abs=1e-3)
     assert table["conditions"]["low light"]["photographs"] == 2
     assert table["conditions"]["low light"]["recall"][0] == pytest.approx(1 / 8, abs=1e-3)
     assert table["conditions"]["none of these"]["recall"][0] == 0.75
     assert table["conditions"]["distant objects"]["recall"] == [0.0, 0.0, 0.0]
     assert table["points"]["sky"]["right"][0] == 0.5
-    photographs.write_pictures(pictures, tmp_path / "a.csv")
+    photographs.write_counts(scored, tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
     assert lines[4] == "d,low light+clutter,4,1,1,1,0"
 
