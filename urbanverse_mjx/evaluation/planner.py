@@ -103,14 +103,21 @@ class Footprint:
     Attributes:
       discs: (D, 3) x, y, radius (m) of the outer collision spheres.
       feet: (F, 2) m, ground contacts.
+      low: (L, 2) m, outer ones of the trunk's spheres that end less than `LOW` above the ground: they touch a kerb
+        that is between the wheels.
       half_width: m, largest distance from its heading line.
       reach: m, farthest point.
     """
 
     discs: np.ndarray
     feet: np.ndarray
+    low: np.ndarray
     half_width: float
     reach: float
+
+
+#: m, height of the highest kerbs, over which a part of the robot may be anywhere.
+LOW = 0.2
 
 
 def footprint(robot: RobotSpec) -> Footprint:
@@ -123,11 +130,16 @@ def footprint(robot: RobotSpec) -> Footprint:
     solid = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
     spheres = np.array([(*data.geom_xpos[g, :2], model.geom_size[g, 0]) for g in solid])
     angle = np.linspace(-np.pi, np.pi, 128, endpoint=False)
-    support = spheres[:, :2] @ np.stack([np.cos(angle), np.sin(angle)]) + spheres[:, 2:]
-    discs = spheres[np.unique(support.argmax(0))]
-    feet = np.array([data.geom(name).xpos[:2] for name in robot.foot_geoms])
+    ways = np.stack([np.cos(angle), np.sin(angle)])
+    discs = spheres[np.unique((spheres[:, :2] @ ways + spheres[:, 2:]).argmax(0))]
+    on_ground = [model.geom(name).id for name in robot.foot_geoms]
+    feet, ends = data.geom_xpos[on_ground, :2], data.geom_xpos[:, 2] - model.geom_size[:, 0]
+    root = model.body(robot.root_body).id
+    rigid = model.body_weldid[model.geom_bodyid] == root
+    low = data.geom_xpos[[g for g in solid if rigid[g] and ends[g] - ends[on_ground].min() < LOW], :2]
+    low = low[np.unique((low @ ways).argmax(0))] if len(low) else low
     half_width = float((np.abs(spheres[:, 1]) + spheres[:, 2]).max())
-    return Footprint(discs, feet, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
+    return Footprint(discs, feet, low, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
 
 
 class RouteField(NamedTuple):
@@ -231,7 +243,7 @@ class Planner:
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
             def lookahead_step(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
-                followed = self._downhill(route, ahead.pose, command) if follow else command
+                followed = self._downhill(scene, route, ahead.pose, command) if follow else command
                 return self._lookahead_step(scene, route, agents, ahead, followed, *now), None
 
             # A loop compiles in a tenth of the time of unrolled steps.
@@ -256,13 +268,23 @@ class Planner:
         size = jnp.asarray(dynamic.shapes.radius + dynamic.shapes.half_length)
         return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, crowd.present.astype(jnp.float32)], -1)
 
-    def _downhill(self, route: RouteField, pose: Any, speed: Any) -> Any:
+    def _nose(self, scene: Any, route: RouteField, pose: Any, here: Any, side: float = 0.0) -> Any:
+        """Cost-metres from the point `nose` m in front of a pose, `side` rad to its left; at least `here`, those of the
+        pose itself, if an edge or a hull is in between.
+
+        Behind a kerb the field may be metres lower than before it, and a robot that looked across would stay there.
+        """
+        points = np.outer(_OPTIONS.nose * np.array([0.6, 0.8, 1.0]), [np.cos(side), np.sin(side)])
+        at = placed(pose, points)
+        clear = jnp.minimum(self._to_hull.at(scene, *at), self._to_edge.at(scene, *at)).min() > _OPTIONS.nose_clearance
+        found = _field_at(route, pose, _OPTIONS.nose, side)
+        return jnp.where(clear, found, jnp.maximum(found, here))
+
+    def _downhill(self, scene: Any, route: RouteField, pose: Any, speed: Any) -> Any:
         """(2,) command that turns to the descent direction of the field, and drives at up to `speed` when it points
         there."""
-        left, right = (
-            _field_at(route, pose, _OPTIONS.nose, side) for side in (_OPTIONS.nose_angle, -_OPTIONS.nose_angle)
-        )
-        ahead, here = _field_at(route, pose, _OPTIONS.nose), _field_at(route, pose, 0.0)
+        here, angle = _field_at(route, pose, 0.0), _OPTIONS.nose_angle
+        ahead, left, right = (self._nose(scene, route, pose, here, side) for side in (0.0, angle, -angle))
         # On a planar field with slope 1 in the direction e from straight ahead, these are sin e and cos e.
         sine, cosine = (
             (right - left) / (2.0 * _OPTIONS.nose * np.sin(_OPTIONS.nose_angle)),
@@ -295,17 +317,18 @@ class Planner:
         if uneasy is not None:
             shy += dt / self._slower * driving * uneasy
         touched = driving * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
-        here = _field_at(route, pose, 0.0) - _OPTIONS.goal_distance
+        here = _field_at(route, pose, 0.0)
+        nose = self._nose(scene, route, pose, here)
         # The episode ends when the goal is reached, so later costs are ignored.
-        driving = driving * (here > 0.0)
-        left = driving * (0.5 * (here + _field_at(route, pose, _OPTIONS.nose) - _OPTIONS.goal_distance) + _OPTIONS.nose)
+        driving = driving * (here > _OPTIONS.goal_distance)
+        left = driving * (0.5 * (here + nose) - _OPTIONS.goal_distance + _OPTIONS.nose)
         mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving)
 
     def _gap(self, scene: Any, pose: Any) -> Any:
-        """m, least distance of discs to hulls and of feet to an edge."""
+        """m, least distance of discs to hulls, and of feet and low parts to an edge."""
         to_hull = self._to_hull.at(scene, *placed(pose, self._body.discs))
-        to_edge = self._to_edge.at(scene, *placed(pose, self._body.feet))
+        to_edge = self._to_edge.at(scene, *placed(pose, np.concatenate([self._body.feet, self._body.low])))
         return jnp.minimum(
             (to_hull - self._body.discs[:, 2].astype(np.float32)).min(), to_edge.min() - _OPTIONS.edge_distance
         )
