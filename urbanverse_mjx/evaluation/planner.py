@@ -304,7 +304,7 @@ class Planner:
         """Advances the drive to step `k`, `dt` s after the previous one and `end` s from now."""
         motion = self._motion
         pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt)
-        gap, driving, uneasy = self._gap(scene, pose), ahead.driving, None
+        gap, driving, uneasy = self._gap(scene, pose, route), ahead.driving, None
         if agents is not None:
             to_agents = self._agent_gap(agents, pose[:2], end)
             gap = jnp.minimum(gap, to_agents)
@@ -325,8 +325,9 @@ class Planner:
         mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving)
 
-    def _gap(self, scene: Any, pose: Any) -> Any:
+    def _gap(self, scene: Any, pose: Any, route: Any) -> Any:
         """m, least distance of discs to hulls, and of feet and low parts to an edge."""
+        del route
         to_hull = self._to_hull.at(scene, *placed(pose, self._body.discs))
         to_edge = self._to_edge.at(scene, *placed(pose, np.concatenate([self._body.feet, self._body.low])))
         return jnp.minimum(

@@ -83,10 +83,6 @@ class RouteFollower:
         here = terms.route_position(xy, nav.start, nav.waypoints)
         return route_point(nav.start, nav.waypoints, here + LOOKAHEAD_DISTANCE)
 
-    def distances(self, nav: NavState, p_xy: Any) -> Any:
-        """(..., 2) m from points (..., 2) to the nearest hull or agent and to the edge of where the robot may be."""
-        return self._env.distances(nav, p_xy)
-
     def act(self, nav: NavState, known: Any = None) -> Any:
         """(2,) waypoint in [-1, 1]."""
         return self.towards(nav, self.target(nav, nav.sim.xpos[self._root, :2]))
@@ -106,7 +102,7 @@ class RouteFollower:
     def _cost_to_go(self, nav: NavState, pose: Any, target: Any) -> Any:
         """(X, Y) cost in metres, higher near obstacles, from each of the `NODES` around a pose (3,) to a target
         (2,)."""
-        found = self.distances(nav, pose[:2] + terms.to_world(jnp.asarray(NODES), pose[2]))
+        found = self._env.distances(nav, pose[:2] + terms.to_world(jnp.asarray(NODES), pose[2]))
         gap = jnp.minimum(found[..., 0] - self._body.half_width, found[..., 1])
         dear = 1.0 + BLOCKED_COST * jnp.clip((COMFORT_DISTANCE - gap) / COMFORT_DISTANCE, 0.0, 1.0) ** 2
         far = jnp.sqrt(((NODES - target) ** 2).sum(-1) + 1e-9)
@@ -144,7 +140,7 @@ class RouteFollower:
         """(T,) m, least distance of the robot at poses (T, 3) to hulls and of its feet to an edge."""
         discs, feet = self._body.discs, self._body.feet
         points = np.concatenate([discs[:, :2], feet[:, :2]])
-        found = self.distances(nav, jnp.stack(placed(drive, points), -1))
+        found = self._env.distances(nav, jnp.stack(placed(drive, points), -1))
         to_hull = found[:, : len(discs), 0] - discs[:, 2].astype(np.float32)
         return jnp.minimum(to_hull.min(-1), found[:, len(discs) :, 1].min(-1) + EDGE_TOLERANCE)
 

@@ -1,10 +1,11 @@
 """Reference agents of the tasks: a scripted baseline from a robot's own observations, and a planner with full knowledge
 of the state, the ceiling."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from ..crowds.crossings import UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
@@ -16,6 +17,7 @@ from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
 from .planner import GOAL_DISTANCE, Planner, RouteField
+from .route_fields import build_route_fields
 from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
 
 #: `Planner`'s distance and cost where the comfort of people counts: beyond Hall's intimate distance of 0.45 m, and less
@@ -42,6 +44,21 @@ GAP_TIMES = np.arange(0.0, 12.0, 0.5, dtype=np.float32)
 GAP_MARGIN, STOPPED_SPEED = 0.5, 0.8
 
 
+#: m of a part of a route for which there is a field, and least straight distance of its ends as a share of its length.
+PART_LENGTH, PART_STRAIGHTNESS = 8.0, 0.65
+#: m between the robot's centre and a crosswalk before which it waits: COCO's nose is 0.6 m ahead.
+KERB_DISTANCE = 0.75
+
+
+class RouteParts(NamedTuple):
+    """Fields of the parts of one route: see `RouteField`, with a leading axis of parts; part: (W,) i32 of each
+    waypoint."""
+
+    origin: Any
+    cost: Any
+    part: Any
+
+
 class PersonFollower(RouteFollower):
     """`RouteFollower` that drives to a point behind the person of `FollowPerson`, which it always knows."""
 
@@ -55,41 +72,89 @@ class PersonFollower(RouteFollower):
         return person - (FOLLOWING_DISTANCE - NOSE) * away / jnp.maximum(jnp.linalg.norm(away), 1e-6)
 
 
-class CrosswalkFollower(RouteFollower):
-    """`RouteFollower` for which crosswalks that it should not enter now are edges."""
+class ClosedField(NamedTuple):
+    """A planner's data in one state: see `RouteField`, and (C,) m from each crosswalk that the robot's centre has to
+    keep, minus infinity where it may enter."""
+
+    origin: Any
+    cost: Any
+    kept: Any
+
+
+class CrosswalkPlanner(Planner):
+    """`Planner` that does not enter some crosswalks."""
 
     def __init__(self, env: NavEnv) -> None:
         super().__init__(env)
-        task = env.task
-        assert isinstance(task, FollowRoute | CrossStreet)
-        self.crosswalks = task.crosswalks
+        assert isinstance(env.task, FollowRoute | CrossStreet)
+        self._crosswalks = env.task.crosswalks
 
-    def distances(self, nav: NavState, p_xy: Any) -> Any:
-        """See `RouteFollower.distances`."""
-        found = super().distances(nav, p_xy)
-        away = jnp.where(self.closed(nav), self.crosswalks.away(nav.sim.scene, p_xy), jnp.inf).min(-1)
-        return found.at[..., 1].min(away)
+    def act(self, nav: NavState, route: RouteField) -> Any:
+        """See `Planner.act`."""
+        scene = nav.sim.scene
+        away = self._crosswalks.away(scene, nav.sim.xpos[self._root, :2])
+        # A robot that is nearer already, because one was closed just now, keeps where it is.
+        kept = jnp.minimum(KERB_DISTANCE, away - 0.05)
+        closed = self.closed(nav) & (away > 0.0)
+        return super().act(nav, ClosedField(*self.field(nav, route), jnp.where(closed, kept, -jnp.inf)))
+
+    def field(self, nav: NavState, route: RouteField) -> RouteField:
+        """The field of the part of the route on which the robot is."""
+        del nav
+        return route
 
     def closed(self, nav: NavState) -> Any:
-        """(C,) bool, the crosswalks that the robot should not enter; not the one on which it is."""
+        """(C,) bool, the crosswalks that the robot should not enter."""
         raise NotImplementedError
 
+    def _gap(self, scene: Any, pose: Any, route: ClosedField) -> Any:
+        to_crosswalk = (self._crosswalks.away(scene, pose[:2]) - route.kept).min()
+        return jnp.minimum(super()._gap(scene, pose, route), to_crosswalk)
 
-class SignalFollower(CrosswalkFollower):
-    """The ceiling of `FollowRoute`: enters crosswalks while their signals let it."""
+
+class SignalPlanner(CrosswalkPlanner):
+    """The ceiling of `FollowRoute`: enters crosswalks while their signals let it, and follows the route part by
+    part."""
 
     def __init__(self, env: NavEnv) -> None:
         super().__init__(env)
         assert isinstance(env.task, FollowRoute)
         self._task = env.task
 
-    def target(self, nav: NavState, xy: Any) -> Any:
-        """(2,) m, a point of the route ahead of its part to the next waypoint."""
-        here = self._task.position(nav, xy)
-        return route_point(nav.start, nav.waypoints, here + LOOKAHEAD_DISTANCE)
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteParts:
+        """See `Planner.prepare`: a field for each part of the routes."""
+        bank = self._env.bank
+        routes = np.concatenate(
+            [bank.episode_start[scenes, rows, None, :2], bank.episode_waypoints[scenes, rows, :, :2]], 1
+        )
+        counts = bank.episode_num_waypoints[scenes, rows]
+        ends = [route_parts(route[: count + 1]) for route, count in zip(routes, counts, strict=True)]
+        whose = np.repeat(np.arange(len(rows)), [len(e) for e in ends])
+        lines, lengths = [], []
+        for route, own in zip(routes.astype(np.float64), ends, strict=True):
+            for first, last in zip([0, *own[:-1]], own, strict=True):
+                line = route[first : last + 1]
+                lines.append(line)
+                lengths.append(np.linalg.norm(np.diff(line, axis=0), axis=-1).sum())
+        most = max(map(len, lines))
+        padded = np.stack([np.concatenate([line, np.repeat(line[-1:], most - len(line), 0)]) for line in lines])
+        fields = build_route_fields(
+            self._maps, scenes[whose], padded[:, -1], padded, np.array(lengths), self._body.half_width
+        )
+        number, longest = max(map(len, ends)), routes.shape[1] - 1
+        place = np.cumsum([0, *map(len, ends)])
+        which = np.stack([np.minimum(place[k] + np.arange(number), place[k + 1] - 1) for k in range(len(rows))])
+        # The part in which each waypoint is: the first that ends there or later.
+        parts = np.stack([np.searchsorted(own, np.minimum(np.arange(1, longest + 1), own[-1])) for own in ends])
+        return RouteParts(*(jnp.asarray(x) for x in (fields.origin[which], fields.cost[which], parts)))
+
+    def field(self, nav: NavState, route: Any) -> RouteField:
+        """See `CrosswalkPlanner.field`."""
+        part = route.part[nav.waypoint]
+        return RouteField(route.origin[part], route.cost[part])
 
     def closed(self, nav: NavState) -> Any:
-        """See `CrosswalkFollower.closed`: those that the robot cannot enter in time."""
+        """See `CrosswalkPlanner.closed`: those that the robot cannot enter in time."""
         state: RouteState = nav.task
         scene, task = nav.sim.scene, self._task
         phase = task.phases(scene, state.offset, nav.steps)
@@ -99,7 +164,7 @@ class SignalFollower(CrosswalkFollower):
         return ~enters & (jnp.arange(len(phase)) != state.inside)
 
 
-class GapFollower(CrosswalkFollower):
+class GapPlanner(CrosswalkPlanner):
     """The ceiling of `CrossStreet`: enters a crosswalk if no vehicle, at constant velocity, comes onto it or within
     `GAP_MARGIN` m of it until the robot is across."""
 
@@ -109,11 +174,11 @@ class GapFollower(CrosswalkFollower):
         self._task = env.task
 
     def closed(self, nav: NavState) -> Any:
-        """See `CrosswalkFollower.closed`."""
+        """See `CrosswalkPlanner.closed`."""
         assert nav.crowd is not None
         task, scene, body = self._task, nav.sim.scene, nav.crowd.bodies
-        away = self.crosswalks.away(scene, task.pose(nav.sim).xy)
-        needed = (away + 2.0 * self.crosswalks.half[scene, :, 0]) / APPROACH_SPEED + SPARE_TIME
+        away = self._crosswalks.away(scene, task.pose(nav.sim).xy)
+        needed = (away + 2.0 * self._crosswalks.half[scene, :, 0]) / APPROACH_SPEED + SPARE_TIME
         times = jnp.asarray(GAP_TIMES)
         half = jnp.asarray(task.dynamic.shapes.half_length)
         axis = jnp.stack([jnp.cos(body.heading), jnp.sin(body.heading)], -1)
@@ -122,12 +187,29 @@ class GapFollower(CrosswalkFollower):
         # Front, middle and rear of each vehicle at each time.
         parts = ahead[:, :, None] + jnp.array([-1.0, 0.0, 1.0])[:, None] * (half[:, None] * axis)[:, None]
         reach = jnp.asarray(task.dynamic.shapes.radius) + GAP_MARGIN
-        comes = (self.crosswalks.away(scene, parts) < reach[:, None, None]).any(2)
+        comes = (self._crosswalks.away(scene, parts) < reach[:, None, None]).any(2)
         # A vehicle that has stopped gives way, unless it stands on the crosswalk.
         moves = (velocity * velocity).sum(-1) > STOPPED_SPEED**2
-        counts = task.vehicles & nav.crowd.present & (moves | (self.crosswalks.away(scene, centre) <= 0.0).any(-1))
+        counts = task.vehicles & nav.crowd.present & (moves | (self._crosswalks.away(scene, centre) <= 0.0).any(-1))
         threatened = (comes & counts[:, None] & (times[:, None, None] <= needed)).any((0, 1))
         return threatened & (away > 0.0)
+
+
+def route_parts(corners: Float[np.ndarray, "W 2"]) -> list[int]:
+    """Rows of the corners (W, 2) m of a route at which its parts end, the last corner among them: parts are at most
+    `PART_LENGTH` m long and lead away from their beginning, so that a part is about the shortest path to its end."""
+    length = np.linalg.norm(np.diff(corners, axis=0), axis=-1)
+    found, first, last = [], 0, len(corners) - 1
+    while first < last:
+        end = first + 1
+        for k in range(first + 2, last + 1):
+            along = length[first:k].sum()
+            if along > PART_LENGTH or np.linalg.norm(corners[k] - corners[first]) < PART_STRAIGHTNESS * along:
+                break
+            end = k
+        found.append(end)
+        first = end
+    return found
 
 
 class ObjectPlanner(Planner):
@@ -191,9 +273,9 @@ def planner_of(env: NavEnv) -> Privileged:
     if isinstance(env.task, FollowPerson):
         return PersonFollower(env)
     if isinstance(env.task, FollowRoute):
-        return SignalFollower(env)
+        return SignalPlanner(env)
     if isinstance(env.task, CrossStreet):
-        return GapFollower(env)
+        return GapPlanner(env)
     if isinstance(env.task, SocialNav):
         return Planner(env, comfort=COMFORT)
     if isinstance(env.task, ObjectGoal):

@@ -117,7 +117,8 @@ class NavEnv(StagedBase[NavState]):
         #: The crowd of the scenario dynamic; None in other scenarios.
         self.dynamic: DynamicStreet | None = None
         if scenario_of(config) == "dynamic":
-            self.dynamic = DynamicStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
+            # Tables of all named scenes, so that tasks that leave out different ones share a file in the cache.
+            self.dynamic = DynamicStreet(bank, named, config.crowd, float(config.ctrl_dt), robot)
         #: Movable objects; None if the engine has no body slots.
         self.movables: Movables | None = None
         #: Objects placed beside the route in every episode; None if disabled.

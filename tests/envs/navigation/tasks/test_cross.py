@@ -16,7 +16,7 @@ from urbanverse_mjx.envs.navigation.tasks.config import cross_street_config
 from urbanverse_mjx.envs.navigation.tasks.cross import OBSERVED, CrossState, CrossStreet
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.agents import go_to_goal
-from urbanverse_mjx.evaluation.task_agents import GapFollower, baseline_of, planner_of
+from urbanverse_mjx.evaluation.task_agents import GapPlanner, baseline_of, planner_of
 
 FEW = {"crowd.slots.pedestrian": 1, "crowd.slots.cyclist": 1, "crowd.slots.car": 2}
 #: The agents of `FEW`.
@@ -186,7 +186,7 @@ def test_the_privileged_vector_tells_of_vehicles_alone(env: NavEnv, begun: Any) 
 
 def test_the_planner_waits_for_what_comes_and_not_for_what_does_not(env: NavEnv, begun: Any) -> None:
     planner = planner_of(env)
-    assert isinstance(planner, GapFollower)
+    assert isinstance(planner, GapPlanner)
     kerb = (30.0, -5.5)
     for cars, closed in (
         ([], False),

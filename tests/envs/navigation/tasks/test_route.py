@@ -19,7 +19,7 @@ from urbanverse_mjx.envs.navigation.tasks.crosswalks import rectangles
 from urbanverse_mjx.envs.navigation.tasks.route import FollowRoute, RouteState
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.agents import go_to_goal
-from urbanverse_mjx.evaluation.task_agents import SignalFollower, baseline_of, planner_of
+from urbanverse_mjx.evaluation.task_agents import SignalPlanner, baseline_of, planner_of
 
 FEW = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "cyclist")}
 FEW |= {"crowd.slots.pedestrian": 2, "crowd.slots.car": 1, "task.length": 60.0, "episode_length": 400}
@@ -214,7 +214,7 @@ def test_an_episode_is_the_same_when_it_is_run_again(env: NavEnv) -> None:
 @pytest.mark.slow
 def test_the_planner_waits_at_signals_and_the_baseline_does_not(env: NavEnv) -> None:
     planner = planner_of(env)
-    assert isinstance(planner, SignalFollower)
+    assert isinstance(planner, SignalPlanner)
     assert baseline_of(env) == ("go_to_goal", go_to_goal)
     agents = {"go_to_goal": go_to_goal, "planner": planner}
     results, _ = Rollout(env, chunk=20).run(agents, fixed_episodes(env, 8))

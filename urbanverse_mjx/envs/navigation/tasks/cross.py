@@ -137,7 +137,7 @@ class CrossStreet(PeopleTask):
     def rights(self, nav: NavState) -> RightOfWay:
         """See `Task.rights`."""
         robot = self.pose(nav.sim)
-        return RightOfWay(jnp.zeros(_NUMBERS, jnp.int32), *robot.xy, robot.yaw, nav.task.priority)
+        return RightOfWay(jnp.zeros(_NUMBERS, jnp.int32), robot.xy[0], robot.xy[1], robot.yaw, nav.task.priority)
 
     def advance(self, nav: NavState, sim: SimState, crowd: Crowd | None) -> dict[str, Any]:
         """See `Task.advance`."""

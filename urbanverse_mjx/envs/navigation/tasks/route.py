@@ -203,7 +203,7 @@ class FollowRoute(Task):
         phase = self.phases(scene, nav.task.offset, nav.steps)
         known = jnp.zeros(_NUMBERS, jnp.int32).at[self.crosswalks.number[scene]].max(phase)
         # Number 0 stands for places without a crosswalk.
-        return RightOfWay(known.at[0].set(UNSIGNALLED), *robot.xy, robot.yaw, jnp.bool_(True))
+        return RightOfWay(known.at[0].set(UNSIGNALLED), robot.xy[0], robot.xy[1], robot.yaw, jnp.bool_(True))
 
     def completed(
         self, nav: NavState, p_xy: Float[Array, "2"], distance: Float[Array, ""], driven: Float[Array, ""]
