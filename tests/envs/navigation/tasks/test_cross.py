@@ -28,7 +28,7 @@ HALF_LENGTH, HALF_WIDTH, ROBOT = 2.37, 0.88, 0.443
 @pytest.fixture(scope="module")
 def env(small_bank: SceneBank) -> NavEnv:
     with optimized():  # the crowd's tables take seconds
-        return unicycle_env(small_bank, {**FEW, "scenes": list(small_bank.scene_ids[:1])}, config=cross_street_config())
+        return unicycle_env(small_bank, {**FEW, "scenes": small_bank.scene_ids[0]}, config=cross_street_config())
 
 
 @pytest.fixture(scope="module")
@@ -241,7 +241,7 @@ def test_check_env_accepts_it(env: NavEnv) -> None:
 def test_bad_configurations_are_refused_in_a_sentence(
     small_bank: SceneBank, overrides: dict[str, Any], words: str
 ) -> None:
-    scenes = {"scenes": list(small_bank.scene_ids[:1])}
+    scenes = {"scenes": small_bank.scene_ids[0]}
     with pytest.raises(ValidationError, match=words):
         unicycle_env(small_bank, {**FEW, **scenes, **overrides}, config=cross_street_config())
 
@@ -250,4 +250,4 @@ def test_scenes_without_a_road_are_refused_in_a_sentence(small_bank: SceneBank) 
     kinds = np.where(small_bank.map_kind == KIND_INDEX["road"], 0, small_bank.map_kind).astype(np.uint8)
     bank = dataclasses.replace(small_bank, map_kind=kinds)
     with pytest.raises(ValidationError, match="with a crosswalk that routes of vehicles pass"):
-        unicycle_env(bank, {**FEW, "scenes": list(bank.scene_ids[:1])}, config=cross_street_config())
+        unicycle_env(bank, {**FEW, "scenes": bank.scene_ids[0]}, config=cross_street_config())

@@ -28,7 +28,7 @@ FEW |= {"crowd.slots.pedestrian": 2, "crowd.slots.car": 1, "task.length": 60.0, 
 @pytest.fixture(scope="module")
 def env(small_bank: SceneBank) -> NavEnv:
     with optimized():  # the crowd's tables take seconds
-        return unicycle_env(small_bank, {**FEW, "scenes": list(small_bank.scene_ids[:1])}, config=follow_route_config())
+        return unicycle_env(small_bank, {**FEW, "scenes": small_bank.scene_ids[0]}, config=follow_route_config())
 
 
 @pytest.fixture(scope="module")
@@ -243,7 +243,7 @@ def test_check_env_accepts_it(env: NavEnv) -> None:
 def test_bad_configurations_are_refused_in_a_sentence(
     small_bank: SceneBank, overrides: dict[str, Any], words: str
 ) -> None:
-    scenes = {"scenes": list(small_bank.scene_ids[:1]), "scenario": "static"}
+    scenes = {"scenes": small_bank.scene_ids[0], "scenario": "static"}
     with pytest.raises(ValidationError, match=words):
         unicycle_env(small_bank, {**FEW, **scenes, **overrides}, config=follow_route_config())
 
@@ -256,5 +256,5 @@ def test_scenes_without_a_crosswalk_are_refused_in_a_sentence(small_bank: SceneB
         ValidationError, match=r"config.scenes: found none of 1 \(\w+\) with a crosswalk between pavements"
     ):
         unicycle_env(
-            bank, {**FEW, "scenes": list(bank.scene_ids[:1]), "scenario": "static"}, config=follow_route_config()
+            bank, {**FEW, "scenes": bank.scene_ids[0], "scenario": "static"}, config=follow_route_config()
         )
