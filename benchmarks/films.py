@@ -33,6 +33,7 @@ TASKS = {
     "follow_route": "CocoFollowRoute",
     "cross_street": "CocoCrossStreet",
     "object_goal": "CocoObjectGoal",
+    "multi_robot": "CocoMultiRobot",
 }
 #: Images a second of a policy's film, and of a scene's or task's, of which a gait's steps of 0.02 s make up a whole
 #: number each.

@@ -64,6 +64,17 @@ TASKS: dict[str, tuple[str, dict[str, tuple[str, int]]]] = {
             "hit_episodes": ("episodes with contact %", 1),
         },
     ),
+    "CocoMultiRobot": (
+        "multi_robot.md",
+        {
+            "task/score": ("score (deliveries per minute and street)", 2),
+            "task/deliveries": ("deliveries of a robot", 2),
+            "task/robot_contact": ("touches a robot", 3),
+            "task/robot_distance": ("least distance to a robot m", 2),
+            "SR": ("SR %", 1),
+            "hit_episodes": ("episodes with contact %", 1),
+        },
+    ),
     "CocoFollowPerson": (
         "follow_person.md",
         {

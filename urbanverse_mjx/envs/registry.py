@@ -27,6 +27,7 @@ from .navigation.tasks.config import (
     cross_street_config,
     follow_person_config,
     follow_route_config,
+    multi_robot_config,
     object_goal_config,
     social_nav_config,
 )
@@ -362,6 +363,12 @@ register_environment(
     make_wheeled_env,
     object_goal_config,
     about="COCO finds a named object, such as the red postbox, and stops beside it",
+)
+register_environment(
+    "CocoMultiRobot",
+    make_wheeled_env,
+    multi_robot_config,
+    about="COCO delivers to and fro in a street that it shares with other COCOs",
 )
 register_environment(
     "Go2Joystick",

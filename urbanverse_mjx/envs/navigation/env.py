@@ -19,6 +19,7 @@ from .camera_noise import through_camera
 from .clutter import Clutter
 from .draws import Randomization
 from .dynamic import PEOPLE_METRICS, DynamicStreet, slot_appearances
+from .fleet import Fleet, fleet_size
 from .learnability import Learnability
 from .movables import MOVABLE_METRICS, Movables
 from .scenarios import scenario_of, select_scenes
@@ -114,11 +115,16 @@ class NavEnv(StagedBase[NavState]):
         self._surroundings = Surroundings(bank, robot.planner_height)
         share = self._randomization.starts
         self._starts = RandomStarts(share, self._surroundings, robot) if share else None
-        #: The crowd of the scenario dynamic; None in other scenarios.
+        #: The crowd of the scenario dynamic, or other robots; None where nobody moves.
         self.dynamic: DynamicStreet | None = None
         if scenario_of(config) == "dynamic":
             # Tables of all named scenes, so that tasks that leave out different ones share a file in the cache.
             self.dynamic = DynamicStreet(bank, named, config.crowd, float(config.ctrl_dt), robot)
+        size = fleet_size(config)
+        #: The other robots of the street, which are the moving agents then; None where there are none.
+        self.fleet = Fleet(bank, self.scenes, robot, self._root, size, float(config.ctrl_dt)) if size else None
+        if self.fleet is not None:
+            self.dynamic = self.fleet
         #: Movable objects; None if the engine has no body slots.
         self.movables: Movables | None = None
         #: Objects placed beside the route in every episode; None if disabled.
@@ -150,7 +156,10 @@ class NavEnv(StagedBase[NavState]):
         """Begins the first episode of an env: a scene of `config.scenes` and a row of its table, see
         `EpisodeSchedule`."""
         key, draw = jax.random.split(typed_key(key))
-        return self.begin_at(key, *self._schedule.draw(draw, jnp.int32(0), jnp.int32(0)))
+        scene, row = self._schedule.draw(draw, jnp.int32(0), jnp.int32(0))
+        if self.fleet is not None:
+            scene, row = self.fleet.together(scene, row)
+        return self.begin_at(key, scene, row)
 
     def reset_episode(self, nav: NavState, bounds: Float[Array, " ZE"] | None = None) -> NavState:
         """Begins the episode after that of `nav`; only the env's counts of steps and episodes are kept.
@@ -160,7 +169,11 @@ class NavEnv(StagedBase[NavState]):
         """
         key, draw = jax.random.split(nav.key)
         episodes = nav.episodes + 1
-        new = self.begin_at(key, *self._schedule.draw(draw, nav.age, episodes, bounds))
+        if self.fleet is None:
+            new = self.begin_at(key, *self._schedule.draw(draw, nav.age, episodes, bounds))
+        else:
+            # The others do not begin anew at the same time.
+            new = self.begin_at(key, *self.fleet.again(draw, nav))._replace(crowd=nav.crowd)
         return new._replace(age=nav.age, episodes=episodes)
 
     @full_precision
@@ -224,6 +237,8 @@ class NavEnv(StagedBase[NavState]):
         sim = self.engine.step(nav.sim, self._obeyed(nav, action), agents)
         sound = given & finite.is_sound((sim, crowd))
         sim, crowd = finite.choose(sound, (sim, crowd), (nav.sim, nav.crowd))
+        if self.fleet is not None:
+            crowd = self.fleet.after(sim, nav.result)
         quaternion, velocity = sim.xquat[self._root], jnp.where(sound, sim.qvel[:2], 0.0)
         p_xy = sim.xpos[self._root, :2]
         moved = nav._replace(**self.task.advance(nav, sim, crowd))
@@ -246,10 +261,10 @@ class NavEnv(StagedBase[NavState]):
         done_f = done.astype(jnp.float32)
         driven = nav.driven + jnp.linalg.norm(p_xy - nav.sim.xpos[self._root, :2])
         completed = self.task.completed(moved, p_xy, distance, driven)
-        route_done = jnp.where(result == Result.GOAL, moved.route_length, jnp.maximum(nav.route_done, completed))
+        route_done = jnp.where(result == Result.GOAL, moved.route_length, jnp.maximum(moved.route_done, completed))
         new = moved._replace(
             sim=sim,
-            waypoint=terms.next_waypoint(p_xy, nav.waypoint, moved.waypoints, nav.num_waypoints),
+            waypoint=terms.next_waypoint(p_xy, moved.waypoint, moved.waypoints, moved.num_waypoints),
             route_done=route_done,
             driven=driven,
             goal_distance=distance,

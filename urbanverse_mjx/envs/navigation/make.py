@@ -12,6 +12,7 @@ from ...datatypes import AgentShapes, Renderer, RobotSpec, SceneBank, Simulator,
 from ..robot import make_robot
 from .dynamic import slot_appearances, slot_kinds, slot_shapes
 from .env import NavEnv
+from .fleet import ROBOT, fleet_middle, fleet_shapes, fleet_size
 from .movables import body_sizes
 from .scenarios import bank_for, scenario_of
 
@@ -101,7 +102,7 @@ def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavE
     scenario = scenario_of(config)
     bank = bank_for(scenario, bank)
     kinds = slot_kinds(config.crowd) if scenario == "dynamic" else ()
-    robot = make_robot(config)
+    robot, size = make_robot(config), fleet_size(config)
     if abs(config.ctrl_dt / config.sim_dt - round(config.ctrl_dt / config.sim_dt)) > 1e-6:
         raise ValidationError(
             f"config.ctrl_dt: found {config.ctrl_dt} s with sim_dt {config.sim_dt} s, needed a whole number of steps."
@@ -112,7 +113,13 @@ def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavE
             f"of {robot.name!r} asks for; override sim_dt."
         )
     movable = body_sizes(config)
-    engine = make_engine(config, bank, robot, slot_shapes(kinds) if kinds else None, movable)
+    shapes = slot_shapes(kinds) if kinds else None
+    if size:
+        from ...simulation.rendering.robot_appearance import with_robot_appearance
+
+        kinds, shapes = (ROBOT,) * (size - 1), fleet_shapes(robot, size)
+        bank = with_robot_appearance(bank, robot, ROBOT, fleet_middle(robot))
+    engine = make_engine(config, bank, robot, shapes, movable)
     bodies = 0 if movable is None else movable["bodies"]
     return NavEnv(config, bank, robot, engine, _renderer(config, bank, robot, kinds, bodies))
 

@@ -5,6 +5,7 @@ from ml_collections import ConfigDict
 from ....datatypes import ValidationError
 from .cross import CrossStreet
 from .follow import FollowPerson
+from .multi_robot import MultiRobot
 from .object_goal import ObjectGoal
 from .people import PeopleTask
 from .route import FollowRoute
@@ -19,6 +20,7 @@ TASKS: dict[str, type[Task]] = {
     "follow_route": FollowRoute,
     "cross_street": CrossStreet,
     "object_goal": ObjectGoal,
+    "multi_robot": MultiRobot,
 }
 
 

@@ -56,6 +56,30 @@ def object_goal_config(preset: str = "paper") -> ConfigDict:
     return config.lock()
 
 
+def multi_robot_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `MultiRobot` (`multi_robot.MultiRobot`) for COCO: that of a preset, with other robots in
+    place of a crowd.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    config = ConfigDict(default_config(preset).to_dict())
+    config.scenario = "static"
+    config.success_radius = 0.0  # an end of the route is no end of the episode
+    config.randomization.clutter = 0
+    config.reward_config.multiply_by_dt = False
+    dense = default_config(_DENSE).reward_config.scales
+    config.reward_config.scales = {**dense, "arrived": 0.0, "progress": 0.0, "approach": 1.0, "delivered": 10.0}
+    config.task = {
+        "name": "multi_robot",
+        "robots": 4,
+        "route_length": (8.0, 30.0),  # m, so that several deliveries fit into the time limit
+        "arrival_distance": 1.0,  # m, as the success radius of point goals
+        "deliveries": 1,
+    }
+    return config.lock()
+
+
 def _everywhere(share: float, config: ConfigDict) -> dict[str, float]:
     return dict.fromkeys(config.crowd.filled, share)
 

@@ -42,7 +42,7 @@ class PeopleTask(Task):
         if parts.dynamic is None:
             raise ValidationError(
                 f"config.scenario: found {parts.config.scenario!r} for the task {parts.config.task.name!r}, needed "
-                "'dynamic', because it is about people."
+                "'dynamic', because it is about moving agents."
             )
         self.dynamic = parts.dynamic
         self.radius = float(parts.robot.planner_radius)
