@@ -35,6 +35,8 @@ TASKS = {
     "object_goal": "CocoObjectGoal",
     "multi_robot": "CocoMultiRobot",
 }
+#: Film -> number of episodes that have to be driven together, of which one is shown.
+TOGETHER = {"multi_robot": 4}
 #: Images a second of a policy's film, and of a scene's or task's, of which a gait's steps of 0.02 s make up a whole
 #: number each.
 _FPS, _SCENE_FPS = 25.0, 10.0
@@ -67,7 +69,8 @@ def films() -> list[Film]:
         options = PlayOptions(policy=POLICIES / DRIVER, bank=bank, scenes=scene, **shown, **style)
         found.append(Film(f"{BENCHMARK}-{scene}", f"driven by {DRIVER}", options))
     for name, environment in TASKS.items():
-        options = PlayOptions(policy="planner", env_name=environment, num_episodes=1, fps=_SCENE_FPS, **style)
+        shown = {"num_episodes": TOGETHER.get(name, 1), "shown": 1, "fps": _SCENE_FPS}
+        options = PlayOptions(policy="planner", env_name=environment, **shown, **style)
         found.append(Film(name, f"{environment}, driven by the planner", options))
     return found
 

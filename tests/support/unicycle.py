@@ -10,6 +10,7 @@ from ml_collections import ConfigDict
 
 from urbanverse_mjx.datatypes import AgentMotion, Bodies, Contacts, RobotSpec, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, default_config
+from urbanverse_mjx.envs.navigation.fleet import fleet_size
 from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import make_coco
@@ -106,7 +107,8 @@ def unicycle_env(
     chosen = default_config("paper") if config is None else config
     complete = with_overrides(chosen, {"scenes": "all", **(overrides or {})})
     robot = unicycle_robot()
-    engine = UnicycleEngine(robot, complete.ctrl_dt, wall, agents=complete.scenario == "dynamic")
+    moving = complete.scenario == "dynamic" or fleet_size(complete) > 0
+    engine = UnicycleEngine(robot, complete.ctrl_dt, wall, agents=moving)
     return NavEnv(complete, bank, robot, engine, GoalImage() if vision else None)
 
 

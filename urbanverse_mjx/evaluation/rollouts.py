@@ -51,9 +51,13 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
     """`count` episodes evenly distributed over the env's scenes and over each scene's table, deterministic.
 
     Raises:
-      ValidationError: the tables have fewer episodes.
+      ValidationError: the tables have fewer episodes, or the number is no multiple of the robots of a street.
     """
-    per_scene = -(-count // len(env.scenes))
+    # Robots of one street are consecutive episodes.
+    group = 1 if env.fleet is None else env.fleet.size
+    if count % group:
+        raise ValidationError(f"episodes: found {count}, needed a multiple of {group}, the robots of a street.")
+    per_scene = -(-count // (group * len(env.scenes))) * group
     scenes, rows = [], []
     for scene in env.scenes:
         available = int(env.bank.num_episodes[scene])
@@ -62,7 +66,7 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
         rows.append(np.linspace(0, available - 1, per_scene).round().astype(np.int32))
         scenes.append(np.full(per_scene, scene, np.int32))
     # Interleaved, so that any count uses scenes equally.
-    order = np.argsort(np.tile(np.arange(per_scene), len(env.scenes)), kind="stable")[:count]
+    order = np.argsort(np.tile(np.arange(per_scene) // group, len(env.scenes)), kind="stable")[:count]
     return EpisodeSet(np.concatenate(scenes)[order], np.concatenate(rows)[order], seed)
 
 

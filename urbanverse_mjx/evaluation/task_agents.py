@@ -3,20 +3,23 @@ of the state, the ceiling."""
 
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from ..crowds import half_planes
 from ..crowds.crossings import UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..envs.navigation.tasks.cross import CrossStreet
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
+from ..envs.navigation.tasks.multi_robot import MultiRobot
 from ..envs.navigation.tasks.object_goal import ObjectGoal
 from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
-from .planner import GOAL_DISTANCE, Planner, RouteField
+from .planner import GOAL_DISTANCE, Planner, RouteField, waypoint_of
 from .route_fields import build_route_fields
 from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
 
@@ -33,6 +36,10 @@ DETECTION_DISTANCE = 8.0
 STOPPING_MARGIN = 0.05
 #: m to the place of `ObjectPlanner` from which it drives straight, and its action there, a share of full speed.
 APPROACH_DISTANCE, SLOW = 0.8, 0.3
+#: s for which `DeliveryPlanner` avoids other robots, m that it keeps from them, and m/s below which one stands.
+HORIZON, ROBOT_MARGIN, STANDING_ROBOT = 2.5, 0.15, 0.05
+#: Cost per m/s outside of the velocities that ORCA permits, and s for which a command's turn counts in its velocity.
+ORCA_COST, TURNING_TIME = 8.0, 0.8
 #: s of the person's walk that the planner looks ahead: to the end of its drives.
 ANTICIPATION = TIMES[-1]
 #: m/s, mean speed with which the robot comes to a crosswalk, and s by which it has to be on it before people must not
@@ -268,6 +275,75 @@ class ObjectWanderer(RouteFollower):
         return jnp.where(stop, 0.0, self.towards(nav, jnp.where(seen, place, ahead)))
 
 
+class DeliveryPlanner(Planner):
+    """`Planner` for `MultiRobot` to the current end of the route, which avoids the other robots reciprocally.
+
+    Of the commands that keep clear of the street it prefers those whose velocity ORCA permits (van den Berg et al.,
+    "Reciprocal n-Body Collision Avoidance", 2011): each robot of a pair takes half of the change that avoids the other
+    for `HORIZON` s. Robots that stand for good take none, so these are avoided in full.
+    """
+
+    def __init__(self, env: NavEnv) -> None:
+        super().__init__(env, people=False)
+        assert isinstance(env.task, MultiRobot)
+        self._task = env.task
+
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
+        """Fields to the goals and to the starts of n episodes, over the same windows."""
+        there = super().prepare(scenes, rows)
+        bank = self._env.bank
+        start, route = bank.episode_start[scenes, rows], bank.episode_waypoints[scenes, rows]
+        routes = np.concatenate([start[:, None, :2], route[..., :2]], 1).astype(np.float64)
+        back = build_route_fields(
+            self._maps,
+            scenes,
+            start[:, :2].astype(np.float64),
+            routes,
+            bank.episode_length[scenes, rows],
+            self._body.half_width,
+        )
+        return there, jnp.asarray(back.cost)
+
+    def act(self, nav: NavState, route: Any) -> Any:
+        """(2,) waypoint in [-1, 1]."""
+        there, back = route
+        goes_back = jnp.round(nav.task.delivered).astype(jnp.int32) % 2 == 1
+        field = there._replace(cost=jnp.where(goes_back, back, there.cost))
+        robot = self._task.pose(nav.sim)
+        speed = terms.to_body(robot.velocity, robot.yaw)[0]
+        state = jnp.nan_to_num(jnp.stack([robot.xy[0], robot.xy[1], robot.yaw, speed, nav.sim.qvel[5]]))
+        cost = self.costs(nav.sim.scene, state, field, None).min(1)
+        cost += ORCA_COST * self._forbidden(nav, robot)
+        best = self.first[jnp.argmin(cost)]
+        return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
+
+    def _forbidden(self, nav: NavState, robot: Any) -> Any:
+        """(first,) m/s by which the velocity of each command is outside of what ORCA permits."""
+        assert nav.crowd is not None
+        body, dynamic = nav.crowd.bodies, self._env.dynamic
+        assert dynamic is not None
+        size = jnp.asarray(dynamic.shapes.radius + dynamic.shapes.half_length)
+        moves = jnp.hypot(body.vx, body.vy) > STANDING_ROBOT
+        away = body.x - robot.xy[0], body.y - robot.xy[1]
+        lines = half_planes.towards_neighbours(
+            apart=away,
+            velocity=(robot.velocity[0], robot.velocity[1]),
+            other_velocity=(body.vx, body.vy),
+            reach=2.0 * size + ROBOT_MARGIN,
+            share=jnp.where(moves, 0.5, 1.0),
+            spare=jnp.zeros_like(size),
+            side=jnp.zeros(()),
+            valid=nav.crowd.present,
+            horizon=jnp.float32(HORIZON),
+            dt=self._env.dt,
+        )
+        # Where the robot is after half of a turn of the first phase.
+        heading = robot.yaw + 0.5 * self.first[:, 1] * TURNING_TIME
+        vx, vy = self.first[:, 0] * jnp.cos(heading), self.first[:, 0] * jnp.sin(heading)
+        over = jax.vmap(lambda x, y: lines.violation(x, y).max())(vx, vy)
+        return jnp.maximum(over, 0.0)
+
+
 def planner_of(env: NavEnv) -> Privileged:
     """The planner with full knowledge of the state for an environment's task."""
     if isinstance(env.task, FollowPerson):
@@ -280,6 +356,8 @@ def planner_of(env: NavEnv) -> Privileged:
         return Planner(env, comfort=COMFORT)
     if isinstance(env.task, ObjectGoal):
         return ObjectPlanner(env)
+    if isinstance(env.task, MultiRobot):
+        return DeliveryPlanner(env)
     return Planner(env)
 
 

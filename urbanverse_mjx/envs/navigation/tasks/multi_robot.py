@@ -22,8 +22,8 @@ from ..fleet import START_SPACING, Fleet, fleet_size
 from .people import PeopleTask
 from .task import Parts
 
-#: Most routes of a street that are used: those from the starts nearest to the middle one.
-MOST_ROWS = 64
+#: Most routes of a street that are used: those from the starts nearest to the middle one, so that robots meet.
+MOST_ROWS = 32
 #: m, upper limit of the reported distance to another robot.
 MAX_GAP = 30.0
 
