@@ -323,15 +323,15 @@ class DeliveryPlanner(Planner):
         body, dynamic = nav.crowd.bodies, self._env.dynamic
         assert dynamic is not None
         size = jnp.asarray(dynamic.shapes.radius + dynamic.shapes.half_length)
-        moves = jnp.hypot(body.vx, body.vy) > STANDING_ROBOT
+        share = jnp.where(jnp.hypot(body.vx, body.vy) > STANDING_ROBOT, 0.5, 1.0)
         away = body.x - robot.xy[0], body.y - robot.xy[1]
         lines = half_planes.towards_neighbours(
             apart=away,
             velocity=(robot.velocity[0], robot.velocity[1]),
             other_velocity=(body.vx, body.vy),
             reach=2.0 * size + ROBOT_MARGIN,
-            share=jnp.where(moves, 0.5, 1.0),
-            spare=jnp.zeros_like(size),
+            share=share,
+            spare=share,
             side=jnp.zeros(()),
             valid=nav.crowd.present,
             horizon=jnp.float32(HORIZON),
