@@ -37,7 +37,7 @@ CPU_REWARDS = {
     "terminate_off_traversable": False,
     "episode_length": 100,
 }
-SMALL = {"num_envs": 64, "num_timesteps": 8192, "num_checkpoints": 2, "network.layers": ((8, 4, 4), (8, 2, 2))}
+SMALL = {"num_envs": 64, "num_timesteps": 4096, "num_checkpoints": 2, "network.layers": ((8, 4, 4), (8, 2, 2))}
 
 
 def test_shim_gives_pmaps_own_sharding_and_ppo_loads() -> None:
@@ -101,7 +101,7 @@ def begun(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> pa
     """Run folder of a finished training, for all tests that continue one."""
     folder = tmp_path_factory.mktemp("begun")
     env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
-    assert train("CocoNav", env, with_overrides(default_ppo_config("cpu"), SMALL), folder, quiet=True).steps == 8192
+    assert train("CocoNav", env, with_overrides(default_ppo_config("cpu"), SMALL), folder, quiet=True).steps == 4096
     return folder
 
 
@@ -114,16 +114,16 @@ def test_trains_stops_resumes_and_loads(begun: pathlib.Path, small_bank: SceneBa
     with pytest.raises(ValidationError, match="resume"):
         train("CocoNav", env, ppo, tmp_path, quiet=True)
 
-    longer = with_overrides(ppo, {"num_timesteps": 12288, "num_checkpoints": 1})
+    longer = with_overrides(ppo, {"num_timesteps": 6144, "num_checkpoints": 1})
     second = train("CocoNav", env, longer, tmp_path, resume=True, quiet=True)
-    assert second.steps == 12288
+    assert second.steps == 6144
     assert latest_policy(tmp_path) == second.policy != first
     steps = [json.loads(line)["step"] for line in (tmp_path / "log.jsonl").read_text().splitlines()]
-    assert max(steps) == 12288
-    assert steps[-1] > 8192, "the counter goes on after a resume"
+    assert max(steps) == 6144
+    assert steps[-1] > 4096, "the counter goes on after a resume"
 
     act, spec = load_policy(tmp_path)
-    assert spec.steps == 12288
+    assert spec.steps == 6144
     assert spec.scene_ids == list(small_bank.scene_ids)
     obs = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3)).obs
     assert second.policy is not None
