@@ -48,6 +48,8 @@ class Motion:
       curvature: 1/m, largest curvature; infinite for a robot that turns on the spot.
       dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which the robot stands still; 0 for none.
       lateral: m/s², largest sideways acceleration, above which the robot slows down.
+      climb: m/s lost per unit of slope uphill, and gained downhill, because the motors' speed gives way to their load.
+      veer: rad/s per unit of slope, turn towards the lower side; `eases` applies to it as to the lag.
     """
 
     speed_lag: float
@@ -57,6 +59,8 @@ class Motion:
     eases: float = np.inf
     dead: tuple[float, float] = (0.0, 0.0)
     lateral: float = np.inf
+    climb: float = 0.0
+    veer: float = 0.0
 
     def obeyed(self, v: Any, omega: Any) -> tuple[Any, Any]:
         """The velocity that a command (v, omega) reaches; 0 if it is too small to move the robot."""
@@ -67,8 +71,19 @@ class Motion:
         moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
         return moves * v, moves * omega
 
-    def drive(self, pose: Any, v: Any, w: Any, targets: tuple[Any, Any], dt: Any) -> tuple[Any, Any, Any]:
-        """Pose (3,) x, y, yaw and speeds (v, w) after `dt` s; targets: result of `obeyed` for the command."""
+    def drive(
+        self, pose: Any, v: Any, w: Any, targets: tuple[Any, Any], dt: Any, slope: tuple[Any, Any] = (0.0, 0.0)
+    ) -> tuple[Any, Any, Any]:
+        """Pose (3,) x, y, yaw and speeds (v, w) after `dt` s.
+
+        Args:
+          targets: result of `obeyed` for the command.
+          slope: rise of the ground per metre ahead and per metre to the left.
+        """
+        targets = (
+            targets[0] - self.climb * slope[0],
+            targets[1] - self.veer * slope[1] / (1.0 + jnp.abs(v) / self.eases),
+        )
         new_v = targets[0] + (v - targets[0]) * jnp.exp(-dt / self.speed_lag)
         turn_lag = self.turn_lag / (1.0 + 0.5 * jnp.abs(new_v + v) / self.eases)
         new_w = targets[1] + (w - targets[1]) * jnp.exp(-dt / turn_lag)
@@ -81,8 +96,8 @@ class Motion:
 #: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and Go2
 #: with C MuJoCo. The Go2's gait stands still at small commands (docs/decisions/go2.md).
 MOTIONS = {
-    "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
-    "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),
+    "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9, climb=2.4, veer=9.2),
+    "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456, climb=2.4),
     "go2": Motion(0.2, 0.05, 0.0, np.inf, dead=(0.28, 0.45)),
 }
 DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
@@ -198,6 +213,9 @@ class Planner:
             _Field.of(x, scenes, self._maps.origin, far)
             for x, far in ((self._maps.to_hull, MAX_DISTANCE), (self._maps.to_edge, -MAX_DISTANCE))
         )
+        self._ground = _Field.of(self._maps.ground, scenes, self._maps.origin, 0.0)
+        # (2, F): times the ground's heights under the feet, the slope ahead and to the left of the plane through them.
+        self._plane = np.linalg.pinv(np.column_stack([self._body.feet, np.ones(len(self._body.feet))]))[:2]
         self.first = jnp.asarray(_commands(robot, self._motion, _OPTIONS.speeds, _OPTIONS.turns), jnp.float32)
         self._after = jnp.asarray(
             _commands(robot, self._motion, _OPTIONS.later_speeds, _OPTIONS.later_turns), jnp.float32
@@ -303,7 +321,8 @@ class Planner:
     ) -> _Ahead:
         """Advances the drive to step `k`, `dt` s after the previous one and `end` s from now."""
         motion = self._motion
-        pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt)
+        slope = self._slope(scene, ahead.pose)
+        pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt, slope)
         gap, driving, uneasy = self._gap(scene, pose, route), ahead.driving, None
         if agents is not None:
             to_agents = self._agent_gap(agents, pose[:2], end)
@@ -324,6 +343,15 @@ class Planner:
         left = driving * (0.5 * (here + nose) - _OPTIONS.goal_distance + _OPTIONS.nose)
         mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving)
+
+    def _slope(self, scene: Any, pose: Any) -> tuple[Any, Any]:
+        """Rise of the ground under the feet per metre ahead and to the left."""
+        if not (self._motion.climb or self._motion.veer):
+            return 0.0, 0.0
+        height = self._ground.at(scene, *placed(pose, self._body.feet))
+        # Steeper than any ramp is a foot behind an edge, where this plane is none.
+        ahead, left = jnp.clip(jnp.asarray(self._plane, jnp.float32) @ height, -_OPTIONS.max_slope, _OPTIONS.max_slope)
+        return ahead, left
 
     def _gap(self, scene: Any, pose: Any, route: Any) -> Any:
         """m, least distance of discs to hulls, and of feet and low parts to an edge."""
