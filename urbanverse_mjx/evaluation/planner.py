@@ -118,8 +118,8 @@ class Footprint:
     Attributes:
       discs: (D, 3) x, y, radius (m) of the outer collision spheres.
       feet: (F, 2) m, ground contacts.
-      low: (L, 2) m, outer ones of the trunk's spheres that end less than `LOW` above the ground: they touch a kerb
-        that is between the wheels.
+      low: (L, 2) m, outer ones of the trunk's spheres that end less than `LOW` above the ground, and their middle: they
+        touch a kerb that is between the wheels, and at full speed none is between two predictions unnoticed.
       half_width: m, largest distance from its heading line.
       reach: m, farthest point.
     """
@@ -152,7 +152,8 @@ def footprint(robot: RobotSpec) -> Footprint:
     root = model.body(robot.root_body).id
     rigid = model.body_weldid[model.geom_bodyid] == root
     low = data.geom_xpos[[g for g in solid if rigid[g] and ends[g] - ends[on_ground].min() < LOW], :2]
-    low = low[np.unique((low @ ways).argmax(0))] if len(low) else low
+    if len(low):
+        low = np.concatenate([low[np.unique((low @ ways).argmax(0))], low.mean(0, keepdims=True)])
     half_width = float((np.abs(spheres[:, 1]) + spheres[:, 2]).max())
     return Footprint(discs, feet, low, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
 
