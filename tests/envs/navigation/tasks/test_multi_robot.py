@@ -67,10 +67,10 @@ def test_routes_are_those_of_the_street_with_starts_apart(env: NavEnv, small_ban
 
 def test_the_way_back_is_the_way_there_reversed(env: NavEnv, task: MultiRobot) -> None:
     scene, row = jnp.int32(0), jnp.int32(0)
-    start, ways, number = (np.asarray(x) for x in task.route(scene, row, jnp.bool_(False)))
+    start, waypoints, number = (np.asarray(x) for x in task.route(scene, row, jnp.bool_(False)))
     from_goal, back, _ = (np.asarray(x) for x in task.route(scene, row, jnp.bool_(True)))
     n = int(number)
-    there = np.concatenate([start[None], ways[:n]])
+    there = np.concatenate([start[None], waypoints[:n]])
     np.testing.assert_allclose(np.concatenate([from_goal[None], back[:n]]), there[::-1], atol=1e-6)
     np.testing.assert_allclose(back[n - 1 :], np.repeat(start[None], len(back) - n + 1, 0), atol=1e-6)
 

@@ -71,15 +71,15 @@ def test_a_path_leads_from_the_streets_start_to_where_the_object_is_within_reach
             np.testing.assert_array_equal(env.bank.episode_start[scene, row], small_bank.episode_start[scene, source])
             length = float(env.bank.episode_length[scene, row])
             assert low <= length <= high + 0.5
-            ways = env.bank.episode_waypoints[scene, row, : env.bank.episode_num_waypoints[scene, row]]
-            line = np.concatenate([env.bank.episode_start[scene, row, None, :2], ways[:, :2]])
+            waypoints = env.bank.episode_waypoints[scene, row, : env.bank.episode_num_waypoints[scene, row]]
+            line = np.concatenate([env.bank.episode_start[scene, row, None, :2], waypoints[:, :2]])
             spans = np.linalg.norm(np.diff(line, axis=0), axis=1)
             assert spans.max() <= 1.5 * SPACING + 0.3
             assert spans.sum() <= length + 0.3, "waypoints cut corners"
-            np.testing.assert_array_equal(ways[-1], env.bank.episode_goal[scene, row])
+            np.testing.assert_array_equal(waypoints[-1], env.bank.episode_goal[scene, row])
             which = task.goals.which[scene, row]
             boxes = task.goals.boxes[which][: task.goals.count[which]]
-            distance, _ = to_boxes(np, ways[-1, :2].astype(float), boxes)
+            distance, _ = to_boxes(np, waypoints[-1, :2].astype(float), boxes)
             assert distance.min() <= env.config.task.success_distance
             assert distance.min() > env.robot.planner_radius
 
@@ -96,7 +96,7 @@ def test_the_same_bank_gives_the_same_episodes_and_other_ranges_give_others(
     assert float(far.bank.episode_length.min()) >= 12.0 - 0.2 > float(env.bank.episode_length.min())
 
 
-def test_episodes_ask_for_many_things(task: ObjectGoal) -> None:
+def test_episodes_ask_for_many_objects(task: ObjectGoal) -> None:
     asked = {task.goal_name(0, row) for row in range(32)}
     assert len(asked) > 8
     assert all(text.split()[0] in ("the", "a", "an") for text in asked)

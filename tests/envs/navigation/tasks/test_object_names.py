@@ -14,8 +14,8 @@ from urbanverse_mjx.envs.navigation.tasks.object_names import (
     LEAST_HEIGHT,
     MOST_MEANT,
     MOST_WIDTH,
+    OBJECT_SIZE,
     STREET_USERS,
-    THING_SIZE,
     StreetObject,
     embedding,
     gap,
@@ -24,7 +24,7 @@ from urbanverse_mjx.envs.navigation.tasks.object_names import (
 )
 
 
-def thing(name: str, colour: str | None, x: float, y: float = 0.0, yaw: float = 0.0) -> StreetObject:
+def street_object(name: str, colour: str | None, x: float, y: float = 0.0, yaw: float = 0.0) -> StreetObject:
     return StreetObject(0, name, colour, (x, y, 0.5, 0.25, yaw))
 
 
@@ -47,21 +47,31 @@ def test_people_animals_and_robots_are_those_of_the_ontology() -> None:
 
 
 def test_one_of_a_kind_is_the_and_one_of_several_is_a() -> None:
-    found = said([thing("postbox", "red", 0), thing("bench", "green", 20), thing("bench", "green", 40)])
+    found = said(
+        [street_object("postbox", "red", 0), street_object("bench", "green", 20), street_object("bench", "green", 40)]
+    )
     assert found == {"the red postbox": (0,), "a green bench": (1, 2)}
 
 
-def test_of_several_the_one_next_to_something_single_is_named_by_it() -> None:
-    objects = [thing("postbox", "red", 0), thing("bench", "green", 2.0), thing("bench", "green", 40)]
+def test_of_several_the_one_next_to_a_single_object_is_named_by_it() -> None:
+    objects = [
+        street_object("postbox", "red", 0),
+        street_object("bench", "green", 2.0),
+        street_object("bench", "green", 40),
+    ]
     found = said(objects)
     assert found["the green bench next to the red postbox"] == (1,)
     assert found["a green bench"] == (1, 2)
-    both = said([*objects, thing("bench", "green", -2.0)])
+    both = said([*objects, street_object("bench", "green", -2.0)])
     assert "the green bench next to the red postbox" not in both, "two of them are"
 
 
 def test_a_class_without_colour_is_true_of_the_coloured_ones_too() -> None:
-    objects = [thing("scooter", None, 0), thing("scooter", "black", 20), thing("bench", "green", 2.0)]
+    objects = [
+        street_object("scooter", None, 0),
+        street_object("scooter", "black", 20),
+        street_object("bench", "green", 2.0),
+    ]
     found = said(objects)
     assert found["a scooter"] == (0, 1)
     assert found["the black scooter"] == (1,)
@@ -70,14 +80,14 @@ def test_a_class_without_colour_is_true_of_the_coloured_ones_too() -> None:
 
 
 def test_a_phrase_never_means_too_many() -> None:
-    found = said([thing("chair", "white", 10.0 * k) for k in range(MOST_MEANT + 1)])
+    found = said([street_object("chair", "white", 10.0 * k) for k in range(MOST_MEANT + 1)])
     assert found == {}
 
 
 def test_the_gap_is_between_boxes_not_centres() -> None:
-    assert gap(thing("a", None, 0.0), thing("b", None, 3.0)) == pytest.approx(2.0)
-    assert gap(thing("a", None, 0.0), thing("b", None, 0.0, 3.0)) == pytest.approx(2.5)
-    assert gap(thing("a", None, 0.0), thing("b", None, 0.1)) == 0.0
+    assert gap(street_object("a", None, 0.0), street_object("b", None, 3.0)) == pytest.approx(2.0)
+    assert gap(street_object("a", None, 0.0), street_object("b", None, 0.0, 3.0)) == pytest.approx(2.5)
+    assert gap(street_object("a", None, 0.0), street_object("b", None, 0.1)) == 0.0
 
 
 def test_objects_of_a_bank_have_their_boxes_and_none_is_too_small_or_high(small_bank: SceneBank) -> None:
@@ -108,6 +118,6 @@ def test_vectors_know_colour_class_and_relation() -> None:
     assert np.linalg.norm(red) == pytest.approx(1.0)
     assert min(red @ apart, red @ blue) > red @ bench + 0.2
     beside = embedding("the red postbox next to the green bench")
-    np.testing.assert_array_equal(beside[:THING_SIZE], red[:THING_SIZE])
+    np.testing.assert_array_equal(beside[:OBJECT_SIZE], red[:OBJECT_SIZE])
     assert not np.array_equal(beside, embedding("the green bench next to the red postbox"))
-    assert not np.any(red[THING_SIZE:])
+    assert not np.any(red[OBJECT_SIZE:])

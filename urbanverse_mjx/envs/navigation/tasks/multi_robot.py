@@ -79,7 +79,7 @@ class MultiRobot(PeopleTask):
         self.needed = int(options.deliveries)
         bank = parts.bank
         self._start = jnp.asarray(bank.episode_start[..., :3])
-        self._ways, self._goal = jnp.asarray(bank.episode_waypoints), jnp.asarray(bank.episode_goal)
+        self._waypoints, self._goal = jnp.asarray(bank.episode_waypoints), jnp.asarray(bank.episode_goal)
         self._number = jnp.asarray(bank.episode_num_waypoints, jnp.int32)
 
     @classmethod
@@ -129,11 +129,11 @@ class MultiRobot(PeopleTask):
         self, scene: Int[Array, ""], row: Int[Array, ""], back: Bool[Array, ""]
     ) -> tuple[Float[Array, "3"], Float[Array, "W 3"], Int[Array, ""]]:
         """Start (3,), waypoints (W, 3) and their number of a row's route, or of its way back."""
-        start, ways, number = self._start[scene, row], self._ways[scene, row], self._number[scene, row]
-        places = jnp.arange(len(ways))
+        start, waypoints, number = self._start[scene, row], self._waypoints[scene, row], self._number[scene, row]
+        places = jnp.arange(len(waypoints))
         # From the last waypoint but one to the first, then the start, which repeats.
-        turned = jnp.where((places < number - 1)[:, None], ways[jnp.maximum(number - 2 - places, 0)], start)
-        return jnp.where(back, self._goal[scene, row], start), jnp.where(back, turned, ways), number
+        turned = jnp.where((places < number - 1)[:, None], waypoints[jnp.maximum(number - 2 - places, 0)], start)
+        return jnp.where(back, self._goal[scene, row], start), jnp.where(back, turned, waypoints), number
 
     def advance(self, nav: NavState, sim: SimState, crowd: Crowd | None) -> dict[str, Any]:
         """See `Task.advance`."""
@@ -142,10 +142,16 @@ class MultiRobot(PeopleTask):
         arrived = jnp.linalg.norm(nav.goal[:2] - self.pose(sim).xy) < self.arrival
         delivered = before.delivered + arrived
         back = jnp.round(delivered).astype(jnp.int32) % 2 == 1
-        start, ways, number = self.route(sim.scene, nav.episode, back)
+        start, waypoints, number = self.route(sim.scene, nav.episode, back)
         state = DeliveryState(delivered, arrived, jnp.minimum(before.gap, self._gap(crowd, sim)))
-        length = terms.route_length(start, ways)
-        new = {"start": start, "goal": ways[-1], "waypoints": ways, "route_length": length, "num_waypoints": number}
+        length = terms.route_length(start, waypoints)
+        new = {
+            "start": start,
+            "goal": waypoints[-1],
+            "waypoints": waypoints,
+            "route_length": length,
+            "num_waypoints": number,
+        }
         again = {"waypoint": jnp.int32(0), "route_done": jnp.float32(0.0)}
         again = {name: jnp.where(arrived, value, getattr(nav, name)) for name, value in again.items()}
         return {"task": state, **new, **again}

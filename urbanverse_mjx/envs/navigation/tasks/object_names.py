@@ -26,14 +26,14 @@ STREET_USERS = frozenset(
 )
 #: m, least height and width of a goal, largest width, and largest height of its foot above the ground.
 LEAST_HEIGHT, LEAST_WIDTH, MOST_WIDTH, MOST_FOOT = 0.4, 0.2, 4.0, 0.4
-#: m between boxes of things that stand next to each other.
+#: m between boxes of objects that stand next to each other.
 NEXT_TO = 2.5
 #: Most objects that one phrase may mean.
 MOST_MEANT = 8
-#: Numbers of a vector for the thing itself, and for what it stands next to.
-THING_SIZE, PLACE_SIZE = 96, 64
+#: Numbers of a vector for colour and class, and for what the object stands next to.
+OBJECT_SIZE, PLACE_SIZE = 96, 64
 #: Numbers of a phrase's vector.
-EMBEDDING_SIZE = THING_SIZE + PLACE_SIZE
+EMBEDDING_SIZE = OBJECT_SIZE + PLACE_SIZE
 _RELATION = " next to "
 _GROUND = "ground:"
 
@@ -55,7 +55,7 @@ class StreetObject:
     box: tuple[float, float, float, float, float]
 
     @property
-    def thing(self) -> str:
+    def described(self) -> str:
         """Colour and class."""
         return self.name if self.colour is None else f"{self.colour} {self.name}"
 
@@ -152,23 +152,23 @@ def phrases_of(objects: Sequence[StreetObject]) -> list[Phrase]:
     """All phrases for the objects of a scene.
 
     "The" stands before what is the only one of its colour and class, "a" before what is one of several; of these, those
-    next to something that is the only one of its kind are also named by it.
+    next to an object that is the only one of its kind are also named by it.
     """
-    by_thing: dict[str, list[int]] = collections.defaultdict(list)
+    by_described: dict[str, list[int]] = collections.defaultdict(list)
     for i, o in enumerate(objects):
-        by_thing[o.thing].append(i)
-    for thing, rows in by_thing.items():
-        # A class without colour is true of coloured things of the class, too.
-        rows[:] = [i for i, o in enumerate(objects) if o.name == thing] or rows
-    single = [rows[0] for rows in by_thing.values() if len(rows) == 1]
+        by_described[o.described].append(i)
+    for text, rows in by_described.items():
+        # A class without colour is true of coloured objects of the class, too.
+        rows[:] = [i for i, o in enumerate(objects) if o.name == text] or rows
+    single = [rows[0] for rows in by_described.values() if len(rows) == 1]
     found = []
-    for thing, rows in by_thing.items():
+    for text, rows in by_described.items():
         name = objects[rows[0]].name
         if len(rows) == 1:
-            found.append(Phrase(f"the {thing}", name, tuple(rows)))
+            found.append(Phrase(f"the {text}", name, tuple(rows)))
             continue
         if len(rows) <= MOST_MEANT:
-            found.append(Phrase(f"{'an' if thing[0] in 'aeiou' else 'a'} {thing}", name, tuple(rows)))
+            found.append(Phrase(f"{'an' if text[0] in 'aeiou' else 'a'} {text}", name, tuple(rows)))
         beside: dict[int, list[int]] = collections.defaultdict(list)
         for i in rows:
             for k in single:
@@ -176,20 +176,20 @@ def phrases_of(objects: Sequence[StreetObject]) -> list[Phrase]:
                     beside[k].append(i)
         for k, some in beside.items():
             if len(some) == 1:
-                found.append(Phrase(f"the {thing}{_RELATION}the {objects[k].thing}", name, tuple(some)))
+                found.append(Phrase(f"the {text}{_RELATION}the {objects[k].described}", name, tuple(some)))
     return found
 
 
 def embedding(text: str) -> np.ndarray:
-    """(EMBEDDING_SIZE,) f32, a vector of a phrase: of the thing, then of what it stands next to, each of length 1; 0
-    for none.
+    """(EMBEDDING_SIZE,) f32, a vector of a phrase: of colour and class, then of what the object stands next to, each of
+    length 1; 0 for none.
 
     The features are those of the search of assets, words and their sequences of letters, summed into a vector of fixed
     size by the sign and place that a hash gives each (Weinberger et al., "Feature Hashing for Large Scale Multitask
     Learning", 2009), which needs no vocabulary.
     """
-    thing, _, place = text.partition(_RELATION)
-    return np.concatenate([_hashed(thing, THING_SIZE), _hashed(place, PLACE_SIZE)])
+    named, _, place = text.partition(_RELATION)
+    return np.concatenate([_hashed(named, OBJECT_SIZE), _hashed(place, PLACE_SIZE)])
 
 
 def _hashed(text: str, size: int) -> np.ndarray:
