@@ -112,7 +112,7 @@ def random(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     return jax.random.uniform(key, (2,), minval=-1.0, maxval=1.0)
 
 
-def _way(obs: Mapping[str, Any], agent: str) -> jax.Array:
+def _goal_offset(obs: Mapping[str, Any], agent: str) -> jax.Array:
     """(2,) m, the way to the goal.
 
     Raises:
@@ -130,7 +130,7 @@ def _way(obs: Mapping[str, Any], agent: str) -> jax.Array:
 def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     """Agent that drives straight to the goal without images: a waypoint one metre ahead in the goal's direction."""
     del key
-    goal = _way(obs, "go_to_goal")
+    goal = _goal_offset(obs, "go_to_goal")
     return goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
 
 
@@ -142,7 +142,7 @@ def keep_distance(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     """Agent that drives straight towards the goal without images, and stops and faces it at `KEPT_DISTANCE`: a
     follower of a person."""
     del key
-    goal = _way(obs, "keep_distance")
+    goal = _goal_offset(obs, "keep_distance")
     distance = jnp.linalg.norm(goal)
     share = jnp.clip((distance - KEPT_DISTANCE) / (FULL_SPEED_DISTANCE - KEPT_DISTANCE), 0.02, 1.0)
     return share * goal / jnp.maximum(distance, 1e-6)
