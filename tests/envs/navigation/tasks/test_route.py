@@ -255,6 +255,4 @@ def test_scenes_without_a_crosswalk_are_refused_in_a_sentence(small_bank: SceneB
     with pytest.raises(
         ValidationError, match=r"config.scenes: found none of 1 \(\w+\) with a crosswalk between pavements"
     ):
-        unicycle_env(
-            bank, {**FEW, "scenes": bank.scene_ids[0], "scenario": "static"}, config=follow_route_config()
-        )
+        unicycle_env(bank, {**FEW, "scenes": bank.scene_ids[0], "scenario": "static"}, config=follow_route_config())
