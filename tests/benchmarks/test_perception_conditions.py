@@ -1,5 +1,8 @@
 """Hard conditions of rendered test streets: the streets, what counts as found, and the rows of the table."""
 
+import csv
+import pathlib
+
 import numpy as np
 import pytest
 
@@ -12,6 +15,7 @@ from urbanverse_mjx.datatypes import SceneLayout
 from urbanverse_mjx.distillation.perception_model import classes
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject
 
+ROWS = pathlib.Path(__file__).parents[2] / "benchmarks" / "scores" / "perception_conditions.csv"
 NAMES = classes.names()
 ROAD, CAR, TREE = (NAMES.index(n) for n in ("road", "car", "tree"))
 
@@ -122,3 +126,14 @@ def test_intervals_are_over_units_and_hold_the_share():
     few = share_interval(np.array([0, 1] * 5), np.ones(10, int)) or (0.0, 0.0)
     many = share_interval(np.array([0, 10] * 50), np.full(100, 10)) or (0.0, 0.0)
     assert few[1] - few[0] > 2.0 * (many[1] - many[0])
+
+
+def test_the_kept_rows_have_each_condition():
+    with ROWS.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == list(perception_conditions.COLUMNS)
+    names = " ".join(r["condition"] for r in rows)
+    assert all(word in names for word in ("low light", "distant objects", "clutter", "complex terrain"))
+    for r in rows:
+        assert float(r["recall_low"]) <= float(r["recall"]) <= float(r["recall_high"])
+        assert int(r["objects"]) > 0
