@@ -31,7 +31,6 @@ TASKS = {
     "social_nav": "CocoSocialNav",
     "follow_person": "CocoFollowPerson",
     "follow_route": "CocoFollowRoute",
-    "cross_street": "CocoCrossStreet",
     "object_goal": "CocoObjectGoal",
     "multi_robot": "CocoMultiRobot",
 }

@@ -99,19 +99,6 @@ TASKS: dict[str, tuple[str, dict[str, tuple[str, int]]]] = {
             "task/seconds": ("seconds", 1),
         },
     ),
-    "CocoCrossStreet": (
-        "cross_street.md",
-        {
-            "task/score": ("score", 3),
-            "SR": ("SR %", 1),
-            "task/near_misses": ("near misses", 2),
-            "task/time_to_collision": ("least time to collision s", 2),
-            "task/stops": ("stops on the road", 2),
-            "task/waited": ("waited s", 1),
-            "task/delay": ("delay s", 1),
-            "hit_episodes": ("episodes with contact %", 1),
-        },
-    ),
 }
 HEADLINE = "task/score"
 MARKS = "<!-- tasks: python -m benchmarks.tasks --page -->", "<!-- end of tasks -->"

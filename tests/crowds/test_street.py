@@ -319,7 +319,7 @@ def walkers_and_cars(
     if phase is not None:
         x, y, yields = robot
         phases = jnp.zeros(256, jnp.int32).at[1].set(phase)
-        rights = crossings.RightOfWay(phases, f(x)[0], f(y)[0], f(np.pi / 2)[0], jnp.bool_(yields))
+        rights = crossings.Precedence(phases, f(x)[0], f(y)[0], f(np.pi / 2)[0], jnp.bool_(yields))
     return crossings.give_way(table, jnp.int32(0), bodies, bodies.heading, speed, walks, front, walks | True, rights)
 
 

@@ -68,7 +68,7 @@ class Crossings(NamedTuple):
     width: Any
 
 
-class RightOfWay(NamedTuple):
+class Precedence(NamedTuple):
     """Signals and the robot's rights, in one env.
 
     Attributes:
@@ -133,7 +133,7 @@ def give_way(
     walks: Any,
     front: Any,
     present: Any,
-    rights: RightOfWay | None = None,
+    rights: Precedence | None = None,
 ) -> Order:
     """Right of way at crosswalks, for the bodies (A,) of one env.
 
@@ -191,7 +191,7 @@ def give_way(
     return Order(wait, jnp.where(stop, limit, jnp.inf))
 
 
-def _robot_crosses(table: Crossings, scene: Any, rights: RightOfWay, coming: Any) -> Any:
+def _robot_crosses(table: Crossings, scene: Any, rights: Precedence, coming: Any) -> Any:
     """(A,) bool, whether vehicles that come to crosswalks (A,) have to stop for the robot: on one, or at a kerb and
     heading to it, there not in the phase `STOP`."""
     x, y = rights.x, rights.y

@@ -249,7 +249,7 @@ class CrowdModel:
         observer: Observer,
         robot_velocity: tuple[Any, Any],
         key: Any,
-        rights: crossings.RightOfWay | None = None,
+        rights: crossings.Precedence | None = None,
     ) -> Crowd:
         """Advances the crowd by `dt` s.
 
@@ -351,7 +351,7 @@ class CrowdModel:
         return course
 
     def _preferred_velocities(
-        self, crowd: Crowd, scene: Any, course: Any, rights: crossings.RightOfWay | None
+        self, crowd: Crowd, scene: Any, course: Any, rights: crossings.Precedence | None
     ) -> PreferredVelocity:
         """Preferred velocities of all agents: by route or script, at the speed that crossings and goals allow."""
         order = crossings.give_way(

@@ -24,7 +24,6 @@ from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import ppo_config
 from .navigation.tasks.config import (
-    cross_street_config,
     follow_person_config,
     follow_route_config,
     multi_robot_config,
@@ -351,12 +350,6 @@ register_environment(
     make_wheeled_env,
     follow_route_config,
     about="COCO follows pavements and crosswalks with signals over 200 m",
-)
-register_environment(
-    "CocoCrossStreet",
-    make_wheeled_env,
-    cross_street_config,
-    about="COCO crosses a road where vehicles come, with and without right of way",
 )
 register_environment(
     "CocoObjectGoal",

@@ -15,7 +15,7 @@ from ml_collections import ConfigDict
 
 from ...crowds import KINDS
 from ...crowds.behaviours import Script
-from ...crowds.crossings import RightOfWay
+from ...crowds.crossings import Precedence
 from ...crowds.crowd import Crowd, CrowdModel
 from ...crowds.crowd import Robot as RobotBody
 from ...crowds.free_space import CELL
@@ -146,7 +146,7 @@ class DynamicStreet:
         script: Script | None = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
         return self.model.init(keys[2], scene, observer, jnp.round(share * number).astype(jnp.int32), script)
 
-    def advance(self, nav: NavState, root: int, rights: RightOfWay | None = None) -> tuple[Crowd, AgentMotion]:
+    def advance(self, nav: NavState, root: int, rights: Precedence | None = None) -> tuple[Crowd, AgentMotion]:
         """Advances the crowd of `nav` by one control step; returns it and the motion of its agents.
 
         Args:

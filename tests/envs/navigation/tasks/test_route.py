@@ -17,7 +17,6 @@ from urbanverse_mjx.envs import NavEnv, Result, check_env
 from urbanverse_mjx.envs.navigation.tasks.config import follow_route_config
 from urbanverse_mjx.envs.navigation.tasks.crosswalks import rectangles
 from urbanverse_mjx.envs.navigation.tasks.route import FollowRoute, RouteState
-from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.agents import go_to_goal
 from urbanverse_mjx.evaluation.task_agents import SignalPlanner, baseline_of, planner_of
 
@@ -211,19 +210,20 @@ def test_an_episode_is_the_same_when_it_is_run_again(env: NavEnv) -> None:
         np.testing.assert_array_equal(a, b)
 
 
-@pytest.mark.slow
-def test_the_planner_waits_at_signals_and_the_baseline_does_not(env: NavEnv) -> None:
+def test_the_planner_may_not_enter_crosswalks_while_their_signals_forbid_it(env: NavEnv, begun: Any) -> None:
     planner = planner_of(env)
     assert isinstance(planner, SignalPlanner)
     assert baseline_of(env) == ("go_to_goal", go_to_goal)
-    agents = {"go_to_goal": go_to_goal, "planner": planner}
-    results, _ = Rollout(env, chunk=20).run(agents, fixed_episodes(env, 8))
-    found = {a: [r.task_scores for r in results if r.agent == a and r.task_scores] for a in agents}
-    violations = {a: sum(s["violations"] for s in rows) for a, rows in found.items()}
-    assert sum(s["crossings"] for s in found["planner"]) >= 4
-    assert violations["planner"] == 0 < violations["go_to_goal"]
-    score = {a: np.mean([s["score"] for s in rows]) for a, rows in found.items()}
-    assert score["planner"] > score["go_to_goal"] + 0.1
+    for seconds, xy, closed in (
+        (5.0, (30.0, -6.0), False),
+        (19.0, (30.0, -6.0), True),  # 2 m before it, with a second to enter it
+        (21.0, (30.0, -6.0), True),
+        (40.0, (30.0, -6.0), True),
+        (59.9, (30.0, -6.0), True),
+    ):
+        assert bool(planner.closed(with_time(at(begun, xy), seconds))[0]) == closed, seconds
+    on = after(env, with_time(at(begun, (30.0, -4.5)), 5.0), (30.0, -3.9))
+    assert not bool(planner.closed(with_time(on, 40.0))[0]), "it leaves the crosswalk on which it is"
 
 
 @pytest.mark.slow

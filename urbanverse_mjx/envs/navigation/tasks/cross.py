@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int32, Key
 from ml_collections import ConfigDict
 
-from ....crowds.crossings import RightOfWay
+from ....crowds.crossings import Precedence
 from ....crowds.crowd import Crowd
 from ....datatypes import RobotSpec, SceneBank, SimState, ValidationError
 from ...types import NavState, Result
@@ -134,10 +134,10 @@ class CrossStreet(PeopleTask):
         state = CrossState(priority, late, late, zero, late, zero, jnp.bool_(True), zero, no, no)
         return nav._replace(task=state)
 
-    def rights(self, nav: NavState) -> RightOfWay:
+    def rights(self, nav: NavState) -> Precedence:
         """See `Task.rights`."""
         robot = self.pose(nav.sim)
-        return RightOfWay(jnp.zeros(_NUMBERS, jnp.int32), robot.xy[0], robot.xy[1], robot.yaw, nav.task.priority)
+        return Precedence(jnp.zeros(_NUMBERS, jnp.int32), robot.xy[0], robot.xy[1], robot.yaw, nav.task.priority)
 
     def advance(self, nav: NavState, sim: SimState, crowd: Crowd | None) -> dict[str, Any]:
         """See `Task.advance`."""

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Int32, Key
 from ml_collections import ConfigDict
 
-from ....crowds.crossings import CLEAR, STOP, UNSIGNALLED, WALK, RightOfWay
+from ....crowds.crossings import CLEAR, STOP, UNSIGNALLED, WALK, Precedence
 from ....crowds.crowd import Crowd
 from ....datatypes import RobotSpec, SceneBank, SimState, ValidationError
 from ...types import NavState, Result
@@ -197,13 +197,13 @@ class FollowRoute(Task):
         phase = self.cycle.phase(offset + steps * self.dt, crossing)
         return jnp.where(self.crosswalks.exists[scene], phase, UNSIGNALLED)
 
-    def rights(self, nav: NavState) -> RightOfWay:
+    def rights(self, nav: NavState) -> Precedence:
         """See `Task.rights`."""
         scene, robot = nav.sim.scene, self.pose(nav.sim)
         phase = self.phases(scene, nav.task.offset, nav.steps)
         known = jnp.zeros(_NUMBERS, jnp.int32).at[self.crosswalks.number[scene]].max(phase)
         # Number 0 stands for places without a crosswalk.
-        return RightOfWay(known.at[0].set(UNSIGNALLED), robot.xy[0], robot.xy[1], robot.yaw, jnp.bool_(True))
+        return Precedence(known.at[0].set(UNSIGNALLED), robot.xy[0], robot.xy[1], robot.yaw, jnp.bool_(True))
 
     def completed(
         self, nav: NavState, p_xy: Float[Array, "2"], distance: Float[Array, ""], driven: Float[Array, ""]

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int, Int32, Key
 from ml_collections import ConfigDict
 
-from ....crowds.crossings import RightOfWay
+from ....crowds.crossings import Precedence
 from ....crowds.crowd import Crowd
 from ....datatypes import RobotSpec, SceneBank, SimState
 from ....geometry import rotations
@@ -93,7 +93,7 @@ class Task:
         del config, robot
         return bank, scenes, None
 
-    def rights(self, nav: NavState) -> RightOfWay | None:
+    def rights(self, nav: NavState) -> Precedence | None:
         """Signals at crosswalks and the robot's right of way in the step after a state; None for neither."""
         del nav
         return None
