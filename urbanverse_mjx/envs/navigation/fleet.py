@@ -249,7 +249,7 @@ class Fleet(DynamicStreet):
             arrived=none,
         )
 
-    def advance(self, nav: NavState, root: int) -> tuple[Crowd, AgentMotion]:
+    def advance(self, nav: NavState, root: int, *_: Any) -> tuple[Crowd, AgentMotion]:
         """The other robots where they are, and their motion in the next control step at constant velocity."""
         del root
         others = self._exchange(self._told(nav.sim, nav.result))
