@@ -103,7 +103,8 @@ class CrosswalkPlanner(Planner):
         # A robot that is nearer already, because one was closed just now, keeps where it is.
         kept = jnp.minimum(KERB_DISTANCE, away - 0.05)
         closed = self.closed(nav) & (away > 0.0)
-        return super().act(nav, ClosedField(*self.field(nav, route), jnp.where(closed, kept, -jnp.inf)))
+        data: Any = ClosedField(*self.field(nav, route), jnp.where(closed, kept, -jnp.inf))
+        return super().act(nav, data)
 
     def field(self, nav: NavState, route: RouteField) -> RouteField:
         """The field of the part of the route on which the robot is."""
