@@ -23,6 +23,7 @@ from urbanverse_mjx.assets.meshes.recipe import get_recipe
 from urbanverse_mjx.capture.street import street_grid
 from urbanverse_mjx.datatypes import KIND_INDEX, Detection, SceneBank
 from urbanverse_mjx.distillation.perception.observation import FrameObservation
+from urbanverse_mjx.envs.navigation.tasks.colours import EXAMPLES
 from urbanverse_mjx.simulation.rendering.cameras import look_at
 
 #: Templates whose answers follow from images alone.
@@ -210,9 +211,9 @@ def test_perception_that_sees_the_ground_truth_answers_right() -> None:
 
 @pytest.mark.parametrize("name", colours.NAMES)
 def test_examples_have_their_own_name_and_mixtures_none(name: str) -> None:
-    examples = np.array(colours._EXAMPLES[name], float)
+    examples = np.array(EXAMPLES[name], float)
     assert [colours.NAMES[k] for k in colours.name_rows(examples)] == [name] * len(examples)
-    other = np.array(colours._EXAMPLES["blue" if name != "blue" else "red"], float)[:1]
+    other = np.array(EXAMPLES["blue" if name != "blue" else "red"], float)[:1]
     half = np.concatenate([examples[:1], other])
     assert colours.main_colour(half, np.array([1.0, 1.0])) is None
     assert colours.main_colour(half, np.array([8.0, 1.0])) == name

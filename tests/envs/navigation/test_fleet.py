@@ -128,11 +128,13 @@ def test_robots_begin_apart_and_know_where_the_others_are(env: NavEnv) -> None:
 def test_robots_in_different_scenes_do_not_meet(env: NavEnv) -> None:
     keys, rows = jax.random.split(jax.random.key(0), SIZE), jnp.arange(SIZE, dtype=jnp.int32)
     nav = jax.vmap(env.begin_at)(keys, jnp.array([0, 0, 1], jnp.int32), rows)
+    assert nav.crowd is not None
     np.testing.assert_array_equal(nav.crowd.present, [[True, False], [True, False], [False, False]])
 
 
 def test_a_robot_alone_has_the_street_to_itself(env: NavEnv) -> None:
     nav = env.begin_at(jax.random.key(0), jnp.int32(0), jnp.int32(0))
+    assert nav.crowd is not None
     assert not np.asarray(nav.crowd.present).any()
     new, *_ = env.advance(nav, jnp.array([1.0, 0.0]))
     assert int(new.result) == Result.RUNNING
@@ -206,7 +208,7 @@ def test_in_both_engines_robots_collide(small_bank: SceneBank, impl: str) -> Non
     y, free = 6.5, None
     for x in np.arange(3.0, 40.0, 0.5):
         points = np.stack([np.linspace(x, x + 3.0, 31), np.full(31, y)], -1)
-        if float(env._surroundings.distances(0, points).min()) > 0.8:
+        if float(env._surroundings.distances(0, jnp.asarray(points)).min()) > 0.8:
             free = x
             break
     assert free is not None, "the street has three free metres"

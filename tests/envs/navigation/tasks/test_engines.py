@@ -34,5 +34,5 @@ def test_both_engines_run_the_same_episode(small_bank: SceneBank, name: str) -> 
     assert int(one.result) == int(other.result)
     for a, b in zip(jax.tree.leaves(one.task), jax.tree.leaves(other.task), strict=True):
         np.testing.assert_allclose(a, b, atol=2e-2)
-    observed = [env.observe(nav)["privileged"] for nav in found.values()]
-    np.testing.assert_allclose(*observed, atol=2e-2)
+    first, second = (env.observe(nav)["privileged"] for nav in found.values())
+    np.testing.assert_allclose(first, second, atol=2e-2)

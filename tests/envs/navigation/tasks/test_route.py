@@ -90,7 +90,7 @@ def test_routes_are_the_same_when_they_are_made_again(
 ) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
     named = np.array([0], np.int32)
-    again, scenes = FollowRoute.episodes(env.config, small_bank, env.robot, named)
+    again, scenes, _ = FollowRoute.episodes(env.config, small_bank, env.robot, named)
     assert scenes.tolist() == [0]
     np.testing.assert_array_equal(again.episode_waypoints, env.bank.episode_waypoints)
     np.testing.assert_array_equal(again.episode_start, env.bank.episode_start)
