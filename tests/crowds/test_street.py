@@ -230,8 +230,8 @@ def test_distances_to_the_middle_of_a_road_are_those_of_a_strip(degrees: float) 
 
 
 @pytest.mark.parametrize("quarter", range(4))
-def test_a_vehicle_has_room_where_both_of_its_ends_are_on_its_nodes(quarter: int) -> None:
-    """A passage of one node: room along it, none across it, none where an end is beyond its own end."""
+def test_a_vehicle_fits_where_both_of_its_ends_are_on_its_nodes(quarter: int) -> None:
+    """A passage of one node: a vehicle fits along it, not across it, and not where an end is beyond its own end."""
     nodes = np.zeros((21, 21), bool)
     nodes[10] = True
     if quarter % 2 == 0:

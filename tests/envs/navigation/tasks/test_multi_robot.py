@@ -54,7 +54,7 @@ def test_routes_are_those_of_the_street_with_starts_apart(env: NavEnv, small_ban
         number = int(env.bank.num_episodes[scene])
         assert 2 <= number <= MOST_ROWS
         start = env.bank.episode_start[scene, :number]
-        apart = np.linalg.norm(start[:, None, :2] - start[None, :, :2], axis=-1) + 99.0 * np.eye(number)
+        apart = np.linalg.norm(start[:, None, :2] - start[None, :, :2], axis=-1) + np.diag(np.full(number, 99.0))
         assert apart.min() >= START_SPACING
         lengths = env.bank.episode_length[scene, :number]
         assert low <= lengths.min()

@@ -23,7 +23,7 @@ from .crosswalks import Crosswalks, Rectangle, rectangles
 from .signals import Cycle
 from .task import Parts, RobotPose, Task
 
-#: Factors of the leaderboard: running a red light, contact with a pedestrian, a vehicle, and other things.
+#: Factors of the leaderboard: running a red light, contact with a pedestrian, a vehicle, and anything else.
 RED_LIGHT, PEDESTRIAN, VEHICLE, STATIC = 0.70, 0.50, 0.60, 0.65
 #: Kinds of agents that count as vehicles.
 VEHICLES = ("car", "cyclist")

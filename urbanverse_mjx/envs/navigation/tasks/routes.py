@@ -40,7 +40,7 @@ class RouteOptions:
     Attributes:
       number: routes of a scene.
       width_share: half the robot's width as a share of `planner_radius`, the radius of the disc around it.
-      slack: m, room beside half the robot's width.
+      slack: m, distance beyond half the robot's width.
       lawn_cost: cost of a metre on the kind `ground` (lawns, beds), so that routes keep to pavements.
       place_clearance: m, free distance around starts, goals and the places of a walk.
       places: number of places of a walk.
@@ -120,8 +120,8 @@ class _Ground:
             self.main = label == np.bincount(label).argmax()
         #: Nodes where a robot may begin or end.
         self.places = np.zeros(self.clear.shape, bool)
-        roomy = self.main & (self.clear[tuple(cells.T)] >= _OPTIONS.place_clearance)
-        self.places[tuple(cells[roomy].T)] = True
+        wide = self.main & (self.clear[tuple(cells.T)] >= _OPTIONS.place_clearance)
+        self.places[tuple(cells[wide].T)] = True
         self.places &= self.kind == KIND_INDEX["sidewalk"]
         centres = self.grid.centres(np.argwhere(self.places))
         for row in rectangles(bank, scene):
@@ -246,7 +246,7 @@ def _walk(
     at, before = int(rng.integers(len(places))), -1
     walked, total = [np.array([places[at]])], 0.0
     cells = ground.graph.cells
-    room = ground.places[tuple(cells.T)]
+    is_place = ground.places[tuple(cells.T)]
     while total < length:
         others = [
             k for k in range(len(places)) if k not in (at, before) and _OPTIONS.min_leg <= costs[k][places[at]] < np.inf
@@ -259,7 +259,7 @@ def _walk(
         leg = ground.path(following[at], places[before])[1:]
         steps = np.linalg.norm(np.diff(cells[np.append(walked[-1][-1:], leg)], axis=0), axis=-1) * NODE
         reached = total + np.cumsum(steps)
-        ends = np.flatnonzero((reached >= length) & room[leg])
+        ends = np.flatnonzero((reached >= length) & is_place[leg])
         if len(ends):
             return np.concatenate([*walked, leg[: ends[0] + 1]])
         walked.append(leg)
