@@ -12,7 +12,6 @@ from ..crowds import half_planes
 from ..crowds.crossings import UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
-from ..envs.navigation.tasks.cross import CrossStreet
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
 from ..envs.navigation.tasks.multi_robot import MultiRobot
 from ..envs.navigation.tasks.object_goal import ObjectGoal
@@ -45,12 +44,6 @@ ANTICIPATION = TIMES[-1]
 #: m/s, mean speed with which the robot comes to a crosswalk, and s by which it has to be on it before people must not
 #: begin to cross any more.
 APPROACH_SPEED, SPARE_TIME = 1.2, 0.6
-#: s, times at which vehicles are looked for on a crosswalk, as long as a robot takes to cross one; m that they have to
-#: stay away from it; m/s below which they have stopped (that of `crossings`).
-GAP_TIMES = np.arange(0.0, 12.0, 0.5, dtype=np.float32)
-GAP_MARGIN, STOPPED_SPEED = 0.5, 0.8
-
-
 #: m of a part of a route for which there is a field, and least straight distance of its ends as a share of its length.
 PART_LENGTH, PART_STRAIGHTNESS = 8.0, 0.65
 #: m between the robot's centre and a crosswalk before which it waits: COCO's nose is 0.6 m ahead.
@@ -88,46 +81,14 @@ class ClosedField(NamedTuple):
     kept: Any
 
 
-class CrosswalkPlanner(Planner):
-    """`Planner` that does not enter some crosswalks."""
-
-    def __init__(self, env: NavEnv) -> None:
-        super().__init__(env)
-        assert isinstance(env.task, FollowRoute | CrossStreet)
-        self._crosswalks = env.task.crosswalks
-
-    def act(self, nav: NavState, route: RouteField) -> Any:
-        """See `Planner.act`."""
-        scene = nav.sim.scene
-        away = self._crosswalks.away(scene, nav.sim.xpos[self._root, :2])
-        # A robot that is nearer already, because one was closed just now, keeps where it is.
-        kept = jnp.minimum(KERB_DISTANCE, away - 0.05)
-        closed = self.closed(nav) & (away > 0.0)
-        data: Any = ClosedField(*self.field(nav, route), jnp.where(closed, kept, -jnp.inf))
-        return super().act(nav, data)
-
-    def field(self, nav: NavState, route: RouteField) -> RouteField:
-        """The field of the part of the route on which the robot is."""
-        del nav
-        return route
-
-    def closed(self, nav: NavState) -> Any:
-        """(C,) bool, the crosswalks that the robot should not enter."""
-        raise NotImplementedError
-
-    def _gap(self, scene: Any, pose: Any, route: ClosedField) -> Any:
-        to_crosswalk = (self._crosswalks.away(scene, pose[:2]) - route.kept).min()
-        return jnp.minimum(super()._gap(scene, pose, route), to_crosswalk)
-
-
-class SignalPlanner(CrosswalkPlanner):
+class SignalPlanner(Planner):
     """The ceiling of `FollowRoute`: enters crosswalks while their signals let it, and follows the route part by
     part."""
 
     def __init__(self, env: NavEnv) -> None:
         super().__init__(env)
         assert isinstance(env.task, FollowRoute)
-        self._task = env.task
+        self._task, self._crosswalks = env.task, env.task.crosswalks
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteParts:
         """See `Planner.prepare`: a field for each part of the routes."""
@@ -156,51 +117,30 @@ class SignalPlanner(CrosswalkPlanner):
         parts = np.stack([np.searchsorted(own, np.minimum(np.arange(1, longest + 1), own[-1])) for own in ends])
         return RouteParts(*(jnp.asarray(x) for x in (fields.origin[which], fields.cost[which], parts)))
 
-    def field(self, nav: NavState, route: Any) -> RouteField:
-        """See `CrosswalkPlanner.field`."""
-        part = route.part[nav.waypoint]
-        return RouteField(route.origin[part], route.cost[part])
+    def act(self, nav: NavState, route: Any) -> Any:
+        """See `Planner.act`; with the field of the part of the route on which the robot is."""
+        scene, part = nav.sim.scene, route.part[nav.waypoint]
+        away = self._crosswalks.away(scene, nav.sim.xpos[self._root, :2])
+        # A robot that is nearer already, because one was closed just now, keeps where it is.
+        kept = jnp.minimum(KERB_DISTANCE, away - 0.05)
+        closed = self.closed(nav) & (away > 0.0)
+        data: Any = ClosedField(route.origin[part], route.cost[part], jnp.where(closed, kept, -jnp.inf))
+        return super().act(nav, data)
 
     def closed(self, nav: NavState) -> Any:
-        """See `CrosswalkPlanner.closed`: those that the robot cannot enter in time."""
+        """(C,) bool, the crosswalks that the robot should not enter, because it cannot in time; not the one on which it
+        is."""
         state: RouteState = nav.task
         scene, task = nav.sim.scene, self._task
         phase = task.phases(scene, state.offset, nav.steps)
         left = task.cycle.walk_left(state.offset + nav.steps * task.dt)
-        arrives = task.crosswalks.away(scene, task.pose(nav.sim).xy) / APPROACH_SPEED + SPARE_TIME
+        arrives = self._crosswalks.away(scene, task.pose(nav.sim).xy) / APPROACH_SPEED + SPARE_TIME
         enters = (phase == UNSIGNALLED) | ((phase == WALK) & (left > arrives))
         return ~enters & (jnp.arange(len(phase)) != state.inside)
 
-
-class GapPlanner(CrosswalkPlanner):
-    """The ceiling of `CrossStreet`: enters a crosswalk if no vehicle, at constant velocity, comes onto it or within
-    `GAP_MARGIN` m of it until the robot is across."""
-
-    def __init__(self, env: NavEnv) -> None:
-        super().__init__(env)
-        assert isinstance(env.task, CrossStreet)
-        self._task = env.task
-
-    def closed(self, nav: NavState) -> Any:
-        """See `CrosswalkPlanner.closed`."""
-        assert nav.crowd is not None
-        task, scene, body = self._task, nav.sim.scene, nav.crowd.bodies
-        away = self._crosswalks.away(scene, task.pose(nav.sim).xy)
-        needed = (away + 2.0 * self._crosswalks.half[scene, :, 0]) / APPROACH_SPEED + SPARE_TIME
-        times = jnp.asarray(GAP_TIMES)
-        half = jnp.asarray(task.dynamic.shapes.half_length)
-        axis = jnp.stack([jnp.cos(body.heading), jnp.sin(body.heading)], -1)
-        centre, velocity = jnp.stack([body.x, body.y], -1), jnp.stack([body.vx, body.vy], -1)
-        ahead = centre + times[:, None, None] * velocity
-        # Front, middle and rear of each vehicle at each time.
-        parts = ahead[:, :, None] + jnp.array([-1.0, 0.0, 1.0])[:, None] * (half[:, None] * axis)[:, None]
-        reach = jnp.asarray(task.dynamic.shapes.radius) + GAP_MARGIN
-        comes = (self._crosswalks.away(scene, parts) < reach[:, None, None]).any(2)
-        # A vehicle that has stopped gives way, unless it stands on the crosswalk.
-        moves = (velocity * velocity).sum(-1) > STOPPED_SPEED**2
-        counts = task.vehicles & nav.crowd.present & (moves | (self._crosswalks.away(scene, centre) <= 0.0).any(-1))
-        threatened = (comes & counts[:, None] & (times[:, None, None] <= needed)).any((0, 1))
-        return threatened & (away > 0.0)
+    def _gap(self, scene: Any, pose: Any, route: ClosedField) -> Any:
+        to_crosswalk = (self._crosswalks.away(scene, pose[:2]) - route.kept).min()
+        return jnp.minimum(super()._gap(scene, pose, route), to_crosswalk)
 
 
 def route_parts(corners: Float[np.ndarray, "W 2"]) -> list[int]:
@@ -351,8 +291,6 @@ def planner_of(env: NavEnv) -> Privileged:
         return PersonFollower(env)
     if isinstance(env.task, FollowRoute):
         return SignalPlanner(env)
-    if isinstance(env.task, CrossStreet):
-        return GapPlanner(env)
     if isinstance(env.task, SocialNav):
         return Planner(env, comfort=COMFORT)
     if isinstance(env.task, ObjectGoal):

@@ -3,7 +3,6 @@
 from ml_collections import ConfigDict
 
 from ....datatypes import ValidationError
-from .cross import CrossStreet
 from .follow import FollowPerson
 from .multi_robot import MultiRobot
 from .object_goal import ObjectGoal
@@ -18,7 +17,6 @@ TASKS: dict[str, type[Task]] = {
     "social_nav": SocialNav,
     "follow_person": FollowPerson,
     "follow_route": FollowRoute,
-    "cross_street": CrossStreet,
     "object_goal": ObjectGoal,
     "multi_robot": MultiRobot,
 }

@@ -10,8 +10,8 @@ from ..config import default_config
 #: Terms of reward with which a policy learns in few steps, whatever the preset: those of the preset `fast`.
 _DENSE = "fast"
 
-#: s, time limits of `FollowRoute` and `CrossStreet`.
-FOLLOW_ROUTE_TIME, CROSS_STREET_TIME = 360.0, 60.0
+#: s, time limit of `FollowRoute`.
+FOLLOW_ROUTE_TIME = 360.0
 
 
 def _with_task(
@@ -166,27 +166,4 @@ def follow_route_config(preset: str = "paper") -> ConfigDict:
     config.goal_observation_limit = 0.0
     # 200 m at a mean of 1 m/s, and a cycle of each of some five signals.
     config.episode_length = round(FOLLOW_ROUTE_TIME / config.ctrl_dt)
-    return config.lock()
-
-
-def cross_street_config(preset: str = "paper") -> ConfigDict:
-    """The configuration of `CrossStreet` (`cross.CrossStreet`) for COCO.
-
-    Raises:
-      ValidationError: the preset is unknown.
-    """
-    crowd = {
-        # Mostly vehicles, all of them near the robot.
-        "slots": {"pedestrian": 4, "wheelchair": 0, "scooter": 0, "cyclist": 2, "car": 6},
-        "filled": _everywhere(1.0, default_config(preset)),
-        "encounters": {"head_on": 0.0, "cross": 0.0, "obstruct": 0.0, "overtaken": 0.0, "talk": 0.0, "queue": 0.0},
-    }
-    options = {
-        "priority": 0.5,  # share of the episodes in which drivers give way to the robot
-        "horizon": 3.0,  # s, time to a collision below which there is a penalty, as in `social_nav_config`
-    }
-    off = {"hit": -10.0, "off_traversable": -10.0}
-    scales = {**off, "near_miss": -3.0, "stop": -1.0, "time_to_collision": -0.2}
-    config = _with_task(preset, "cross_street", options, scales, crowd)
-    config.episode_length = round(CROSS_STREET_TIME / config.ctrl_dt)
     return config.lock()

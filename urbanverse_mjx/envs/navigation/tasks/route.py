@@ -164,12 +164,7 @@ class FollowRoute(Task):
         length = float(config.task.length)
         if not MIN_LENGTH <= length <= MAX_LENGTH:
             raise ValidationError(f"config.task.length: found {length:g} m, needed {MIN_LENGTH:g} to {MAX_LENGTH:g} m.")
-
-        def make(scene: int) -> routes.Routes | None:
-            return routes.long_routes(bank, scene, robot, length)
-
-        found = routes.with_routes(bank, scenes, robot, f"long {length:g}", make, "a crosswalk between pavements")
-        return (*found, None)
+        return (*routes.with_long_routes(bank, scenes, robot, length), None)
 
     def _events(self, bank: SceneBank, scene: int) -> tuple[np.ndarray, np.ndarray]:
         """(E, M) m of arc length and i32 rows, where the routes of a scene enter its crosswalks."""

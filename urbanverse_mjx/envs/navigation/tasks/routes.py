@@ -1,5 +1,4 @@
-"""Episode tables of tasks whose routes differ from those of a bank: long ones over pavements and crosswalks, and short
-ones across a road with traffic.
+"""Episode tables of tasks whose routes differ from those of a bank: long ones over pavements and crosswalks.
 
 In:   a bank, the robot's size. Out: `Routes` of each scene, and the bank with them in place of its own. When: once per
 bank and robot, on the host; cached.
@@ -12,7 +11,7 @@ is shorter than that, so the route comes back over the same pavements and crossw
 import dataclasses
 import hashlib
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +20,12 @@ from scipy import ndimage
 from scipy.sparse import csgraph
 
 from .... import settings, versions
-from ....crowds import free_space, goal_fields
+from ....crowds import free_space
 from ....datatypes import KIND_INDEX, RobotSpec, SceneBank, ValidationError, array_file
 from ....geometry.geodesics import GridGraph, extra_near
 from ....geometry.grids import Grid, pooled
 from ..clearance_maps import CELL, build_clearance_maps
-from .crosswalks import Rectangle, rectangles
+from .crosswalks import rectangles
 
 #: Cells of the clearance maps along a side of a node, and m between nodes.
 POOL = 4
@@ -50,10 +49,7 @@ class RouteOptions:
       shortening: length of a path on the grid as a multiple of that through its waypoints.
       tolerance: m between a path and the line through its waypoints.
       spacing: m, largest distance of waypoints.
-      from_kerb: m, range of the distances of start and goal of a crossing from the crosswalk; other starts, goals and
-        places are beyond the least of them, too.
-      traffic: m from a crosswalk within which a route of vehicles passes.
-      detour: largest length of a crossing's route as a multiple of the straight line.
+      from_kerb: m, least distance of starts, goals and places from a crosswalk.
       tries: largest number of drawn routes for each that is taken.
     """
 
@@ -69,9 +65,7 @@ class RouteOptions:
     shortening: float = 1.1
     tolerance: float = 0.3
     spacing: float = 5.0
-    from_kerb: tuple[float, float] = (2.0, 6.0)
-    traffic: float = 1.0
-    detour: float = 1.2
+    from_kerb: float = 2.0
     tries: int = 20
 
 
@@ -125,13 +119,8 @@ class _Ground:
         self.places &= self.kind == KIND_INDEX["sidewalk"]
         centres = self.grid.centres(np.argwhere(self.places))
         for row in rectangles(bank, scene):
-            self.places[self.places] = ~row.holds(centres, _OPTIONS.from_kerb[0] - NODE)
+            self.places[self.places] = ~row.holds(centres, _OPTIONS.from_kerb - NODE)
             centres = self.grid.centres(np.argwhere(self.places))
-
-    def node(self, point: np.ndarray) -> int:
-        """The place at a point (2,) m; -1 if there is none."""
-        i, j = self.grid.cell(point)
-        return int(self.graph.number[i, j]) if self.places[i, j] else -1
 
     def path(self, following: np.ndarray, start: int) -> np.ndarray:
         """(n,) nodes from a start along the next nodes `following`."""
@@ -267,83 +256,25 @@ def _walk(
     return np.concatenate(walked)
 
 
-def crossing_routes(bank: SceneBank, scene: int, robot: RobotSpec) -> Routes | None:
-    """Routes straight over the crosswalks that routes of vehicles pass, from 2-6 m before them to 2-6 m behind; None
-    if there is none."""
-    road = free_space.free_spaces(bank, scene)["road"]
-    *_, places, _ = goal_fields.fields_of(road, goal_fields.RULES["drive"])
-    busy = [row for row in rectangles(bank, scene) if row.holds(places, _OPTIONS.traffic).any()]
-    if not busy:
-        return None
-    ground = _Ground(bank, scene, robot)
-    rng = np.random.default_rng(scene)
-    rows: list[tuple[np.ndarray, np.ndarray, float]] = []
-    each = -(-_OPTIONS.number // len(busy))
-    for row in busy:
-        drawn: list[tuple[np.ndarray, np.ndarray, float]] = []
-        for _ in range(_OPTIONS.tries * each):
-            found = _across(ground, row, rng)
-            drawn += [] if found is None else [found]
-            if len(drawn) == each:
-                break
-        rows += drawn
-    return _stacked(rows[: _OPTIONS.number])
-
-
-def _across(ground: _Ground, row: Rectangle, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """A route over a crosswalk along one of its axes, where there is pavement at both ends."""
-    along, across = row.axis, np.array([-row.axis[1], row.axis[0]])
-    half, half_across = row.half
-    if rng.random() < 0.5:
-        along, across, half, half_across = across, along, half_across, half
-    along = along * rng.choice([-1.0, 1.0])
-    low, high = _OPTIONS.from_kerb
-    aside = max(half_across - _OPTIONS.place_clearance, 0.0)
-    ends = [
-        ground.node(row.centre + sign * (half + rng.uniform(low, high)) * along + rng.uniform(-aside, aside) * across)
-        for sign in (-1.0, 1.0)
-    ]
-    if min(ends) < 0:
-        return None
-    a, b = (ground.grid.centres(ground.graph.cells[end]) for end in ends)
-    straight = float(np.linalg.norm(b - a))
-    cost, following = ground.graph.to_goal(ends[1], 3.0 * straight)
-    if not np.isfinite(cost[ends[0]]):
-        return None
-    route = ground.route(ground.path(following, ends[0]))
-    return route if route[2] <= _OPTIONS.detour * straight else None
-
-
 # Tables of banks.
 
 
-def with_routes(
-    bank: SceneBank,
-    scenes: Int32[np.ndarray, " n"],
-    robot: RobotSpec,
-    name: str,
-    make: Callable[[int], Routes | None],
-    needed: str,
+def with_long_routes(
+    bank: SceneBank, scenes: Int32[np.ndarray, " n"], robot: RobotSpec, length: float
 ) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
-    """The bank with routes in place of the episodes of some scenes, and those scenes that have any.
-
-    Args:
-      scenes: (n,) rows of the bank.
-      name: of the routes, with their parameters: a part of the cache's key.
-      make: routes of a scene, see `long_routes`.
-      needed: what a scene needs for them, for the message.
+    """The bank with `long_routes` in place of the episodes of some scenes (n,), and those scenes that have any.
 
     Raises:
       ValidationError: no scene has routes.
     """
-    paths = paths_of(bank, scenes.tolist(), robot, name)
-    found = {int(z): _kept(path, int(z), make) for z, path in zip(scenes, paths, strict=True)}
+    paths = paths_of(bank, scenes.tolist(), robot, length)
+    found = {int(z): _kept(path, bank, int(z), robot, length) for z, path in zip(scenes, paths, strict=True)}
     usable = np.array([z for z, routes in found.items() if routes is not None], np.int32)
     if not len(usable):
         names = ", ".join(bank.scene_ids[z] for z in list(found)[:5])
         raise ValidationError(
-            f"config.scenes: found none of {len(found)} ({names}) with {needed}, needed one; name other scenes or "
-            "another bank."
+            f"config.scenes: found none of {len(found)} ({names}) with a crosswalk between pavements, needed one; name "
+            "other scenes or another bank."
         )
     kept = [routes for routes in found.values() if routes is not None]
     rows, points = max(len(r.start) for r in kept), max(r.waypoints.shape[1] for r in kept)
@@ -376,10 +307,10 @@ def with_routes(
 _OF_SCENE = ("inst_hull", "inst_position", "inst_rotation", "prism_hull", "prism_position", "map_kind", "map_origin")
 
 
-def _kept(path: pathlib.Path, scene: int, make: Callable[[int], Routes | None]) -> Routes | None:
+def _kept(path: pathlib.Path, bank: SceneBank, scene: int, robot: RobotSpec, length: float) -> Routes | None:
     arrays = array_file.load_cached(path, "routes of a task", Routes._fields)
     if arrays is None:
-        routes = make(scene)
+        routes = long_routes(bank, scene, robot, length)
         # A scene without any has a table without rows.
         made = routes or Routes(np.zeros((0, 4)), np.zeros((0, 1, 3)), np.zeros(0, np.int32), np.zeros(0))
         arrays = dict(made._asdict())
@@ -387,9 +318,9 @@ def _kept(path: pathlib.Path, scene: int, make: Callable[[int], Routes | None]) 
     return Routes(**{k: arrays[k] for k in Routes._fields}) if len(arrays["start"]) else None
 
 
-def paths_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, name: str) -> list[pathlib.Path]:
+def paths_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, length: float) -> list[pathlib.Path]:
     """The files in the cache of the routes of some scenes."""
-    parts = (versions.of("routes"), dataclasses.astuple(_OPTIONS), name, robot.mjcf, robot.planner_height)
+    parts = (versions.of("routes"), dataclasses.astuple(_OPTIONS), f"long {length:g}", robot.mjcf, robot.planner_height)
     shared = hashlib.sha256(repr((*parts, float(bank.map_resolution))).encode())
     shared.update(np.ascontiguousarray(bank.hull_vertices).data)
     found = []
