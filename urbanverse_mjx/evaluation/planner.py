@@ -28,6 +28,7 @@ from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..envs.navigation.clearance_maps import CELL, MAX_DISTANCE, build_clearance_maps
 from ..geometry import rotations
+from ..robots.description import at_rest
 from ..robots.waypoint import WAYPOINT_REACH
 from .planner_options import PlannerOptions
 from .route_fields import NODE, build_route_fields
@@ -116,10 +117,7 @@ class Footprint:
 def footprint(robot: RobotSpec) -> Footprint:
     """Footprint of a robot in its initial pose."""
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
-    data = mujoco.MjData(model)
-    data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
-    data.qpos[:7] = 0, 0, 0, 1, 0, 0, 0
-    mujoco.mj_kinematics(model, data)
+    data = at_rest(model, (0, 0, 0))
     solid = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
     spheres = np.array([(*data.geom_xpos[g, :2], model.geom_size[g, 0]) for g in solid])
     angle = np.linspace(-np.pi, np.pi, 128, endpoint=False)
@@ -197,23 +195,35 @@ class Planner:
         Args:
           scenes, rows: (n,) rows of the bank and of the scenes' episode tables.
         """
+        return self._fields(scenes, rows, self._env.bank.episode_goal[scenes, rows])
+
+    def _fields(self, scenes: np.ndarray, rows: np.ndarray, ends: np.ndarray) -> RouteField:
+        """Fields over the windows of n routes, to ends (n, 2 or more) m, x and y first."""
         bank = self._env.bank
         start, route = bank.episode_start[scenes, rows], bank.episode_waypoints[scenes, rows]
         routes = np.concatenate([start[:, None, :2], route[..., :2]], 1).astype(np.float64)
         lengths = bank.episode_length[scenes, rows]
-        goals = bank.episode_goal[scenes, rows, :2].astype(np.float64)
+        goals = ends[:, :2].astype(np.float64)
         fields = build_route_fields(self._maps, scenes, goals, routes, lengths, self._body.half_width)
         return RouteField(jnp.asarray(fields.origin), jnp.asarray(fields.cost))
 
     def act(self, nav: NavState, route: RouteField) -> Any:
         """(2,) waypoint in [-1, 1]."""
+        return self._waypoint(self._first_costs(nav, route))
+
+    def _waypoint(self, cost: Any) -> Any:
+        """(2,) waypoint in [-1, 1] of the cheapest command of the first phase; cost: (first,)."""
+        best = self.first[jnp.argmin(cost)]
+        return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
+
+    def _first_costs(self, nav: NavState, route: RouteField) -> Any:
+        """(first,) cost of every command of the first phase with the best of the second."""
         xy, quaternion = nav.sim.xpos[self._root, :2], nav.sim.xquat[self._root]
         yaw = rotations.yaw_of(quaternion)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         agents = self._agents(nav) if self._people else None
         state = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw, speed, nav.sim.qvel[5]]))
-        best = self.first[jnp.argmin(self.costs(nav.sim.scene, state, route, agents).min(1))]
-        return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
+        return self.costs(nav.sim.scene, state, route, agents).min(1)
 
     def costs(self, scene: Any, state: Any, route: RouteField, agents: Any) -> Any:
         """(first, after) cost of every command of the first phase with every command of the second; constant commands

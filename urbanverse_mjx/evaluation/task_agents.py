@@ -18,7 +18,7 @@ from ..envs.navigation.tasks.object_goal import ObjectGoal
 from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
-from .planner import GOAL_DISTANCE, Planner, RouteField, waypoint_of
+from .planner import GOAL_DISTANCE, Planner, RouteField
 from .route_fields import build_route_fields
 from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
 
@@ -231,38 +231,22 @@ class DeliveryPlanner(Planner):
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
         """Fields to the goals and to the starts of n episodes, over the same windows."""
-        there = super().prepare(scenes, rows)
-        bank = self._env.bank
-        start, route = bank.episode_start[scenes, rows], bank.episode_waypoints[scenes, rows]
-        routes = np.concatenate([start[:, None, :2], route[..., :2]], 1).astype(np.float64)
-        back = build_route_fields(
-            self._maps,
-            scenes,
-            start[:, :2].astype(np.float64),
-            routes,
-            bank.episode_length[scenes, rows],
-            self._body.half_width,
-        )
-        return there, jnp.asarray(back.cost)
+        back = self._fields(scenes, rows, self._env.bank.episode_start[scenes, rows])
+        return super().prepare(scenes, rows), back.cost
 
     def act(self, nav: NavState, route: Any) -> Any:
         """(2,) waypoint in [-1, 1]."""
         there, back = route
         goes_back = jnp.round(nav.task.delivered).astype(jnp.int32) % 2 == 1
         field = there._replace(cost=jnp.where(goes_back, back, there.cost))
-        robot = self._task.pose(nav.sim)
-        speed = terms.to_body(robot.velocity, robot.yaw)[0]
-        state = jnp.nan_to_num(jnp.stack([robot.xy[0], robot.xy[1], robot.yaw, speed, nav.sim.qvel[5]]))
-        cost = self.costs(nav.sim.scene, state, field, None).min(1)
-        cost += ORCA_COST * self._forbidden(nav, robot)
-        best = self.first[jnp.argmin(cost)]
-        return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
+        return self._waypoint(self._first_costs(nav, field) + ORCA_COST * self._forbidden(nav))
 
-    def _forbidden(self, nav: NavState, robot: Any) -> Any:
+    def _forbidden(self, nav: NavState) -> Any:
         """(first,) m/s by which the velocity of each command is outside of what ORCA permits."""
         assert nav.crowd is not None
         body, dynamic = nav.crowd.bodies, self._env.dynamic
         assert dynamic is not None
+        robot = self._task.pose(nav.sim)
         size = jnp.asarray(dynamic.shapes.radius + dynamic.shapes.half_length)
         share = jnp.where(jnp.hypot(body.vx, body.vy) > STANDING_ROBOT, 0.5, 1.0)
         away = body.x - robot.xy[0], body.y - robot.xy[1]

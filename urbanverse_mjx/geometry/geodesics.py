@@ -79,6 +79,14 @@ class GridGraph:
         cost, following = csgraph.dijkstra(self._backwards, indices=goal, limit=limit, return_predecessors=True)
         return cost, np.where(following < 0, np.arange(len(following)), following)
 
+    @staticmethod
+    def path(following: np.ndarray, start: int) -> np.ndarray:
+        """Returns the nodes (m,) of a path from a start to where it ends, by the next nodes (n,) of `to_goal`."""
+        nodes = [start]
+        while following[nodes[-1]] != nodes[-1]:
+            nodes.append(int(following[nodes[-1]]))
+        return np.array(nodes)
+
     def to_goals(self, goals: np.ndarray, limit: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
         """Returns the same as `to_goal` for the nearest of several goal nodes (g,)."""
         cost, following, _ = csgraph.dijkstra(

@@ -193,10 +193,13 @@ def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) ->
     return number
 
 
-def at_rest(model: mujoco.MjModel) -> mujoco.MjData:
-    """The first keyframe, or the initial pose of the MJCF."""
+def at_rest(model: mujoco.MjModel, place: Sequence[float] | None = None) -> mujoco.MjData:
+    """The first keyframe, or the initial pose of the MJCF; place: (3,) m of the root instead, which then is upright and
+    heads along x."""
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
+    if place is not None:
+        data.qpos[:7] = *place, 1, 0, 0, 0
     mujoco.mj_kinematics(model, data)
     return data
 

@@ -23,6 +23,7 @@ from ...crowds.bodies import Bodies
 from ...crowds.crowd import Crowd
 from ...datatypes import AgentMotion, AgentShapes, RobotSpec, SceneBank, SimState, ValidationError
 from ...geometry import rotations
+from ...robots.description import at_rest
 from ..types import NavState, Result
 from .dynamic import DynamicStreet
 from .dynamic_tables import POOL
@@ -132,10 +133,7 @@ def _whole(number: int, batched: Any, values: Any, size: int) -> Any:
 def _extent(robot: RobotSpec) -> tuple[float, float, float, float]:
     """Of a robot's collision geoms the rear, front and half width (m) in the heading frame and the height (m)."""
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
-    data = mujoco.MjData(model)
-    data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
-    data.qpos[:7] = 0, 0, robot.spawn_height, 1, 0, 0, 0
-    mujoco.mj_kinematics(model, data)
+    data = at_rest(model, (0, 0, robot.spawn_height))
     solid = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
     place, reach = data.geom_xpos[solid], model.geom_size[solid, 0]
     half = float((np.abs(place[:, 1]) + reach).max())

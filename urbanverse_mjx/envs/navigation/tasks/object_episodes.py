@@ -249,10 +249,7 @@ class _Scene:
 
     def _write(self, tables: dict[str, np.ndarray], row: int, taken: int, phrase: int) -> None:
         scene, start = self.scene, self.bank.episode_start[self.scene, taken]
-        node, nodes = int(self.nodes[taken]), []
-        while self.following[phrase][node] != node:
-            node = int(self.following[phrase][node])
-            nodes.append(node)
+        nodes = self.graph.path(self.following[phrase], int(self.nodes[taken]))[1:]
         line = np.concatenate([start[None, :2].astype(np.float64), self.centres[nodes]])
         points = _spaced(line)
         cells = self.grid.cell(points)

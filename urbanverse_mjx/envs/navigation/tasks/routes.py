@@ -122,13 +122,6 @@ class _Ground:
             self.places[self.places] = ~row.holds(centres, _OPTIONS.from_kerb - NODE)
             centres = self.grid.centres(np.argwhere(self.places))
 
-    def path(self, following: np.ndarray, start: int) -> np.ndarray:
-        """(n,) nodes from a start along the next nodes `following`."""
-        nodes = [start]
-        while following[nodes[-1]] != nodes[-1]:
-            nodes.append(int(following[nodes[-1]]))
-        return np.array(nodes)
-
     def route(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         """Start (4,), waypoints (W, 3) and length (m) of a route through nodes (n,)."""
         cells = self.graph.cells[nodes]
@@ -245,7 +238,7 @@ def _walk(
         across = np.array([side_of[places[k]] != side_of[places[at]] for k in others])
         weight = np.where(across, _OPTIONS.other_side, 1.0)
         at, before = int(rng.choice(others, p=weight / weight.sum())), at
-        leg = ground.path(following[at], places[before])[1:]
+        leg = ground.graph.path(following[at], places[before])[1:]
         steps = np.linalg.norm(np.diff(cells[np.append(walked[-1][-1:], leg)], axis=0), axis=-1) * NODE
         reached = total + np.cumsum(steps)
         ends = np.flatnonzero((reached >= length) & is_place[leg])
