@@ -15,7 +15,7 @@ import sys
 from typing import Any
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, Streets, brief, load, parsed_options, save_result
+from benchmarks.lib.unseen import Log, Streets, brief, load, named_scenes, parsed_options, save_result
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
@@ -62,10 +62,7 @@ def main() -> int:
     keep_compiled()
     log = Log(args.out)
     streets: Streets = load(args.train, args.test, [], args.episodes, log)
-    unknown = sorted(set(args.scenes or ()) - set(streets.train))
-    if unknown:
-        raise SystemExit(f"error: --scenes: found {unknown[0]!r}, needed ids of scenes in the banks to train on.")
-    chosen = args.scenes or streets.train
+    chosen = named_scenes(args.scenes, streets.train)
     overrides = {"preset": args.preset, "impl": args.impl, "scenes": ",".join(chosen)}
     overrides |= parsed_options(args.env)
     env = registry.load(args.environment, config_overrides=overrides, bank=streets.bank)

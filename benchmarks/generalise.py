@@ -22,7 +22,7 @@ import jax
 from ml_collections import ConfigDict
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, brief, load, parsed_options, save_result, steps_of
+from benchmarks.lib.unseen import Log, brief, load, named_scenes, parsed_options, save_result, steps_of
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
@@ -253,12 +253,7 @@ def main() -> int:
     keep_compiled()
     log = Log(args.out)
     bank, chosen, suite = load(args.train, args.test, args.holdout, args.validation_episodes, log)
-    unknown = sorted(set(args.scenes or ()) - set(chosen))
-    if unknown:
-        raise SystemExit(
-            f"error: --scenes: found {unknown[0]!r}, needed ids of scenes to train on that are not held out."
-        )
-    chosen = args.scenes or chosen
+    chosen = named_scenes(args.scenes, chosen)
     height, width = (int(n) for n in args.size.split("x"))
     overrides = {
         "preset": "fast",

@@ -37,8 +37,21 @@ VARIED = {"layouts": (1, 8, 16, 32), "cousins": (1, 2, 3, 4), "streets": (5, 40,
 TITLES = {"layouts": "layouts, 5 cousins each", "cousins": "cousins of 32 layouts", "streets": "procedural streets"}
 #: What varies -> the set of the library whose scenes are trained on.
 SETS = {"layouts": "urbanverse160", "cousins": "urbanverse160", "streets": "procedural"}
-#: Prefix of a study's name -> its learner in the tables, its agent in result.json, and its colour in the figure.
-LEARNERS = {"": ("PPO from images", "fast", "#2860be"), TEACHER: ("privileged teacher", "teacher", "#d64228")}
+
+
+class Learner(NamedTuple):
+    """title: in the tables. agent: in result.json. colour: in the figure."""
+
+    title: str
+    agent: str
+    colour: str
+
+
+#: Prefix of a study's name -> its learner.
+LEARNERS = {
+    "": Learner("PPO from images", "fast", "#2860be"),
+    TEACHER: Learner("privileged teacher", "teacher", "#d64228"),
+}
 #: Study (a learner's prefix and what varies) -> its sizes.
 SIZES = {f"{prefix}{name}": sizes for prefix in LEARNERS for name, sizes in VARIED.items()}
 SEEDS = (0, 1, 2)
@@ -53,6 +66,11 @@ DRAWS, STEEPEST = 1_000, 5.0
 
 #: (study, size) -> set -> success rates by (seed, scene), in percent.
 Rows = dict[tuple[str, int], dict[str, dict[tuple[str, str], float]]]
+
+
+def learner(study: str) -> Learner:
+    """Returns the learner of a study."""
+    return LEARNERS[TEACHER if study.startswith(TEACHER) else ""]
 
 
 def varied(study: str) -> str:
@@ -87,8 +105,7 @@ def add(folder: pathlib.Path, result: pathlib.Path, study: str, size: int, seed:
       SystemExit: it trained on other scenes than those of the point.
     """
     body = json.loads(result.read_text(encoding="utf-8"))
-    agent = LEARNERS[TEACHER if study.startswith(TEACHER) else ""][1]
-    scores, trained_on = results.agent_in(body, agent, result), body["trained_on"]
+    scores, trained_on = results.agent_in(body, learner(study).agent, result), body["trained_on"]
     if study in SIZES and trained_on != subset(study, size, seed):
         raise SystemExit(
             f"error: {result}: found a training on {len(trained_on)} scenes that are not those of {study}, {size}, "
@@ -188,10 +205,6 @@ def absent(rows: Rows, seeds: Sequence[int] = SEEDS) -> list[str]:
     return [name for name, point in wanted if not has(*point)]
 
 
-def _learner(study: str) -> str:
-    return LEARNERS[TEACHER if study.startswith(TEACHER) else ""][0]
-
-
 def _cell(score: results.Score) -> str:
     return f"{score.mean:.1f} [{score.low:.1f}, {score.high:.1f}]"
 
@@ -215,7 +228,7 @@ def scaling_table(rows: Rows) -> str:
     for study, points in studies.items():
         for n in points:
             score = results.over_seeds_and_scenes(_rates(rows, study, n, "craftbench"))
-            lines.append(f"| {TITLES[varied(study)]} | {_learner(study)} | {n} | {score.seeds} | {_cell(score)} |")
+            lines.append(f"| {TITLES[varied(study)]} | {learner(study).title} | {n} | {score.seeds} | {_cell(score)} |")
     lines += ["", "| failures, % | learner | a | b | R2 | seeds |", "| --- | --- | --- | --- | --- | --- |"]
     for study, points in studies.items():
         found = fit(points)
@@ -223,7 +236,7 @@ def scaling_table(rows: Rows) -> str:
         if found is not None:
             b = f"{found.b:.3f} [{found.low:.3f}, {found.high:.3f}]"
             cells = [f"{found.a:.1f}", b, f"{found.r2:.2f}", str(found.seeds)]
-        lines.append(f"| a n^-b, {TITLES[varied(study)]} | {_learner(study)} | {' | '.join(cells)} |")
+        lines.append(f"| a n^-b, {TITLES[varied(study)]} | {learner(study).title} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -291,7 +304,7 @@ def draw(rows: Rows, path: pathlib.Path) -> None:
     width = 3.8 * len(panels)
     figure, axes = plt.subplots(1, len(panels), figsize=(width, 3.4), sharey=True, squeeze=False, layout="constrained")
     for axis, name in zip(axes[0], panels, strict=True):
-        for prefix, (learner, _, colour) in LEARNERS.items():
+        for prefix, (title, _, colour) in LEARNERS.items():
             points = studies.get(f"{prefix}{name}", {})
             for n in points:
                 score = results.over_seeds_and_scenes(_rates(rows, f"{prefix}{name}", n, "craftbench"))
@@ -300,7 +313,7 @@ def draw(rows: Rows, path: pathlib.Path) -> None:
             found = fit(points)
             if found is not None:
                 n = np.geomspace(min(points), max(points), 100)
-                law = f"{learner}: 100 - {found.a:.1f} n^-{found.b:.2f}"
+                law = f"{title}: 100 - {found.a:.1f} n^-{found.b:.2f}"
                 axis.plot(n, 100.0 - found.a * n**-found.b, color=colour, label=law)
         if axis.get_legend_handles_labels()[0]:
             axis.legend(loc="lower right", fontsize="small")

@@ -67,6 +67,18 @@ def load(
     return Streets(bank, chosen, Suite.of(bank, held, episodes, frozen))
 
 
+def named_scenes(named: Sequence[str] | None, there: Sequence[str]) -> list[str]:
+    """Returns the scenes that `--scenes` names, or all that are there to train on.
+
+    Raises:
+      SystemExit: one is not there.
+    """
+    unknown = sorted(set(named or ()) - set(there))
+    if unknown:
+        raise SystemExit(f"error: --scenes: found {unknown[0]!r}, needed ids of scenes in the banks to train on.")
+    return list(named or there)
+
+
 def steps_of(folder: pathlib.Path) -> int:
     """Returns the env-steps of the newest policy in a run folder, 0 without one: a run that was killed between its
     first state and the policy of it has none."""

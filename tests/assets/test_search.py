@@ -156,6 +156,15 @@ def test_records_of_leaves_without_shapes_have_no_mesh(objects: ObjectLibrary, r
     assert record.length >= record.width
 
 
+def test_records_come_in_the_order_of_their_uids_whatever_was_asked_before(objects: ObjectLibrary, rows) -> None:
+    fresh = ObjectLibrary(objects.table)
+    a, b, c = [row["uid"] for row in rows if row["recipe"] is not None][:3]
+    assert fresh.record(b).uid == b
+    assert [r.uid for r in fresh.records([c, b, a, c])] == [c, b, a, c]
+    with pytest.raises(ValidationError, match="asset uid: found 'none'"):
+        fresh.records([a, "none"])
+
+
 def test_collections_plug_in_by_one_function(objects: ObjectLibrary) -> None:
     assert isinstance(objects, Library)
     assert set(MODULES) == {"object", "sky", "road", "sidewalk"}

@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks import campaign, generalise, scaling, tasks
 from benchmarks.campaign import Campaign, Job
-from benchmarks.lib.unseen import parsed_options
+from benchmarks.lib.unseen import named_scenes, parsed_options
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.training.config import default_ppo_config
 
@@ -138,6 +138,13 @@ def test_a_training_that_ends_while_it_scores_is_not_done(
     assert set(json.loads((tmp_path / "result.json").read_text())) == {
         "steps", "trained_on", "student", "finetuned"
     }  # fmt: skip
+
+
+def test_named_scenes_are_those_to_train_on() -> None:
+    assert named_scenes(None, ["a", "b"]) == ["a", "b"]
+    assert named_scenes(["b"], ["a", "b"]) == ["b"]
+    with pytest.raises(SystemExit, match="--scenes: found 'c', needed ids of scenes in the banks to train on"):
+        named_scenes(["b", "c"], ["a", "b"])
 
 
 def test_two_gpus_take_jobs_at_the_same_time(tmp_path: pathlib.Path) -> None:

@@ -130,3 +130,20 @@ def test_a_kerb_in_the_way_fails_the_drive() -> None:
     assert drives[2].seconds == pytest.approx(3.0 / 2.0, abs=1.2)
     assert drives[3].seconds > 0.0, "a centimetre too far away to be there already"
     assert drives[4].seconds == 0.0
+
+
+def test_robots_that_drive_together_drive_as_if_alone() -> None:
+    """Those that arrive early, on short paths, leave the others their own paths."""
+    controller = make_controller()
+    walk = GroundRegion("walk", "sidewalk", ((0, 0), (16, 0), (16, 8), (0, 8)), (0.0, 0.0, 0.0))
+    model, space = _ground((walk,), controller.robot)
+    starts = np.array([[2.0, 2.0, 0.0, 0.0], [2.0, 4.0, 0.0, 0.0], [2.0, 6.0, 0.0, 0.0]])
+    routes = [
+        np.array([[2.0, 2.0], [4.0, 2.0]]),
+        np.array([[2.0, 4.0], [8.0, 4.0], [8.0, 6.0], [12.0, 6.0]]),
+        np.array([[2.0, 6.0], [6.0, 6.0]]),
+    ]
+    alone = [drive_all(model, controller, space, starts[k : k + 1], [routes[k]])[0] for k in range(3)]
+    assert alone[0].seconds < alone[2].seconds < alone[1].seconds
+    assert [d.reason for d in alone] == [""] * 3
+    assert drive_all(model, controller, space, starts, routes) == alone

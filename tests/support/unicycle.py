@@ -112,6 +112,18 @@ def unicycle_env(
     return NavEnv(complete, bank, robot, engine, GoalImage() if vision else None)
 
 
+def first_states(env: NavEnv) -> Any:
+    """The first state of every episode of the first scene."""
+    rows = jnp.arange(int(env.bank.num_episodes[0]))
+    keys = jax.random.split(jax.random.key(0), len(rows))
+    return jax.jit(jax.vmap(lambda key, row: env.begin_at(key, jnp.int32(0), row)))(keys, rows)
+
+
+def one(states: Any, row: int = 0) -> Any:
+    """The state of one env of a batch."""
+    return jax.tree.map(lambda x: x[row], states)
+
+
 def drive_to_goal(obs: dict[str, jax.Array]) -> jax.Array:
     """Waypoint straight to the goal."""
     return obs["goal"] / jnp.linalg.norm(obs["goal"])

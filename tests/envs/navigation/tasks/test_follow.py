@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.compiling import optimized
-from tests.support.unicycle import unicycle_env
+from tests.support.unicycle import first_states, one, unicycle_env
 from urbanverse_mjx.crowds.behaviours import ROAM
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env
@@ -38,13 +38,7 @@ def task(env: NavEnv) -> FollowPerson:
 @pytest.fixture(scope="module")
 def begun(env: NavEnv) -> Any:
     """The first state of every episode of a scene."""
-    rows = jnp.arange(int(env.bank.num_episodes[0]))
-    keys = jax.random.split(jax.random.key(0), len(rows))
-    return jax.jit(jax.vmap(lambda key, row: env.begin_at(key, jnp.int32(0), row)))(keys, rows)
-
-
-def one(begun: Any, row: int = 0) -> Any:
-    return jax.tree.map(lambda x: x[row], begun)
+    return first_states(env)
 
 
 def facing_east(nav: Any) -> Any:

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tests.support.unicycle import unicycle_env
+from tests.support.unicycle import one, unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result
 from urbanverse_mjx.envs.navigation.fleet import START_SPACING
@@ -36,10 +36,6 @@ def pair(env: NavEnv) -> Any:
     """The first states of two robots of a street."""
     rows = jnp.arange(2, dtype=jnp.int32)
     return jax.vmap(env.begin_at)(jax.random.split(jax.random.key(0), 2), jnp.zeros(2, jnp.int32), rows)
-
-
-def one(states: Any, row: int = 0) -> Any:
-    return jax.tree.map(lambda x: x[row], states)
 
 
 def stepped(env: NavEnv, nav: Any, xy: Any) -> Any:

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tests.support.unicycle import unicycle_env
+from tests.support.unicycle import first_states, one, unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, registry
 from urbanverse_mjx.envs.navigation.tasks.config import object_goal_config
@@ -37,13 +37,7 @@ def task(env: NavEnv) -> ObjectGoal:
 @pytest.fixture(scope="module")
 def begun(env: NavEnv) -> Any:
     """The first state of every episode of a scene."""
-    rows = jnp.arange(int(env.bank.num_episodes[0]))
-    keys = jax.random.split(jax.random.key(0), len(rows))
-    return jax.jit(jax.vmap(lambda key, row: env.begin_at(key, jnp.int32(0), row)))(keys, rows)
-
-
-def one(begun: Any, row: int = 0) -> Any:
-    return jax.tree.map(lambda x: x[row], begun)
+    return first_states(env)
 
 
 def at(nav: Any, xy: Any, speed: float = 0.0, turn: float = 0.0) -> Any:
