@@ -3,12 +3,14 @@
     python -m benchmarks.tasks --task CocoSocialNav --out runs/social_nav
     python -m benchmarks.tasks --task CocoSocialNav --out runs/social_nav-0 --train procedural/bank.npz --seed 0
     python -m benchmarks.tasks --task CocoSocialNav --out runs/social_nav-0 --train procedural/bank.npz --camera
+    python -m benchmarks.tasks --task CocoSocialNav --out runs/social_nav-1 --teacher POLICY --student POLICY
     python -m benchmarks.tasks --add runs/social_nav-0/result.json
     python -m benchmarks.tasks --page
 
 The first command drives the baseline and the planner with full knowledge, the ceiling, on evenly spaced episodes of
 the bank `validation`. With `--train` a privileged teacher is trained by PPO before, on the streets of these banks; with
-`--camera` a student with a camera imitates it and goes on by PPO (the preset `best`). All agents drive the same
+`--camera` a student with a camera imitates it and goes on by PPO (the preset `best`), after the teacher of `--out` if
+there is one. `--teacher` and `--student` score policies that are there. All agents drive the same
 episodes with the same crowds, without randomisation. `relative` is where a policy is between baseline (0) and ceiling
 (1) by the task's headline score; 0.5 is asked of a trained one. Writes log.jsonl, result.json, episodes.csv and policy
 folders to `--out`; `--add` writes the rows of a result into benchmarks/scores/tasks.csv, and `--page` those rows into
@@ -143,7 +145,6 @@ def train(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any]:
     """Trains the policies; returns agent -> policy folder."""
     from urbanverse_mjx.datatypes import bank_join
     from urbanverse_mjx.envs import NavEnv, registry
-    from urbanverse_mjx.training import run
     from urbanverse_mjx.training.policy import latest_policy
     from urbanverse_mjx.training.teacher_student import TEACHER, TeacherStudent
 
@@ -159,19 +160,20 @@ def train(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any]:
         assert isinstance(env, NavEnv)
         return env
 
+    def say(text: str) -> None:
+        log(stage=text)
+
     if not args.camera:
         shutil.rmtree(folder, ignore_errors=True)  # of an interrupted attempt
-        training = TeacherStudent(args.task, env_of(False), lambda: env_of(False), config, folder)
-        run.train(args.task, training.env, training.teacher_config(), folder / TEACHER, False, quiet=True)
-        log(trained="teacher")
-        return {"teacher": latest_policy(folder / TEACHER)}
+        training = TeacherStudent(args.task, env_of(True), lambda: env_of(False), config, folder)
+        return {"teacher": training.train_teacher(say)}
     unseen = scoring_env(args, True)
     suite = suite_of(unseen, args.episodes)
     env = env_of(True)
     training = TeacherStudent(
         args.task, env, lambda: env_of(False), config, folder, lambda s: suite.quick(unseen, s, ["validation"])
     )
-    result = training.train(resume=folder.is_dir(), say=lambda text: log(stage=text))
+    result = training.train(resume=folder.is_dir(), say=say)
     assert result.policy is not None
     return {"teacher": latest_policy(folder / TEACHER), "student": result.policy}
 
@@ -211,7 +213,8 @@ def measure(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any
     from urbanverse_mjx.evaluation.task_agents import baseline_of, planner_of
     from urbanverse_mjx.training.policy import PolicySpec, load_policy
 
-    trained = train(args, log) if args.train else {}
+    given = {"teacher": args.teacher, "student": args.student}
+    trained = train(args, log) if args.train else {name: path for name, path in given.items() if path is not None}
     blind = scoring_env(args, False)
     episodes = suite_of(blind, args.episodes).episodes["validation"]
     baseline, drive = baseline_of(blind)
@@ -323,6 +326,8 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--test", type=pathlib.Path, default=default, help="bank of other streets; default: validation")
     cli.add_argument("--train-scenes", type=int, help="only the first ones of each bank to train on; default: all")
     cli.add_argument("--camera", action="store_true", help="train a student with a camera, too")
+    cli.add_argument("--teacher", type=pathlib.Path, help="without --train: policy folder of a teacher to score")
+    cli.add_argument("--student", type=pathlib.Path, help="the same of a policy with a camera")
     cli.add_argument("--steps", type=int, default=20_000_000, help="env-steps of the teacher")
     cli.add_argument("--num-envs", type=int, default=4096)
     cli.add_argument("--episodes", type=int, default=256, help="number of episodes of each agent")

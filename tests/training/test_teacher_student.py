@@ -3,6 +3,7 @@
 import pathlib
 from typing import Any
 
+import chex
 import numpy as np
 import pytest
 from ml_collections import ConfigDict
@@ -12,7 +13,7 @@ from tests.training.test_student import LAYERS, OVERRIDES, seeing_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.training import snapshot
-from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy
+from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy, load_student
 from urbanverse_mjx.training.record import RunRecord
 from urbanverse_mjx.training.student import Student
 from urbanverse_mjx.training.teacher_student import TeacherStudent
@@ -87,6 +88,20 @@ def test_three_stages_make_one_policy_with_a_camera(small_bank: SceneBank, tmp_p
     with pytest.raises(ValidationError, match="--start-from: found layers of other shapes"):
         training(small_bank, tmp_path / "other", start_from=folder / "teacher").train(False)
     assert not (tmp_path / "other" / "teacher").exists()
+
+
+def test_a_teacher_trained_alone_is_the_first_stage_of_the_run(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    whole = training(small_bank, tmp_path / "whole").train(False)
+    alone = training(small_bank, tmp_path / "run").train_teacher()
+    assert alone == latest_policy(tmp_path / "run")
+    assert not (tmp_path / "run" / "imitation").exists()
+    said = list[str]()
+    result = training(small_bank, tmp_path / "run").train(True, said.append)
+    assert [line.split(":")[0] for line in said] == ["stage 2 of 3", "stage 3 of 3"]
+    assert whole.policy is not None
+    assert result.policy is not None
+    chex.assert_trees_all_equal(load_student(result.policy), load_student(whole.policy))
+    assert [part["from_steps"] for part in RunRecord.load(tmp_path / "run").segments] == [0, 48]
 
 
 def test_minibatches_of_every_stage_are_checked_before_the_teacher_is_trained(

@@ -85,23 +85,41 @@ class TeacherStudent:
             raise ValidationError(f"--resume: found a complete run in {self.folder}, needed one that was cut off.")
         if not resume:
             check_new(self.folder)
-            self.folder.mkdir(parents=True, exist_ok=True)
         start_from = self._start_from(resume)
         imitated = (self.folder / IMITATION / COMPLETE).is_file()
         start = None if imitated else self._start(start_from)
-        record = begin_segment(
-            self.folder, self.environment, self.env.config, self.config, _steps_done(self.folder), start_from
-        )
-        record.save(self.folder)
+        self._begin_segment(start_from)
         if not (self.folder / TEACHER / COMPLETE).is_file():
             self._train_teacher(say)
-        teacher = self.folder / TEACHER / str(_complete(self.folder / TEACHER))
+        teacher = self._teacher()
         check_scenes(PolicySpec.load(teacher), self.env)
         if not imitated:
             say("stage 2 of 3: the student imitates the teacher")
             self._imitate(teacher, start)
         say("stage 3 of 3: the student continues by PPO")
         return self._finetune(teacher, self.folder / IMITATION / str(_complete(self.folder / IMITATION)))
+
+    def train_teacher(self, say: Callable[[str], None] = lambda _: None) -> pathlib.Path:
+        """Trains the first stage of a new run alone, after which `train(resume=True)` continues; returns its policy.
+
+        Raises:
+          ValidationError: as for `train`.
+        """
+        self._check_devices()
+        check_new(self.folder)
+        self._begin_segment(self.start_from)
+        self._train_teacher(say)
+        return self._teacher()
+
+    def _begin_segment(self, start_from: pathlib.Path | None) -> None:
+        """Adds a segment to the record, which a new run has not got yet."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        done = _steps_done(self.folder)
+        begin_segment(self.folder, self.environment, self.env.config, self.config, done, start_from).save(self.folder)
+
+    def _teacher(self) -> pathlib.Path:
+        """The policy of the complete first stage."""
+        return self.folder / TEACHER / str(_complete(self.folder / TEACHER))
 
     def _check_devices(self) -> None:
         """Checks what the stages ask of the devices, before the first of them takes its time."""
