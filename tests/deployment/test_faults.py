@@ -20,7 +20,9 @@ import pytest
 from tests.support.robot_policy import robot_policy
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.deployment.controller import Limits, Output
 from urbanverse_mjx.deployment.log import LogWriter, read_log
+from urbanverse_mjx.deployment.loop import Endpoints, drive
 from urbanverse_mjx.deployment.messages import Image, Odometry
 from urbanverse_mjx.deployment.replay import replay
 from urbanverse_mjx.deployment.robot_side import CommandGate, RobotLink
@@ -392,3 +394,23 @@ def test_every_fault_of_the_sensors_and_then_the_same_run_again_from_its_log(
     assert (done.returncode, found["identical"], found["difference"]) == (0, True, None)
     assert found["actions"] >= len(FAULTS)
     assert found["commands"] > 500
+
+
+def test_a_signal_between_an_event_and_its_decisions_leaves_a_log_that_replays(
+    running: Running, policy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    running.fault = None
+    running.new_master()
+    add, sent = LogWriter.add_outputs, []
+
+    def interrupted(writer: LogWriter, outputs: list[Output]) -> None:
+        if outputs and not sent and running.link.gate.last is not None:
+            sent.append(outputs)
+            os.kill(os.getpid(), signal.SIGTERM)
+        add(writer, outputs)
+
+    monkeypatch.setattr(LogWriter, "add_outputs", interrupted)
+    log = tmp_path / "run.log"
+    said = drive(policy, ((1e5, 0.0),), Endpoints(*running.address), Limits(), log, time_limit=20.0)
+    assert (said["result"], len(sent)) == ("interrupted", 1)
+    assert replay(log)["difference"] is None

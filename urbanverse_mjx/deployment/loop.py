@@ -12,6 +12,7 @@ import math
 import pathlib
 import secrets
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -61,17 +62,23 @@ def versions() -> dict[str, str]:
 
 
 class _Stopped(Exception):
-    """A signal asked to stop."""
+    """A second signal asked to stop."""
 
 
 @contextlib.contextmanager
-def _signals() -> Iterator[None]:
+def _signals() -> Iterator[threading.Event]:
+    """Gives an event that a signal sets. It does not raise, because between an event and its decisions it would leave a
+    log that no replay agrees with; only a second signal does, in case the loop does not get to look."""
+    stopped = threading.Event()
+
     def stop(*_: Any) -> None:
-        raise _Stopped
+        if stopped.is_set():
+            raise _Stopped
+        stopped.set()
 
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield
+        yield stopped
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
@@ -110,9 +117,11 @@ class _Loop:
         end = None if time_limit is None else time.monotonic() + time_limit
         arrived_at = None
         try:
-            with _signals():
+            with _signals() as stopped:
                 while True:
-                    self._turn()
+                    self._turn(stopped)
+                    if stopped.is_set():
+                        return "interrupted"
                     found = self.controller.odometry
                     if self.controller.reason == LOST:
                         return LOST
@@ -126,12 +135,12 @@ class _Loop:
         except _Stopped:
             return "interrupted"
 
-    def _turn(self) -> None:
+    def _turn(self, stopped: threading.Event) -> None:
         ready = dict(self._poller.poll(_POLL_TIMEOUT))
         if self._policy.fileno() in ready:
             self._take_answers()
         taken = 0
-        while taken < _MOST_AT_ONCE:
+        while taken < _MOST_AT_ONCE and not stopped.is_set():
             try:
                 parts = self._sensors.recv_multipart(self._dont_wait)
             except self._again:
