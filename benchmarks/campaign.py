@@ -74,6 +74,8 @@ from urbanverse_mjx.scene import library
 
 #: Scenes held out of each training set to choose checkpoints on: the last ones.
 HELD_OUT = {"procedural": 8, "places": 9}
+#: The same of the rows of benchmarks.imitation, which compare ways to begin, not streets.
+IMITATED = {"procedural": 8}
 #: The same for the comparison of training streets: 16 procedural streets, four layouts of five cousins.
 STREETS = {
     "procedural": {"procedural": 16},
@@ -436,16 +438,16 @@ def _tasks(args: argparse.Namespace) -> Iterator[Job]:
 def _imitated(
     args: argparse.Namespace, name: str, arm: str, seed: int, own: Sequence[object], *needs: pathlib.Path
 ) -> Job:
-    words: list[object] = ["benchmarks.imitation", *own, "--train", *_banks(HELD_OUT), "--holdout", *HELD_OUT.values()]
+    words: list[object] = ["benchmarks.imitation", *own, "--train", *_banks(IMITATED), "--holdout", *IMITATED.values()]
     words += ["--test", *_banks(["validation"]), "--seed", seed, "--env", *_conditions()]
     rows = [Row("student", comparison="imitation", arm=arm, seed=seed)]
     rows.append(dataclasses.replace(rows[0], agent="covered", arm=f"{arm}, camera covered"))
     memory = IMITATION if own[0] == "clone" else STUDENT
-    return _job(args, f"imitation-{name}-{seed}", words, (*HELD_OUT, "validation"), memory, rows, *needs)
+    return _job(args, f"imitation-{name}-{seed}", words, (*IMITATED, "validation"), memory, rows, *needs)
 
 
 def _imitation(args: argparse.Namespace) -> Iterator[Job]:
-    """Behaviour cloning, and PPO after it and without it, on the streets and validation sets of the students' arms."""
+    """Behaviour cloning, and PPO after it and without it."""
     most = max(imitation.COUNTS)
     for seed in args.seeds:
         for count in imitation.COUNTS:
@@ -682,7 +684,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")
     cli.add_argument("--ppo", type=int, default=200, help="iterations of PPO after it")
     cli.add_argument(
-        "--samples", type=int, default=20_000_000, help="env-steps of imitation-*-ppo-* and imitation-ppo-*"
+        "--samples", type=int, default=8_000_000, help="env-steps of imitation-*-ppo-* and imitation-ppo-*"
     )
     cli.add_argument("--go2", type=int, default=100, help="iterations of the Go2's student")
     cli.add_argument(

@@ -189,7 +189,7 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--cloning-steps", type=int, default=4_000_000, help="recorded steps to fit to, read repeatedly")
     cli.add_argument("--readers", type=int, default=256, help="sequences of an iteration of cloning")
     cli.add_argument("--start", type=pathlib.Path, help="a folder of `clone` from which PPO goes on")
-    cli.add_argument("--samples", type=int, default=20_000_000, help="env-steps, with those of the demonstrations")
+    cli.add_argument("--samples", type=int, default=8_000_000, help="env-steps, with those of the demonstrations")
     cli.add_argument("--num-envs", type=int, default=4096, help="of PPO")
     cli.add_argument("--episodes", type=int, default=256, help="of each set of validation streets")
     cli.add_argument("--env", nargs="*", default=[], help="environment options, such as num_slots=8")

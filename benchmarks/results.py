@@ -67,6 +67,8 @@ VALIDATION = {
     "validation_places": "places, held out",
     "validation_composed": "composed",
 }
+#: The same without places, on which the rows of benchmarks.imitation do not train.
+_PROCEDURAL = {name: title for name, title in VALIDATION.items() if name != "validation_places"}
 #: Sets on which teachers of different training streets are compared.
 _STREETS = {"validation_composed": "composed"} | BENCHMARKS
 #: Name of the table in benchmarks/scores, and of its marks in docs/results.md -> what it compares.
@@ -76,7 +78,7 @@ COMPARISONS = {
     "teacher_arms": Comparison("teacher", VALIDATION, "as it is", "teacher-arm-*"),
     "student_arms": Comparison("student", VALIDATION, "as it is", "student-arm-*"),
     "image_streets": Comparison("trained on cousins distilled from", _STREETS, "exact inputs", "image-streets-*"),
-    "imitation": Comparison("policy", VALIDATION, "PPO alone", "imitation-*"),
+    "imitation": Comparison("policy", _PROCEDURAL, "PPO alone", "imitation-*"),
 }
 
 

@@ -305,8 +305,8 @@ def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Nam
     assert seen == [(0.2, False), (0.0, True), (0.2, True), (0.0, False)]
     assert cloned["imitation-100-ppo-2"].start == cloned["imitation-100-2"].out
     assert cloned["imitation-ppo-2"].start is None
-    assert {args.samples for args in cloned.values()} == {20_000_000}
-    assert {tuple(args.holdout) for args in cloned.values()} == {(8, 9)}
+    assert {args.samples for args in cloned.values()} == {8_000_000}
+    assert {tuple(args.holdout) for args in cloned.values()} == {(8,)}
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
     assert go2.start.name == "finetuned"
@@ -381,5 +381,5 @@ def test_results_become_rows_of_scores(
     assert (tmp_path / "student_arms.csv").read_text().splitlines()[1:] == [
         f"without memory,1,{name},s,50.0" for name in campaign.results.VALIDATION
     ]
-    assert len((tmp_path / "imitation.csv").read_text().splitlines()) == 1 + 2 * len(campaign.results.VALIDATION)
+    assert len((tmp_path / "imitation.csv").read_text().splitlines()) == 1 + 2 * len(campaign.results.COMPARISONS["imitation"].sets)
     assert "both,1,validation_composed,s,50.0" in (tmp_path / "training_streets.csv").read_text()
