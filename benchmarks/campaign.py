@@ -74,8 +74,8 @@ from urbanverse_mjx.scene import library
 
 #: Scenes held out of each training set to choose checkpoints on: the last ones.
 HELD_OUT = {"procedural": 8, "places": 9}
-#: The same of the rows of benchmarks.imitation, which compare ways to begin, not streets.
-IMITATED = {"procedural": 8}
+#: The same of the rows of benchmarks.imitation, and of how many scenes: they compare ways to begin, not streets.
+IMITATED, IMITATED_STREETS = {"procedural": 8}, 60
 #: The same for the comparison of training streets: 16 procedural streets, four layouts of five cousins.
 STREETS = {
     "procedural": {"procedural": 16},
@@ -439,7 +439,8 @@ def _imitated(
     args: argparse.Namespace, name: str, arm: str, seed: int, own: Sequence[object], *needs: pathlib.Path
 ) -> Job:
     words: list[object] = ["benchmarks.imitation", *own, "--train", *_banks(IMITATED), "--holdout", *IMITATED.values()]
-    words += ["--test", *_banks(["validation"]), "--seed", seed, "--env", *_conditions()]
+    words += ["--train-scenes", IMITATED_STREETS, "--test", *_banks(["validation"]), "--seed", seed]
+    words += ["--env", *_conditions()]
     rows = [Row("student", comparison="imitation", arm=arm, seed=seed)]
     rows.append(dataclasses.replace(rows[0], agent="covered", arm=f"{arm}, camera covered"))
     memory = IMITATION if own[0] == "clone" else STUDENT

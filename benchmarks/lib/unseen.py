@@ -37,7 +37,12 @@ class Streets(NamedTuple):
 
 
 def load(
-    train: Sequence[pathlib.Path], test: Sequence[pathlib.Path], holdout: Sequence[int], episodes: int, log: Log
+    train: Sequence[pathlib.Path],
+    test: Sequence[pathlib.Path],
+    holdout: Sequence[int],
+    episodes: int,
+    log: Log,
+    first: int | None = None,
 ) -> Streets:
     """Joins banks; a bank's name is that of its folder.
 
@@ -46,16 +51,18 @@ def load(
       test: a bank named validation is driven for validation, others by their frozen protocols, or like validation sets
         if they have none.
       episodes: of each set without frozen protocol.
+      first: number of scenes of each bank to train on, those that are held out included; default: all.
     """
     with concurrent.futures.ThreadPoolExecutor() as pool:  # unpacking runs in several threads
         banks = list(pool.map(SceneBank.load, [*train, *test]))
     trained, tests = banks[: len(train)], banks[len(train) :]
     by_name = dict(zip((path.parent.name for path in test), tests, strict=True))
     bank = bank_join.join([*trained, *by_name.values()]) if len(trained) + len(by_name) > 1 else trained[0]
-    ids = [name for part in trained for name in part.scene_ids]
+    own = [part.scene_ids[:first] for part in trained]
+    ids = [name for part in own for name in part]
     held = {
-        f"validation_{path.parent.name}": list(part.scene_ids)[-count:]
-        for path, part, count in zip(train, trained, holdout, strict=False)
+        f"validation_{path.parent.name}": list(part)[-count:]
+        for path, part, count in zip(train, own, holdout, strict=False)
         if count > 0
     }
     chosen = [name for name in ids if not any(name in names for names in held.values())]
