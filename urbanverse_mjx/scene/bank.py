@@ -17,11 +17,13 @@ from .hulls import ConvexPart, convex_part, hull_table
 
 #: Empty rows and columns of grid cells around a scene, so that a robot outside it finds no hull.
 _GRID_MARGIN = 2
+#: Leaf as which windows at the ends of rows and fronts behind a scene are labelled.
+DRAWN_BUILDING = "apartment building"
 
 
 def ground_category(kind: int) -> str:
-    """Category name of a ground region's visual slot."""
-    return f"ground:{GROUND_KINDS[kind]}"
+    """Category name of the visual slot of a ground region, or of what is drawn beside it."""
+    return f"ground:{GROUND_KINDS[kind]}" if kind < len(GROUND_KINDS) else DRAWN_BUILDING
 
 
 class _Library:

@@ -18,12 +18,12 @@ from ..datatypes import validation as v
 from ..datatypes.ground import KIND_INDEX
 from ..geometry import rotations
 from ..work_folder import MADE, recover, replacing_folder
-from . import ground, maps, roads
+from . import backdrop, ground, maps, roads
 from .drive import Controller, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
 from .exchange import exchange_map, save_map
 from .exchange_routes import plan_all, save_annotations, save_planned
-from .geometry import EpisodeTable, SceneGeometry
+from .geometry import SHOWN_KINDS, EpisodeTable, SceneGeometry
 from .metadata import SCHEMA, place_metadata, scene_metadata
 from .mjcf import scene_mjcf
 from .planner import RobotSize, free_space
@@ -173,6 +173,10 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     inst_object = np.repeat(np.arange(len(objects)), counts).astype(np.int32)
     inst_hull = np.array([h for k in kinds for h in library.hull_rows[k]], np.int32)
     hulls = (*library.hulls, *(p.corners for p in prisms))
+    drawn = _drawn_roads(layout, regions, crossings, index)
+    if layout.place is not None and drawn is not None:
+        houses = [h for o, k in zip(objects, kinds, strict=True) if (h := library.house(o, k)) is not None]
+        drawn += backdrop.openings(houses, layout.id) + backdrop.surround(regions, houses, layout.place, layout.id)
     scene_map = maps.with_clearance(
         maps.ground_map(regions),
         [hulls[h] for h in inst_hull],
@@ -198,7 +202,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
         prism_friction=np.full(len(prisms), GROUND_FRICTION),
         prism_region=np.array([p.region for p in prisms], np.int32),
         prism_material_friction=np.array([ground_friction(regions[p.region].material) for p in prisms]),
-        **_region_fields(regions, crossings, library.meshes, _drawn_roads(layout, regions, crossings, index)),
+        **_region_fields(regions, crossings, library.meshes, drawn),
         sky=layout.sky,
         sky_yaw=layout.sky_yaw,
         map=scene_map,
@@ -251,7 +255,7 @@ def _region_fields(
     shown = [*regions, *(drawn or ())]
     return {
         "region_ids": tuple(r.id for r in shown),
-        "region_kind": np.array([KIND_INDEX[r.kind] for r in shown], np.int32),
+        "region_kind": np.array([SHOWN_KINDS.index(r.kind) for r in shown], np.int32),
         "region_mesh": len(meshes) + np.arange(len(shown), dtype=np.int32),
         "region_position": np.stack([p for p, _ in visuals]),
         "meshes": (*meshes, *(m for _, m in visuals)),
@@ -286,6 +290,15 @@ class _Assets:
             self.hulls += hulls
             self.meshes.append(dataclasses.replace(mesh, vertices=mesh.vertices * scale))
         return self._rows[key]
+
+    def house(self, placed: PlacedObject, row: int) -> backdrop.House | None:
+        """What an added object is for the background if it is a house, otherwise None."""
+        record = self._index.get(placed.asset_uid)
+        if record.category[0] != "building" or record.extent_xyz[1] * placed.scale[1] < backdrop.LEAST_WIDTH:
+            return None
+        corners = np.concatenate([self.hulls[k] for k in self.hull_rows[row]]).astype(np.float64)
+        flat = corners[:, :2] @ rotations.about_z(placed.yaw)[:2, :2].T + np.array(placed.position[:2])
+        return backdrop.house(placed, record, self.meshes[row], flat)
 
 
 def _no_episodes() -> EpisodeTable:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..datatypes import AssetMesh, array_file
 from ..datatypes import validation as v
+from ..datatypes.ground import GROUND_KINDS
 from ..geometry.grids import Grid
 
 SCHEMA = "urbanverse.scene_geometry/1"
@@ -88,6 +89,8 @@ class EpisodeTable:
         return len(self.start)
 
 
+#: Kinds as which ground and what is drawn beside it are labelled: `region_kind` is an index into these.
+SHOWN_KINDS = (*GROUND_KINDS, "building")
 #: Fields that follow from the layout, which lies beside the file.
 _DERIVED = ("prism_material_friction",)
 
@@ -113,8 +116,8 @@ class SceneGeometry:
       prism_friction: (P,).
       prism_region: (P,) i32, the ground region a prism belongs to.
       prism_material_friction: (P,) of its region's material; not in `geometry.npz`, see `CompiledScene.load`.
-      region_ids: ids of the ground regions, then of what is drawn on them (`roads.draw_roads`), which has no prism.
-      region_kind: (R,) i32.
+      region_ids: ids of the ground regions, then of what is drawn on and around them (`roads`, `backdrop`), which has no prism.
+      region_kind: (R,) i32, index into `SHOWN_KINDS`.
       region_mesh: (R,) index into `meshes`.
       region_position: (R, 3) m.
       meshes: distinct visual meshes.

@@ -57,7 +57,7 @@ class Drawn:
 
     Attributes:
       id: unique in the scene.
-      kind: kind of ground as which it is labelled.
+      kind: kind of ground as which it is labelled, or "building".
       position: (3,) m, origin of its frame (without rotation).
       mesh: in that frame.
     """
@@ -123,11 +123,11 @@ def _painted(carriers: Sequence[tuple[PlacedGround, str]], found: Sequence[Mark]
     for region, material in carriers:
         if any(word in material for word in _HIDDEN):
             continue
-        for cell, piece in _cells(shapely.Polygon(region.polygon)):
+        for cell, piece in cells(shapely.Polygon(region.polygon)):
             for mark, shape in zip(found, shapely.intersection(shapes, piece), strict=True):
                 if shape.is_empty or not _carries(mark, material):
                     continue
-                corners = _triangles(shape)
+                corners = triangles(shape)
                 if len(corners):
                     z = plane_height(region.plane, corners) + LIFTS.get(mark.paint, PAINT_LIFT)
                     groups.setdefault((mark.paint, mark.kind, material, cell), []).append(np.dstack([corners, z]))
@@ -137,16 +137,18 @@ def _painted(carriers: Sequence[tuple[PlacedGround, str]], found: Sequence[Mark]
         corners = np.concatenate(parts).reshape(-1, 3)
         texture, roughness = _coat(material, paint, rules.wear)
         name = _name(paint, kind, material, cell)
-        drawn.append(_mesh(name, kind, corners, corners[:, :2] / ground.tile_size_m, texture, roughness))
+        drawn.append(drawn_mesh(name, kind, corners, corners[:, :2] / ground.tile_size_m, texture, roughness))
     return drawn
 
 
-def _cells(piece: BaseGeometry) -> Iterator[tuple[Cell, BaseGeometry]]:
-    """The parts of a polygon in the squares of `CELL` m, with the numbers of each square."""
-    x0, y0, x1, y1 = np.floor(np.array(piece.bounds) / CELL).astype(int)
+def cells(piece: BaseGeometry, side: float = CELL) -> Iterator[tuple[Cell, BaseGeometry]]:
+    """The parts of a geometry in squares of `side` m, with the numbers of each square."""
+    if piece.is_empty:
+        return
+    x0, y0, x1, y1 = np.floor(np.array(piece.bounds) / side).astype(int)
     for i in range(x0, x1 + 1):
         for j in range(y0, y1 + 1):
-            part = piece.intersection(shapely.box(i * CELL, j * CELL, (i + 1) * CELL, (j + 1) * CELL))
+            part = piece.intersection(shapely.box(i * side, j * side, (i + 1) * side, (j + 1) * side))
             if part.area > 1e-4:
                 yield (i, j), part
 
@@ -161,7 +163,7 @@ def _carries(mark: Mark, material: str) -> bool:
     return smooth or mark.kind == "crosswalk" or mark.paint in ("steel", "groove")
 
 
-def _triangles(shape: BaseGeometry) -> np.ndarray:
+def triangles(shape: BaseGeometry) -> np.ndarray:
     """(n, 3, 2) counter-clockwise triangles of the polygons of a geometry."""
     polygons = [p for p in shapely.get_parts(shape) if isinstance(p, shapely.Polygon) and p.area > 1e-4]
     found = [t for p in polygons for t in shapely.get_parts(shapely.constrained_delaunay_triangles(p))]
@@ -193,7 +195,7 @@ def _coat(material: str, paint: str, wear: float) -> tuple[np.ndarray, float]:
     return texture, 0.4 if paint == "steel" else max(ground.roughness, LEAST_ROUGHNESS)
 
 
-def _mesh(name: str, kind: str, corners: np.ndarray, uv: np.ndarray, texture: np.ndarray, roughness: float) -> Drawn:
+def drawn_mesh(name: str, kind: str, corners: np.ndarray, uv: np.ndarray, texture: np.ndarray, roughness: float) -> Drawn:
     """A mesh of triangles (3n, 3) without shared corners; its frame lies on the ground's raster."""
     position = np.round(np.append((corners.min(0) + corners.max(0))[:2] / 2, corners[:, 2].min()) * 64) / 64
     repeat = -(-4 // (len(corners) // 3))  # a mesh has at least four faces
@@ -226,7 +228,7 @@ class _Pads:
             rows = np.concatenate(parts)
             name = _name(image, kind, cell)
             texture, roughness = images.paint_image(image)
-            found.append(_mesh(name, kind, rows[:, :3], rows[:, 3:], texture, roughness))
+            found.append(drawn_mesh(name, kind, rows[:, :3], rows[:, 3:], texture, roughness))
         return found
 
 

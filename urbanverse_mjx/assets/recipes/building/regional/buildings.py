@@ -62,6 +62,12 @@ def dressed(name: str, leaf: str, variant: int, built: BuiltAsset) -> BuiltAsset
     return dataclasses.replace(built, description=description, params=params)
 
 
+def form_of(name: str, leaf: str, variant: int) -> tuple[Form, int]:
+    """The form of a regional recipe's variant, and the number of its dressing."""
+    form, number, _ = _form_of(traditions()[name.removeprefix("regional.")], leaf, variant)
+    return form, number % DRESSINGS
+
+
 def _form_of(tradition: Tradition, leaf: str, variant: int) -> tuple[Form, int, str]:
     """The form of a variant, its number within the form, and the form's seed."""
     for place, form in enumerate(f for f in tradition.forms if f.leaf == leaf):
