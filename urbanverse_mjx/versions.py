@@ -82,6 +82,15 @@ CODE: Mapping[str, Code] = {
         ),
         ("appearances", "thumbnails"),
     ),
+    # What the regional look adds to layouts and compiled scenes; only scenes that have it depend on it.
+    "look": Code(
+        1,
+        (
+            *("materialisation.exchange", "scene.backdrop"),
+            *_below("assets.recipes.building.regional", "boards", "words"),
+        ),
+        ("scenes",),
+    ),
     "scenes": Code(
         3,
         (

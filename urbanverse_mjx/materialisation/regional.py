@@ -15,6 +15,7 @@ from ..assets.records import regional
 from ..assets.records.index import AssetIndex
 from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
 from ..datatypes import validation as v
+from . import exchange as exchange_step
 from . import overlap, paints
 from .cousins import Cousin, index_of, trees_of
 from .facades import dress
@@ -43,6 +44,7 @@ def localise(
     graph: SceneGraph,
     index: AssetIndex | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] | None = None,
+    exchange: bool = False,
 ) -> Cousin:
     """A cousin with the look of its graph's city; the same cousin if its city has none.
 
@@ -53,7 +55,12 @@ def localise(
       graph: its source names the city.
       index: records of the cousin's assets; default: from the catalogue.
       hulls_of: function that returns the collision hulls of a record; default: those that the layout asks for.
+      exchange: whether objects that its country does not have are exchanged, and houses that would hang in the air left
+        out (`materialisation.exchange`).
     """
+    if exchange and regional.is_served(graph.source.city, graph.source.country):
+        cousin = _exchanged(cousin, graph, hulls_of)
+        index = None
     index = index or index_of(cousin.layout)
     dressed = dress(cousin, graph, index, hulls_of)
     hulls_of = hulls_of or hull_loader(cousin.layout.hulls)
@@ -80,6 +87,23 @@ def localise(
     layout = dataclasses.replace(layout, objects=tuple(objects), place=place)
     chosen = {name: c for name, c in dressed.chosen.items() if name not in changed}
     return dataclasses.replace(dressed, layout=layout, chosen=chosen, unresolved=tuple(unresolved))
+
+
+def _exchanged(cousin: Cousin, graph: SceneGraph, hulls_of: Callable[[AssetRecord], HullSet] | None) -> Cousin:
+    index = index_of(cousin.layout)
+    gone = exchange_step.hanging(cousin.layout, index)
+    names = {entry.id for entry in gone}
+    kept = dataclasses.replace(cousin.layout, objects=tuple(p for p in cousin.layout.objects if p.id not in names))
+    layout = exchange_step.exchanged(kept, graph.source.country, index, hulls_of or hull_loader(kept.hulls))
+    before = {p.id: p.asset_uid for p in kept.objects}
+    changed = {p.id for p in layout.objects if before[p.id] != p.asset_uid}
+    return dataclasses.replace(
+        cousin,
+        layout=layout,
+        left_out=(*cousin.left_out, *gone),
+        unresolved=tuple(pair for pair in cousin.unresolved if not names & set(pair)),
+        chosen={name: c for name, c in cousin.chosen.items() if name not in names | changed},
+    )
 
 
 def _record_of(placed: PlacedObject, index: AssetIndex) -> AssetRecord:

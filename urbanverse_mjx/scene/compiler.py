@@ -13,6 +13,7 @@ from ..assets.appearances.ground_friction import ground_friction
 from ..assets.appearances.ground_materials import build_material
 from ..assets.appearances.skies import build_sky
 from ..assets.meshes import crowns, repaint, sheets
+from ..assets.recipes.building.regional import boards
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedGround, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
 from ..datatypes.ground import KIND_INDEX
@@ -163,7 +164,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     ground.check_regions(layout.ground)
     objects = sorted(layout.objects, key=lambda o: (o.position[0], o.position[1], o.id))
     regions = sorted(layout.ground, key=lambda r: (min(p[0] for p in r.polygon), r.id))
-    library = _Assets(index, source or AssetSource(hulls=hull_loader(layout.hulls)), layout.place is not None)
+    library = _Assets(index, source or AssetSource(hulls=hull_loader(layout.hulls)), layout.place)
     kinds = [library.add(o) for o in objects]
     prisms = ground.ground_prisms(regions)
     crossings = {} if layout.place is None else roads.crosswalk_materials(regions)
@@ -263,10 +264,14 @@ def _region_fields(
 
 
 class _Assets:
-    """Meshes and hulls of the distinct (asset, scale, paint) triples of a layout."""
+    """Meshes and hulls of the distinct (asset, scale, paint) triples of a layout.
 
-    def __init__(self, index: AssetIndex, source: AssetSource, regional: bool) -> None:
-        self._index, self._source, self._regional = index, source, regional
+    Those of a place have the look of their region, and their boards its language.
+    """
+
+    def __init__(self, index: AssetIndex, source: AssetSource, place: tuple[str, str] | None) -> None:
+        self._index, self._source, self._regional = index, source, place is not None
+        self._language = "" if place is None else boards.language_of(place)
         self._rows: dict[tuple[Any, ...], int] = {}
         self.meshes: list[AssetMesh] = []
         self.hulls: list[np.ndarray] = []
@@ -278,7 +283,8 @@ class _Assets:
         if key not in self._rows:
             record = self._index.get(placed.asset_uid)
             scale = np.array(placed.scale, np.float32)
-            mesh = self._source.mesh(repaint.untinted(record) if placed.paint else record)
+            with boards.in_language(self._language):
+                mesh = self._source.mesh(repaint.untinted(record) if placed.paint else record)
             mesh = repaint.repainted(mesh, [color for color in placed.paint if color != repaint.OWN])
             if self._regional and record.category[:2] == ("nature", "vegetation"):
                 mesh = crowns.with_sprays(mesh, record.uid)

@@ -17,7 +17,7 @@ TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz"
 #: Generators of sets whose graphs are not files: `citygen.craftbench` and `citygen.validation_streets` (hand-made),
 #: `citygen.procedural_streets` and `citygen.procedural_places` (from templates).
 GENERATORS = ("craft", "validation", "procedural", "places")
-_OPTIONAL = ("numbered", "builder", "validation", "regional", "hulls")
+_OPTIONAL = ("numbered", "builder", "validation", "regional", "hulls", "exchange")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,6 +34,8 @@ class SceneSet:
       builder: "" if graphs are files, otherwise their generator, one of `GENERATORS`.
       regional: whether scenes have the look of each graph's city (`materialisation.regional`).
       hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
+      exchange: whether objects that a country does not have are exchanged (`materialisation.exchange`); needs
+        `regional`.
     """
 
     name: str
@@ -45,6 +47,7 @@ class SceneSet:
     validation: tuple[str, ...] = ()
     regional: bool = False
     hulls: str = ""
+    exchange: bool = False
 
     def scene_id(self, layout: str, cousin: int) -> str:
         """Id of a layout's cousin number `cousin`, from 0."""
@@ -78,6 +81,9 @@ def sets() -> dict[str, SceneSet]:
         v.choice(row.get("builder", ""), f"{TABLE}: {name}: builder", ("", *GENERATORS))
         v.boolean(row.get("regional", False), f"{TABLE}: {name}: regional")
         v.choice(row.get("hulls", ""), f"{TABLE}: {name}: hulls", HULL_KINDS)
+        v.boolean(row.get("exchange", False), f"{TABLE}: {name}: exchange")
+        if row.get("exchange", False) and not row.get("regional", False):
+            raise v.fail(f"{TABLE}: {name}", '"exchange" without "regional"', "both or neither", "add the other")
         where = f"{TABLE}: {name}: validation"
         layouts = tuple(v.text(x, where) for x in v.items(row.get("validation", ()), where))
         v.unique(layouts, where)

@@ -18,9 +18,13 @@ from urbanverse_mjx.settings import cache_dir
 _ARRAYS = ("vertices", "faces", "uv", "texture")
 
 
-def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetMesh]) -> AssetMesh:
-    """The base mesh of a recipe's variant: read from the cache, or built and stored in it."""
-    path = path_of(recipe, leaf, variant)
+def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetMesh], lettering: str = "") -> AssetMesh:
+    """The base mesh of a recipe's variant: read from the cache, or built and stored in it.
+
+    Args:
+      lettering: what else it depends on: the language of its texts, and their version.
+    """
+    path = path_of(recipe, leaf, variant, lettering)
     found = array_file.load_cached(path, "a mesh", ("surface", *_ARRAYS))
     if found is not None:
         roughness, metallic = found.pop("surface").tolist()
@@ -31,8 +35,9 @@ def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetM
     return mesh
 
 
-def path_of(recipe: str, leaf: str, variant: int) -> pathlib.Path:
-    """The file in the cache of a recipe's variant."""
+def path_of(recipe: str, leaf: str, variant: int, lettering: str = "") -> pathlib.Path:
+    """The file in the cache of a recipe's variant; lettering: see `cached_mesh`."""
     made_by = json.dumps({"code": versions.of("meshes"), "numpy": np.__version__}, sort_keys=True)
-    folder, name = (hashlib.sha256(t.encode()).hexdigest() for t in (made_by, f"{recipe}/{leaf}/{variant}"))
+    shape = "/".join((recipe, leaf, str(variant), *([lettering] if lettering else ())))
+    folder, name = (hashlib.sha256(t.encode()).hexdigest() for t in (made_by, shape))
     return cache_dir("meshes", folder[:16], f"{name[:24]}.npz")

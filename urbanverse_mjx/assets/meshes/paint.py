@@ -1,6 +1,8 @@
 """Draws images for signs, screens, doors and posters with Pillow and its built-in typeface."""
 
-from collections.abc import Sequence
+import contextlib
+import contextvars
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -8,6 +10,9 @@ from PIL import Image, ImageDraw, ImageFont
 from .palette import Color, rgb
 
 Size = tuple[int, int]
+#: Text -> its lines as masks (255 = ink), another text, or None to write it as it is.
+Translator = Callable[[str], "list[Image.Image] | str | None"]
+_TRANSLATOR: contextvars.ContextVar[Translator | None] = contextvars.ContextVar("translator", default=None)
 
 
 def canvas(size: Size, color: Color) -> tuple[Image.Image, ImageDraw.ImageDraw]:
@@ -26,8 +31,15 @@ def text(
 ) -> None:
     """Writes words centred in box = (left, top, right, bottom), as large as they fit.
 
-    `bold` thickens the strokes by a share of the size; `limit` is the largest size in pixels.
+    `bold` thickens the strokes by a share of the size; `limit` is the largest size in pixels. Within `translating`, the
+    words may be others.
     """
+    translator = _TRANSLATOR.get()
+    found = translator(words) if translator else None
+    if isinstance(found, list):
+        _write_masks(draw, found, box, color)
+        return
+    words = found or words
     left, top, right, bottom = box
     low, high = 4, limit
     while low < high:
@@ -40,6 +52,30 @@ def text(
     fill, stroke = rgb(color), round(low * bold)
     font = ImageFont.load_default(low)
     draw.multiline_text(at, words, fill=fill, font=font, stroke_width=stroke, stroke_fill=fill, align="center")
+
+
+@contextlib.contextmanager
+def translating(translator: Translator) -> Iterator[None]:
+    """Within the context, `text` writes what the translator returns."""
+    token = _TRANSLATOR.set(translator)
+    try:
+        yield
+    finally:
+        _TRANSLATOR.reset(token)
+
+
+def _write_masks(
+    draw: ImageDraw.ImageDraw, lines: Sequence[Image.Image], box: tuple[float, float, float, float], color: Color
+) -> None:
+    """Writes lines of one height below each other, centred in the box, as large as they fit."""
+    left, top, right, bottom = box
+    high = (bottom - top) / len(lines)
+    scale = min((right - left) / max(line.width for line in lines), (0.8 if len(lines) > 1 else 1.0) * high / lines[0].height)
+    for k, line in enumerate(lines):
+        size = (max(1, round(line.width * scale)), max(1, round(line.height * scale)))
+        fitted = line.resize(size, Image.Resampling.LANCZOS)
+        at = (round((left + right - size[0]) / 2), round(top + high * k + (high - size[1]) / 2))
+        draw.bitmap(at, fitted, fill=rgb(color))
 
 
 def _extent(draw: ImageDraw.ImageDraw, words: str, size: int, bold: float) -> tuple[float, float, float, float]:

@@ -24,6 +24,7 @@ from ..meshes.mesh_builder import BuiltAsset
 from ..meshes.mesh_cache import cached_mesh
 from ..meshes.recipe import Recipe, all_recipes, get_recipe
 from ..meshes.table_files import read_rows
+from ..recipes.building.regional import boards
 from .user_store import FILE_RECIPE, INDEX, file_mesh
 
 GRAVITY = 9.81  # m/s^2
@@ -211,12 +212,14 @@ def base_mesh(record: AssetRecord) -> AssetMesh:
     Raises:
       ValidationError: this version of the package has no such recipe.
     """
-    return _build_cached(record.recipe, record.leaf, int(record.params["variant"]))
+    language = boards.spoken() if boards.is_lettered(record.recipe, record.leaf) else ""
+    return _build_cached(record.recipe, record.leaf, int(record.params["variant"]), language)
 
 
 @functools.lru_cache(maxsize=512)
-def _build_cached(name: str, leaf: str, variant: int) -> AssetMesh:
-    return cached_mesh(name, leaf, variant, lambda: get_recipe(name, leaf).build(variant).mesh)
+def _build_cached(name: str, leaf: str, variant: int, language: str) -> AssetMesh:
+    stamp = f"{language} {boards.stamp()}" if language else ""
+    return cached_mesh(name, leaf, variant, lambda: get_recipe(name, leaf).build(variant).mesh, stamp)
 
 
 def build_index() -> AssetIndex:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from ... import settings
+from ... import settings, versions
 from ...datatypes import SceneGraph
 from ...datatypes import validation as v
 from ...process_pool import results_as_completed
@@ -90,7 +90,7 @@ def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
 
     graph = graph_of(scenes, layout)
     for k, made in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed, hulls=scenes.hulls)):
-        cousin = localise(made, graph) if scenes.regional else made
+        cousin = localise(made, graph, exchange=scenes.exchange) if scenes.regional else made
         named = dataclasses.replace(cousin.layout, id=scenes.scene_id(layout, k))
         yield dataclasses.replace(cousin, layout=named)
 
@@ -113,6 +113,9 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
     wanted: dict[str, Any] = {"cousins": scenes.cousins, "seed": scenes.seed}
     if scenes.regional:
         wanted["regional"] = regional_hash()
+        wanted["look"] = versions.of("look")
+    if scenes.exchange:
+        wanted["exchange"] = True
     if scenes.hulls:
         wanted["hulls"] = [scenes.hulls, close_hash()]
     key = key_of("library", graph=graph.content_hash(), assets=inputs_key(), **wanted)

@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from ...assets.records import regional
+from ...assets.recipes.building.regional import boards
 from ...assets.recipes.building.regional.buildings import form_of
 from ...assets.recipes.building.regional.styles import Form, traditions
 from ...datatypes import AssetMesh, AssetRecord, PlacedObject
@@ -77,4 +78,5 @@ def looks_of(place: tuple[str, str]) -> tuple[tuple[Form, ...], str]:
     if name is None:
         return (TERRACE,), ""
     tradition = traditions()[name]
-    return tradition.forms, tradition.language
+    with boards.in_language(boards.language_of(place)):
+        return tradition.forms, boards.shop_language(tradition.language)

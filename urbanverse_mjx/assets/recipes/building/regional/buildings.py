@@ -9,7 +9,7 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.recipe import recipe
 from ..facade import BUILDING, BUILDING_DENSITY, Facade, finish
-from . import extras, ground_floors, panes, roofs
+from . import boards, extras, ground_floors, panes, roofs
 from .front import Front, Windows
 from .styles import DRESSINGS, TRADES, Form, Tradition, traditions
 
@@ -28,7 +28,7 @@ def build(tradition: Tradition, form: Form, number: int, seed: str) -> BuiltAsse
         size=form.sizes[place],
         dressing=dressing,
         trade=_trade(place, dressing, seed),
-        language=tradition.language,
+        language=boards.shop_language(tradition.language),
         rng=_rng(f"{seed}/{place}"),
         tint=_rng(f"{seed}/{place}/{dressing}"),
     )

@@ -17,8 +17,10 @@ from PIL import Image, ImageDraw, ImageFont, features
 
 from urbanverse_mjx.datatypes import ValidationError, array_file
 
-#: Height of a mask in pixels.
-HEIGHT = 30
+from . import boards
+
+#: Height of a mask in pixels: of shop signs, and of boards.
+HEIGHT, BOARD_HEIGHT = 30, 18
 #: Face of `words.toml` -> font file and number of the face in it.
 FACES: Mapping[str, tuple[str, int]] = {
     "sans": ("NotoSans-Bold.ttf", 0),
@@ -29,9 +31,11 @@ FACES: Mapping[str, tuple[str, int]] = {
     "cjkserif": ("NotoSerifCJK-Bold.ttc", 0),
     "cjkkr": ("NotoSansCJK-Bold.ttc", 1),
     "cjksc": ("NotoSansCJK-Bold.ttc", 2),
+    "cjktc": ("NotoSansCJK-Bold.ttc", 3),
+    "thai": ("NotoSansThai-Bold.ttf", 0),
 }
 #: Faces whose words can also stand in a column, letter below letter.
-UPRIGHT = ("cjk", "cjkserif", "cjkkr", "cjksc")
+UPRIGHT = ("cjk", "cjkserif", "cjkkr", "cjksc", "cjktc")
 _FILE = pathlib.Path(__file__).with_suffix(".npz")
 
 
@@ -43,6 +47,13 @@ def languages() -> Mapping[str, Mapping[str, tuple[str, ...]]]:
 
 @functools.cache
 def _table() -> Mapping[str, Mapping[str, str | list[str]]]:
+    """The languages of traditions, and those of places that have another one than their tradition."""
+    faces = boards.table()["faces"]
+    others = {name: {"face": faces.get(name, "sans"), **row} for name, row in boards.table()["shops"].items()}
+    return {**_own_table(), **others}
+
+
+def _own_table() -> Mapping[str, Mapping[str, str | list[str]]]:
     return tomllib.loads(pathlib.Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
@@ -80,7 +91,9 @@ def can_stand(language: str) -> bool:
 
 
 def draw_words(fonts: str | os.PathLike[str]) -> pathlib.Path:
-    """Draws all words of the table with the fonts below a folder and writes `words.npz`.
+    """Draws the words of the tables that `words.npz` lacks with the fonts below a folder, and writes it.
+
+    Those that it has stay as they are, so that other versions of the fonts change no sign.
 
     Raises:
       ValidationError: a font is missing, or Pillow cannot join letters.
@@ -88,20 +101,31 @@ def draw_words(fonts: str | os.PathLike[str]) -> pathlib.Path:
     if not features.check("raqm"):
         raise ValidationError("Pillow: found no Raqm, needed it for joined letters; install Pillow's binary wheel.")
     files = {path.name: path for path in sorted(pathlib.Path(fonts).rglob("Noto*"))}
+    known = dict(_masks()) if _FILE.is_file() else {}
     masks: dict[str, np.ndarray] = {}
-    for language, row in _table().items():
-        face = str(row["face"])
+
+    def draw(language: str, face: str, lines_of: list[str], height: int = HEIGHT) -> None:
         name, number = FACES[face]
         if name not in files:
             raise ValidationError(f"{fonts}: found no {name}, needed it for the words in {language}; unpack it there.")
         font = ImageFont.truetype(str(files[name]), 2 * HEIGHT, number, layout_engine=ImageFont.Layout.RAQM)
         latin = ImageFont.truetype(str(files[FACES["sans"][0]]), 2 * HEIGHT, layout_engine=ImageFont.Layout.RAQM)
-        for words in (w for trade, entries in row.items() if trade != "face" for w in entries):
-            for line in lines(words):
-                pen = latin if _is_latin(line) and face not in ("sans", "serif") else font
-                masks[f"{language}/{line}"] = _drawn(line, pen)
-                if face in UPRIGHT and not _is_latin(line):
-                    masks[f"{language}/{line}/upright"] = _column(line.replace(" ", ""), font)
+        for line in lines_of:
+            key = f"{language}/{line}"
+            pen = latin if _is_latin(line) and face not in ("sans", "serif") else font
+            masks[key] = known[key] if key in known else _drawn(line, pen, height)
+            if face in UPRIGHT and not _is_latin(line) and height == HEIGHT:
+                key = f"{key}/upright"
+                masks[key] = known[key] if key in known else _column(line.replace(" ", ""), font)
+
+    for language, row in _table().items():
+        entries = [w for trade, found in row.items() if trade != "face" for w in found]
+        draw(language, str(row["face"]), [line for words in entries for line in lines(words)])
+    table = boards.table()
+    for column, language in enumerate(table["columns"]):
+        entries = [row[column] for row in table["texts"].values()]
+        face = table["faces"].get(language, "sans")
+        draw(f"boards/{language}", face, [x for words in entries for x in lines(words)], BOARD_HEIGHT)
     names = sorted(masks)
     arrays = {
         "names": np.frombuffer("\n".join(names).encode("utf-8"), np.uint8),
