@@ -16,7 +16,6 @@ from ..assets.meshes import crowns, repaint, sheets
 from ..assets.recipes.building.regional import boards
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedGround, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
-from ..datatypes.ground import KIND_INDEX
 from ..geometry import rotations
 from ..work_folder import MADE, recover, replacing_folder
 from . import backdrop, ground, maps, roads

@@ -116,7 +116,8 @@ class SceneGeometry:
       prism_friction: (P,).
       prism_region: (P,) i32, the ground region a prism belongs to.
       prism_material_friction: (P,) of its region's material; not in `geometry.npz`, see `CompiledScene.load`.
-      region_ids: ids of the ground regions, then of what is drawn on and around them (`roads`, `backdrop`), which has no prism.
+      region_ids: ids of the ground regions, then of what is drawn on and around them (`roads`, `backdrop`), without
+        prisms.
       region_kind: (R,) i32, index into `SHOWN_KINDS`.
       region_mesh: (R,) index into `meshes`.
       region_position: (R, 3) m.

@@ -70,7 +70,9 @@ def _write_masks(
     """Writes lines of one height below each other, centred in the box, as large as they fit."""
     left, top, right, bottom = box
     high = (bottom - top) / len(lines)
-    scale = min((right - left) / max(line.width for line in lines), (0.8 if len(lines) > 1 else 1.0) * high / lines[0].height)
+    scale = min(
+        (right - left) / max(line.width for line in lines), (0.8 if len(lines) > 1 else 1.0) * high / lines[0].height
+    )
     for k, line in enumerate(lines):
         size = (max(1, round(line.width * scale)), max(1, round(line.height * scale)))
         fitted = line.resize(size, Image.Resampling.LANCZOS)

@@ -14,8 +14,10 @@ from .houses import House
 
 #: m before a side wall that no other house takes where it has windows.
 FREE = (0.4, 1.0, 1.6)
-#: m²: smaller walls have none. m: of wall around an opening, between bays, and by which its surround stands out.
-LEAST_WALL, MARGIN, SPACING, OUT = 12.0, 0.35, 2.6, 0.05
+#: m²: smaller walls have none. m: of wall around an opening, and between bays.
+LEAST_WALL, MARGIN, SPACING = 12.0, 0.35, 2.6
+#: m by which surrounds stand out: with edges below `NEAR` m, where one sees them, without above.
+OUT, FLAT, NEAR = 0.05, 0.02, 4.5
 #: Windows of a scene's image, along each side.
 PER_SIDE = 8
 #: Kind as which openings and fronts are labelled.
@@ -60,7 +62,9 @@ def openings_of(house: House, side: int, others: Sequence[House]) -> tuple[float
     for k in range(count):
         x = low_x + MARGIN + span * (k + 0.5) / count
         before = [(x + across, y + side * out) for out in FREE for across in (-width / 2, width / 2)]
-        points = [shapely.Point(house.position[0] + c * a - s * b, house.position[1] + s * a + c * b) for a, b in before]
+        points = [
+            shapely.Point(house.position[0] + c * a - s * b, house.position[1] + s * a + c * b) for a, b in before
+        ]
         if any(near.contains(p) for p in points):
             continue
         level = 0
@@ -119,14 +123,15 @@ def openings(houses: Sequence[House], seed: str) -> list[Drawn]:
 
 
 def _window(house: House, side: int, y: float, at: tuple[float, float], look: int) -> np.ndarray:
-    """(30, 5) corners and texture coordinates of the triangles of a window that stands `OUT` m out of the wall."""
+    """(n, 5) corners and texture coordinates of the triangles of a window that stands a little out of the wall."""
     assert house.look is not None
     width, height = window_size(house.look, house.scale[2])
     edge = images.SURROUND * 1.25
     w, z0, z1 = width / 2 + edge, at[1] - edge, at[1] + height + edge
     # Seen from outside, +x lies on the left of a wall at +y.
     left, right = at[0] + side * w, at[0] - side * w
-    near, far = y, y + side * OUT
+    edged = at[1] < NEAR
+    near, far = y, y + side * (OUT if edged else FLAT)
     row, column = divmod(look, PER_SIDE)
     u0, v1, step = column / PER_SIDE, 1.0 - row / PER_SIDE, 1.0 / PER_SIDE
     u1, v0 = u0 + step, v1 - step
@@ -134,7 +139,7 @@ def _window(house: House, side: int, y: float, at: tuple[float, float], look: in
     face = [(left, far, z0, u0, v0), (right, far, z0, u1, v0), (right, far, z1, u1, v1), (left, far, z1, u0, v1)]
     quads = [face]
     ring = [(left, z0), (right, z0), (right, z1), (left, z1)]
-    for (xa, za), (xb, zb) in zip(ring, ring[1:] + ring[:1], strict=True):
+    for (xa, za), (xb, zb) in zip(ring, ring[1:] + ring[:1], strict=True) if edged else ():
         quads.append([(xa, near, za, *rim), (xb, near, zb, *rim), (xb, far, zb, *rim), (xa, far, za, *rim)])
     rows = np.array(quads)[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 5)
     c, s = math.cos(house.yaw), math.sin(house.yaw)

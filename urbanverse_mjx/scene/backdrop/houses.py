@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import shapely
 
-from ...assets.records import regional
 from ...assets.recipes.building.regional import boards
 from ...assets.recipes.building.regional.buildings import form_of
 from ...assets.recipes.building.regional.styles import Form, traditions
+from ...assets.records import regional
 from ...datatypes import AssetMesh, AssetRecord, PlacedObject
 
 #: m, least width of a house.
@@ -22,7 +22,7 @@ TERRACE = Form(
     storey=2.8,
     wall="brick",
     colors=("#9a4a36", "#a8563e", "#7f4034"),
-    trim=("cream", "light concrete", "off white"),
+    trim=("cream", "#b4b2ac", "off white"),
     base=("#8f4634", "#9c503c", "#78402f"),
     window="sash",
     window_size=(1.0, 1.4),

@@ -25,8 +25,10 @@ WIDTH, LEAST_WIDTH, DEPTH = 9.0, 3.0, 5.0
 SUNK, UNDER = 0.03, 0.12
 #: m, side of the squares in which fronts and ground are cut.
 CELL = 36.0
-#: m, shortest end of a road that goes on.
-MOUTH = 2.0
+#: m, shortest and longest end of a road that goes on; longer ones are its sides.
+MOUTH = (2.0, 13.0)
+#: rad, turn that parts the end of a road from its sides.
+CORNER = 0.4
 #: Fronts of a scene's image along its sides.
 ACROSS, DOWN = 4, 2
 
@@ -123,9 +125,13 @@ def _lines(shape: BaseGeometry) -> list[shapely.LineString]:
     merged = shapely.line_merge(shapely.multilinestrings(lines)) if lines else shapely.LineString()
     ends = []
     for line in shapely.get_parts(merged):
-        first, last = np.array(line.coords[0]), np.array(line.coords[-1])
-        if np.linalg.norm(last - first) > max(MOUTH, 0.9 * line.length):
-            ends.append(shapely.LineString([first, last]))
+        points = shapely.get_coordinates(line.simplify(0.1))
+        steps = np.diff(points, axis=0)
+        turns = np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(steps[:, 1], steps[:, 0])))))
+        bounds = [0, *(np.flatnonzero(turns > CORNER) + 1), len(points) - 1]
+        for first, last in itertools.pairwise(bounds):
+            if MOUTH[0] < np.linalg.norm(points[last] - points[first]) < MOUTH[1]:
+                ends.append(shapely.LineString([points[first], points[last]]))
     return ends
 
 
@@ -206,7 +212,12 @@ def _front(
     if rise:
         ridge_a, ridge_b, top = a + out / 2, b + out / 2, high + rise
         quads.append(
-            [(*b, high, u0, eaves + 0.01), (*a, high, u1, eaves + 0.01), (*ridge_a, top, u1, v1), (*ridge_b, top, u0, v1)]
+            [
+                (*b, high, u0, eaves + 0.01),
+                (*a, high, u1, eaves + 0.01),
+                (*ridge_a, top, u1, v1),
+                (*ridge_b, top, u0, v1),
+            ]
         )
         for near, far, ridge in ((a, a + out, ridge_a), (b + out, b, ridge_b)):
             tip = (*ridge, top, wall[1], eaves)

@@ -195,7 +195,9 @@ def _coat(material: str, paint: str, wear: float) -> tuple[np.ndarray, float]:
     return texture, 0.4 if paint == "steel" else max(ground.roughness, LEAST_ROUGHNESS)
 
 
-def drawn_mesh(name: str, kind: str, corners: np.ndarray, uv: np.ndarray, texture: np.ndarray, roughness: float) -> Drawn:
+def drawn_mesh(
+    name: str, kind: str, corners: np.ndarray, uv: np.ndarray, texture: np.ndarray, roughness: float
+) -> Drawn:
     """A mesh of triangles (3n, 3) without shared corners; its frame lies on the ground's raster."""
     position = np.round(np.append((corners.min(0) + corners.max(0))[:2] / 2, corners[:, 2].min()) * 64) / 64
     repeat = -(-4 // (len(corners) // 3))  # a mesh has at least four faces

@@ -1,7 +1,7 @@
 """Texts of boards, vehicles and counters in the language of a street (`boards.toml`).
 
-Recipes write English with `paint.text`. Within `in_language`, known texts are drawn from masks of `words.npz` instead, and
-shop signs of regional houses are those of the language where `boards.toml` has some.
+Recipes write English with `paint.text`. Within `in_language`, known texts are drawn from masks of `words.npz` instead,
+and shop signs of regional houses are those of the language where `boards.toml` has some.
 """
 
 import contextlib
