@@ -55,6 +55,8 @@ def shop_language(own: str) -> str:
 def key_of(text: str) -> str:
     """The text as `boards.toml` has it: upper case, in one line, without arrows and numbers around it."""
     line = " ".join(text.upper().split()).strip("<> ")
+    if re.fullmatch(r"(\w )+\w", line):  # letters below each other
+        line = line.replace(" ", "")
     return re.sub(r" \d[\d.]*$", "", re.sub(r"^\d+ (?=\D)", "", line))
 
 
