@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ...assets.appearances import noise
 from ...assets.recipes.building.regional.styles import Form
@@ -24,7 +25,7 @@ PER_SIDE = 8
 KIND = "building"
 
 
-def side_wall(house: House, side: int) -> tuple[float, shapely.Geometry]:
+def side_wall(house: House, side: int) -> tuple[float, BaseGeometry]:
     """The plane y (m, asset frame) of a house's wall at +y (side 1) or -y (-1), and the wall in it as (x, z)."""
     corners = house.mesh.vertices.astype(np.float64)[house.mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -36,7 +37,7 @@ def side_wall(house: House, side: int) -> tuple[float, shapely.Geometry]:
     levels, which = np.unique(level, return_inverse=True)
     wall = levels[int(np.bincount(which, area[faces]).argmax())]
     triangles = corners[faces][level == wall][:, :, [0, 2]]
-    shape = shapely.union_all(shapely.polygons(triangles).tolist(), grid_size=1e-4)
+    shape = shapely.union_all(np.asarray(shapely.polygons(triangles)), grid_size=1e-4)
     return float(corners[faces][level == wall][0, 0, 1]), shape
 
 

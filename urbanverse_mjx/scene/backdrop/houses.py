@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ...assets.recipes.building.regional import boards
 from ...assets.recipes.building.regional.buildings import form_of
@@ -50,7 +51,7 @@ class House:
     position: np.ndarray
     yaw: float
     mesh: AssetMesh
-    footprint: shapely.Polygon
+    footprint: BaseGeometry
     scale: tuple[float, float, float]
     look: Form | None
     dressing: int

@@ -68,7 +68,7 @@ def floor_of(laid: Sequence[tuple[PlacedGround, shapely.Polygon]]) -> Callable[[
 
     def height(points: np.ndarray) -> np.ndarray:
         found = np.empty(len(points))
-        numbers = tree.nearest(shapely.points(points))
+        numbers = np.asarray(tree.nearest(np.asarray(shapely.points(points)))).tolist()
         for k, (point, number) in enumerate(zip(points, numbers, strict=True)):
             region, shape = laid[number]
             near = shapely.get_coordinates(shapely.shortest_line(shape, shapely.Point(point)))[0]
