@@ -15,7 +15,7 @@ from urbanverse_mjx.assets.records import regional
 from urbanverse_mjx.assets.records.index import build_mesh
 
 INDEX = load_index()
-TABLE = boards.table()
+TABLE = words.board_table()
 #: Leaves whose boards a passer-by reads first.
 READ = ("advertising board", "blackboard", "banner", "van", "postbox", "kiosk", "street food stall", "town hall")
 #: Number plates, prices, addresses: what no language changes.

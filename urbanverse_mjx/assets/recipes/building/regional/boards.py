@@ -8,37 +8,29 @@ import contextlib
 import contextvars
 import functools
 import hashlib
-import pathlib
 import re
-import tomllib
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from PIL import Image
 
 from ....meshes import paint
+from . import words
 from .styles import traditions
 
-_FILE = pathlib.Path(__file__).with_suffix(".toml")
 #: The language of streets whose texts stay as recipes write them, but for those in other languages.
 ENGLISH = "english"
 _SPOKEN: contextvars.ContextVar[str] = contextvars.ContextVar("spoken", default="")
 
 
 @functools.cache
-def table() -> Mapping[str, Any]:
-    return tomllib.loads(_FILE.read_text(encoding="utf-8"))
-
-
-@functools.cache
 def stamp() -> str:
     """Digest of the table, for keys of caches."""
-    return hashlib.sha256(_FILE.read_bytes()).hexdigest()[:12]
+    return hashlib.sha256(words.BOARDS.read_bytes()).hexdigest()[:12]
 
 
 def language_of(place: tuple[str, str]) -> str:
     """The language of the boards of a (city, country)."""
-    rows = table()["places"]
+    rows = words.board_table()["places"]
     return next((name for part in place for name, places in rows.items() if part in places), ENGLISH)
 
 
@@ -49,7 +41,7 @@ def spoken() -> str:
 
 def shop_language(own: str) -> str:
     """The language of shop signs whose tradition has `own`."""
-    return spoken() if spoken() in table()["shops"] else own
+    return spoken() if spoken() in words.board_table()["shops"] else own
 
 
 def key_of(text: str) -> str:
@@ -62,7 +54,7 @@ def key_of(text: str) -> str:
 
 def translated(text: str, language: str) -> str | None:
     """A text in a language, its lines parted by "|"; None for one that stays as it is."""
-    rows = table()
+    rows = words.board_table()
     if language == ENGLISH:
         return rows["english"].get(key_of(text))
     found = rows["texts"].get(key_of(text))
@@ -77,8 +69,6 @@ def in_language(language: str) -> Iterator[None]:
         return
 
     def masks(text: str) -> list[Image.Image] | str | None:
-        from . import words
-
         found = translated(text, language)
         if found is None or language == ENGLISH:
             return found
@@ -99,4 +89,4 @@ def is_lettered(recipe: str, leaf: str) -> bool:
     if recipe.startswith("regional."):
         own = traditions()[recipe.removeprefix("regional.")].language
         return shop_language(own) != own
-    return leaf in table()["lettered"]["leaves"]
+    return leaf in words.board_table()["lettered"]["leaves"]

@@ -11,13 +11,13 @@ import os
 import pathlib
 import tomllib
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, features
 
 from urbanverse_mjx.datatypes import ValidationError, array_file
 
-from . import boards
 
 #: Height of a mask in pixels: of shop signs, and of boards.
 HEIGHT, BOARD_HEIGHT = 30, 18
@@ -37,6 +37,8 @@ FACES: Mapping[str, tuple[str, int]] = {
 #: Faces whose words can also stand in a column, letter below letter.
 UPRIGHT = ("cjk", "cjkserif", "cjkkr", "cjksc", "cjktc")
 _FILE = pathlib.Path(__file__).with_suffix(".npz")
+#: What boards say, and shop signs of places whose language is not that of their tradition.
+BOARDS = pathlib.Path(__file__).with_name("boards.toml")
 
 
 @functools.cache
@@ -48,9 +50,15 @@ def languages() -> Mapping[str, Mapping[str, tuple[str, ...]]]:
 @functools.cache
 def _table() -> Mapping[str, Mapping[str, str | list[str]]]:
     """The languages of traditions, and those of places that have another one than their tradition."""
-    faces = boards.table()["faces"]
-    others = {name: {"face": faces.get(name, "sans"), **row} for name, row in boards.table()["shops"].items()}
+    faces = board_table()["faces"]
+    others = {name: {"face": faces.get(name, "sans"), **row} for name, row in board_table()["shops"].items()}
     return {**_own_table(), **others}
+
+
+@functools.cache
+def board_table() -> Mapping[str, Any]:
+    """The table of `BOARDS`."""
+    return tomllib.loads(BOARDS.read_text(encoding="utf-8"))
 
 
 def _own_table() -> Mapping[str, Mapping[str, str | list[str]]]:
@@ -121,7 +129,7 @@ def draw_words(fonts: str | os.PathLike[str]) -> pathlib.Path:
     for language, row in _table().items():
         entries = [w for trade, found in row.items() if trade != "face" for w in found]
         draw(language, str(row["face"]), [line for words in entries for line in lines(words)])
-    table = boards.table()
+    table = board_table()
     for column, language in enumerate(table["columns"]):
         entries = [row[column] for row in table["texts"].values()]
         face = table["faces"].get(language, "sans")
