@@ -85,14 +85,13 @@ def exchanged(
     return dataclasses.replace(layout, objects=tuple(objects))
 
 
-def hanging(layout: SceneLayout, index: AssetIndex) -> list[LeftOut]:
-    """The houses of a layout that begin more than `HANGING` m above the nearest ground."""
+def hanging(layout: SceneLayout) -> list[LeftOut]:
+    """The houses and shops of a layout that begin more than `HANGING` m above the nearest ground."""
     shapes = [shapely.Polygon(r.polygon) for r in layout.ground]
     tree = shapely.STRtree(shapes)
     found = []
     for placed in layout.objects:
-        width = index.get(placed.asset_uid).extent_xyz[1] * placed.scale[1]
-        if placed.category not in KINDS or width < 3.0:
+        if placed.category not in KINDS:
             continue
         point = shapely.Point(placed.position[:2])
         k = int(tree.nearest(point))

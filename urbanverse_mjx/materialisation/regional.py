@@ -63,6 +63,8 @@ def localise(
         index = None
     index = index or index_of(cousin.layout)
     dressed = dress(cousin, graph, index, hulls_of)
+    if exchange:
+        dressed = _grounded(dressed)
     hulls_of = hulls_of or hull_loader(cousin.layout.hulls)
     layout, place = dressed.layout, (graph.source.city, graph.source.country)
     if not regional.is_served(*place):
@@ -90,19 +92,28 @@ def localise(
 
 
 def _exchanged(cousin: Cousin, graph: SceneGraph, hulls_of: Callable[[AssetRecord], HullSet] | None) -> Cousin:
-    index = index_of(cousin.layout)
-    gone = exchange_step.hanging(cousin.layout, index)
+    """The cousin with what its country has."""
+    before = cousin.layout
+    hulls_of = hulls_of or hull_loader(before.hulls)
+    layout = exchange_step.exchanged(before, graph.source.country, index_of(before), hulls_of)
+    old = {p.id: p.asset_uid for p in before.objects}
+    changed = {p.id for p in layout.objects if old[p.id] != p.asset_uid}
+    return dataclasses.replace(
+        cousin, layout=layout, chosen={name: c for name, c in cousin.chosen.items() if name not in changed}
+    )
+
+
+def _grounded(cousin: Cousin) -> Cousin:
+    """The cousin without houses in the air. After houses have been replaced, so that the others stay the same."""
+    gone = exchange_step.hanging(cousin.layout)
     names = {entry.id for entry in gone}
-    kept = dataclasses.replace(cousin.layout, objects=tuple(p for p in cousin.layout.objects if p.id not in names))
-    layout = exchange_step.exchanged(kept, graph.source.country, index, hulls_of or hull_loader(kept.hulls))
-    before = {p.id: p.asset_uid for p in kept.objects}
-    changed = {p.id for p in layout.objects if before[p.id] != p.asset_uid}
+    kept = tuple(p for p in cousin.layout.objects if p.id not in names)
     return dataclasses.replace(
         cousin,
-        layout=layout,
+        layout=dataclasses.replace(cousin.layout, objects=kept),
         left_out=(*cousin.left_out, *gone),
         unresolved=tuple(pair for pair in cousin.unresolved if not names & set(pair)),
-        chosen={name: c for name, c in cousin.chosen.items() if name not in names | changed},
+        chosen={name: c for name, c in cousin.chosen.items() if name not in names},
     )
 
 

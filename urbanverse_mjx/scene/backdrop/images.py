@@ -33,9 +33,9 @@ def front(form: Form, size: tuple[float, int], dressing: int, language: str, rng
     color = nth(form.colors, dressing)
     image = panes.cladding(form.wall, (width, tall), color, rng).convert("RGB").resize((wide, high))
 
-    def put(picture: Image.Image, y: float, z: float, w: float, h: float) -> None:
+    def put(part: Image.Image, y: float, z: float, w: float, h: float) -> None:
         box = (max(2, round(w * across)), max(2, round(h * up)))
-        image.paste(picture.resize(box), (round((y + width / 2) * across - box[0] / 2), round(high - (z + h) * up)))
+        image.paste(part.resize(box), (round((y + width / 2) * across - box[0] / 2), round(high - (z + h) * up)))
 
     def plain(y: float, z: float, w: float, h: float, tone: object) -> None:
         put(Image.new("RGB", (4, 4), rgb(tone)), y, z, w, h)  # type: ignore[arg-type]

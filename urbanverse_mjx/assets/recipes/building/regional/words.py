@@ -18,7 +18,6 @@ from PIL import Image, ImageDraw, ImageFont, features
 
 from urbanverse_mjx.datatypes import ValidationError, array_file
 
-
 #: Height of a mask in pixels: of shop signs, and of boards.
 HEIGHT, BOARD_HEIGHT = 30, 18
 #: Face of `words.toml` -> font file and number of the face in it.
