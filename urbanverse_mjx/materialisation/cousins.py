@@ -19,6 +19,7 @@ from ..assets import AssetIndex, hull_loader, nearest_leaves
 from ..assets.categories.ontology import category_of
 from ..assets.categories.priors import prior
 from ..assets.categories.semantics import TextEmbedder
+from ..assets.collision import lying
 from ..assets.records import regional as regional_records
 from ..assets.records.store import catalogue_hash, recorded_content
 from ..assets.selection.matching import Matcher
@@ -36,6 +37,7 @@ from ..datatypes import (
 from ..datatypes import validation as v
 from . import choice, clearance, clearing, ground_inpainting, kerbs, overlap, shortlists, standing, surroundings
 from .shortlists import BUILT_IN, Candidate, Embeddings, LeftOut
+from .steady import Steady
 
 #: Part of the hashes of layouts.
 VERSION = f"cousins {versions.CODE['cousins'].version}"
@@ -80,6 +82,7 @@ def materialise_cousins(
     hulls_of: Callable[[AssetRecord], HullSet] | None = None,
     embeddings: Embeddings = BUILT_IN,
     hulls: str = "",
+    standing: bool = False,
 ) -> list[Cousin]:
     """Makes the first `count` cousins of a graph. The result is deterministic, and a larger count only appends layouts.
 
@@ -93,12 +96,14 @@ def materialise_cousins(
       embeddings: neural embeddings of labels and crops; by default assets are chosen by letters, words and
         descriptors.
       hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
+      standing: whether loose objects have assets that stand on their hulls, or lie (see `steady`), and are left out
+        where they penetrate a fixed one and have no free position.
 
     Raises:
       ValidationError: seed, count or kerb is out of range.
     """
     v.integer(count, "cousins", 1, MAX_COUSINS)
-    return _materialise(graph, range(count), seed, kerb, objects, hulls_of, embeddings, hulls)
+    return _materialise(graph, range(count), seed, kerb, objects, hulls_of, embeddings, hulls, standing)
 
 
 def materialise_cousin(
@@ -109,6 +114,7 @@ def materialise_cousin(
     objects: ObjectLibrary | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] | None = None,
     hulls: str = "",
+    standing: bool = False,
 ) -> Cousin:
     """Makes one cousin of a graph, identical to that of `materialise_cousins`.
 
@@ -119,7 +125,8 @@ def materialise_cousin(
       ValidationError: cousin, seed or kerb is out of range.
     """
     v.integer(cousin, "cousin", 0, MAX_COUSINS - 1)
-    return _materialise(graph, (cousin,), seed, kerb, objects, hulls_of, hulls=hulls)[0]
+    made = _materialise(graph, (cousin,), seed, kerb, objects, hulls_of, hulls=hulls, standing=standing)
+    return made[0]
 
 
 def check_labels(graph: SceneGraph, objects: ObjectLibrary | None = None) -> None:
@@ -150,6 +157,7 @@ def _materialise(
     hulls_of: Callable[[AssetRecord], HullSet] | None,
     embeddings: Embeddings = BUILT_IN,
     hulls: str = "",
+    standing: bool = False,
 ) -> list[Cousin]:
     """Makes cousins by number; steps that do not depend on the cousin are done once."""
     count = numbers[-1] + 1
@@ -168,15 +176,18 @@ def _materialise(
         flat = ground_inpainting.fill(flat, leaves)
     strip = _trajectory_strip(flat)
     known = [_cut_back(obj, leaves, strip) for obj in flat.objects if obj.id not in gone]
+    carrying = [r for r in flat.ground if r.kind not in PAINT_KINDS]
+    support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+    steady = Steady(hulls_of, support) if standing else None
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
         found = shortlists.shortlist(series, _matcher(objects), objects, embeddings)
-        one_each = shortlists.one_each(found, count, seed, f"{graph.id}/{series.key}")
-        drawn |= {obj.id: one_each for obj in series.graph_objects}
-        others |= {obj.id: found for obj in series.graph_objects}
-    carrying = [r for r in flat.ground if r.kind not in PAINT_KINDS]
-    support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+        draw = functools.partial(shortlists.one_each, count=count, seed=seed, key=f"{graph.id}/{series.key}")
+        one_each = draw(found)
+        for obj in series.graph_objects:
+            drawn[obj.id] = steady.choose(obj, one_each, found, draw) if steady else one_each
+            others[obj.id] = found
     pieces = tuple(surroundings.grounds(flat, count, seed))
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
@@ -186,11 +197,11 @@ def _materialise(
     for k in numbers:
         chosen = {obj.id: drawn[obj.id][k] for obj in known}
         bodies, away = _without_obstructing(_stand(known, chosen, support, flat, hulls_of), strip, floors)
-        cleared = clearing.clear(bodies, support, graph_objects)
+        cleared = clearing.clear(bodies, support, graph_objects, standing)
         if cleared.crowded:
-            chosen |= _slimmer(cleared.crowded, bodies, others, graph_objects, flat, hulls_of)
+            chosen |= _slimmer(cleared.crowded, bodies, others, graph_objects, flat, hulls_of, steady)
             bodies, away = _without_obstructing(_stand(known, chosen, support, flat, hulls_of), strip, floors)
-            cleared = clearing.clear(bodies, support, graph_objects)
+            cleared = clearing.clear(bodies, support, graph_objects, standing)
         layout = SceneLayout(
             **surroundings.identity(graph, k, seed),
             objects=cleared.placed,
@@ -213,8 +224,13 @@ def index_of(layout: SceneLayout, objects: ObjectLibrary | None = None) -> Asset
     """
     uids = sorted({placed.asset_uid for placed in layout.objects})
     regional = [uid for uid in uids if regional_records.MARK in uid]
-    own = (objects or library()).records([uid for uid in uids if regional_records.MARK not in uid])
-    return AssetIndex((*own, *(regional_records.records_of(regional) if regional else ())))
+    laid = [uid for uid in uids if lying.is_lying(uid)]
+    upright = sorted({lying.upright_uid(uid) for uid in uids} - set(regional))
+    own = {record.uid: record for record in (objects or library()).records(upright)}
+    found = [own[uid] for uid in uids if uid in own]
+    return AssetIndex(
+        (*found, *lying.records_of(laid, own), *(regional_records.records_of(regional) if regional else ()))
+    )
 
 
 @functools.cache
@@ -302,6 +318,7 @@ def _slimmer(
     graph_objects: Mapping[str, GraphObject],
     graph: SceneGraph,
     hulls_of: Callable[[AssetRecord], HullSet],
+    steady: Steady | None,
 ) -> dict[str, Candidate]:
     """Finds other assets of the shortlist for objects without a free position, or that block another, so that there is
     no contact: a tree with a higher crown, a shorter car."""
@@ -310,6 +327,8 @@ def _slimmer(
     for name in crowded:
         standing_now = now[name]
         for candidate in others[name]:
+            if steady and not steady.serves(graph_objects[name], candidate):
+                continue
             place = standing.Placement(standing_now.placed.position[2], graph_objects[name].size[2])
             placed = _placed(graph_objects[name], candidate, place, _trajectory(graph))
             body = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
@@ -331,7 +350,8 @@ def _top(body: overlap.Body) -> standing.Top:
 
 def _placed(obj: GraphObject, candidate: Candidate, place: standing.Placement, path: np.ndarray) -> PlacedObject:
     record = candidate.record
-    height = place.height
+    # The box of a lying asset is its own; that of the graph's object is upright.
+    height = record.height if lying.is_lying(record.uid) else place.height
     scale = choice.scale_to((*candidate.box[:2], height), record)
     yaw = obj.yaw
     if candidate.match.yaw:

@@ -9,12 +9,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+import shapely
 from scipy.spatial import ConvexHull
 
 from ..assets import hull_loader, load_hulls
+from ..assets.categories.priors import is_held
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
-from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
+from ..datatypes import PAINT_KINDS, AssetRecord, HullSet, PlacedObject, SceneGraph
 from ..datatypes.toml_table import table
 from . import choice, overlap
 from .cousins import Cousin, index_of
@@ -56,6 +58,7 @@ def dress(
     graph: SceneGraph,
     index: AssetIndex | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] | None = None,
+    standing: bool = False,
 ) -> Cousin:
     """A cousin with houses of the tradition of its graph's city; the same cousin if no tradition serves the city.
 
@@ -64,6 +67,8 @@ def dress(
       graph: its source names the city.
       index: records of the cousin's assets; default: from the catalogue.
       hulls_of: function that returns the collision hulls of a record; default: those that the layout asks for.
+      standing: whether objects that nothing holds and that a new house penetrates are moved to the nearest free
+        position, or left out; otherwise only movable ones are left out.
     """
     name = regional.tradition_of(graph.source.city, graph.source.country)
     if name is None:
@@ -75,7 +80,11 @@ def dress(
     # Closer hulls cut the block of a house where its front recedes.
     records, placed = _replaced(cousin, houses, regional.of_tradition(name), index, whole, exact)
     kept, gone = _without_hung(cousin, placed, index)
-    objects, crowded, overlapping = _fitting(kept, placed, records, index, hulls_of)
+    support = None
+    if standing:
+        carrying = [r for r in cousin.layout.ground if r.kind not in PAINT_KINDS]
+        support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+    objects, crowded, overlapping = _fitting(kept, placed, records, index, hulls_of, support)
     layout = dataclasses.replace(
         cousin.layout, objects=objects, hashes={**cousin.layout.hashes, "facades": regional.regional_hash()}
     )
@@ -198,15 +207,30 @@ def _fitting(
     records: Mapping[str, AssetRecord],
     index: AssetIndex,
     hulls_of: Callable[[AssetRecord], HullSet],
+    support: overlap.Support | None,
 ) -> tuple[tuple[PlacedObject, ...], list[LeftOut], list[tuple[str, str]]]:
-    """All objects without the movable ones that a new house penetrates, these, and fixed pairs that overlap."""
+    """All objects without the movable ones that a new house penetrates, these, and fixed pairs that overlap.
+
+    Args:
+      support: ground on which loose objects are moved away from new houses; None to leave out movable ones.
+    """
     bodies = [overlap.Body(h, records[k], overlap.prisms_of(h, hulls_of(records[k]))) for k, h in houses.items()]
     found, crowded, overlapping = list(houses.values()), list[LeftOut](), list[tuple[str, str]]()
+    others = []
     for placed in kept:
         record = index.get(placed.asset_uid)
-        body = overlap.Body(placed, record, overlap.prisms_of(placed, hulls_of(record)))
+        others.append(overlap.Body(placed, record, overlap.prisms_of(placed, hulls_of(record))))
+    for body in others:
+        placed = body.placed
         touched = [b.placed.id for b in bodies if overlap.penetration(b, body) > 0.0]
-        if touched and placed.movable:
+        loose = support is not None and not is_held(body.record.leaf)
+        if touched and loose:
+            offset = overlap.free_offset(body, [*bodies, *others], support, kerbs=True)
+            if offset is not None:
+                body.offset = offset
+                found.append(overlap.moved(body))
+                continue
+        if touched and (placed.movable or loose):
             reason = f"it stands where the house {touched[0]!r} now has a step or a sign"
             crowded.append(LeftOut(placed.id, placed.label, reason))
             continue

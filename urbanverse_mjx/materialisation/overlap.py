@@ -240,7 +240,7 @@ def _within_reach(body: Body, bounds: tuple[float, float, float, float]) -> bool
     return bool(bx0 < x1 + MAX_MOVE and x0 - MAX_MOVE < bx1 and by0 < y1 + MAX_MOVE and y0 - MAX_MOVE < by1)
 
 
-def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bool) -> tuple[float, float] | None:
+def free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bool) -> tuple[float, float] | None:
     """The smallest offset within `MAX_MOVE` at which the object has no contact; None if there is none."""
     stuck = kerbs and support.in_kerb(body, body.offset)
     others = [o for o in bodies if o is not body and _within_reach(body, o.bounds)]
@@ -274,7 +274,7 @@ def resolve(bodies: Sequence[Body], support: Support, kerbs: bool = False) -> li
             (not bodies[i].record.movable, bodies[i].placed.mass, bodies[i].placed.id, i) for i in candidates
         )
         left_behind = bodies[mover].bounds
-        shift = _free_offset(bodies[mover], bodies, support, kerbs)
+        shift = free_offset(bodies[mover], bodies, support, kerbs)
         if shift is None:
             stuck.add(mover)
             continue

@@ -45,6 +45,7 @@ def localise(
     index: AssetIndex | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] | None = None,
     exchange: bool = False,
+    standing: bool = False,
 ) -> Cousin:
     """A cousin with the look of its graph's city; the same cousin if its city has none.
 
@@ -57,12 +58,13 @@ def localise(
       hulls_of: function that returns the collision hulls of a record; default: those that the layout asks for.
       exchange: whether objects that its country does not have are exchanged, and houses that would hang in the air left
         out (`materialisation.exchange`).
+      standing: see `facades.dress`.
     """
     if exchange and regional.is_served(graph.source.city, graph.source.country):
         cousin = _exchanged(cousin, graph, hulls_of)
         index = None
     index = index or index_of(cousin.layout)
-    dressed = dress(cousin, graph, index, hulls_of)
+    dressed = dress(cousin, graph, index, hulls_of, standing)
     if exchange:
         dressed = _grounded(dressed)
     hulls_of = hulls_of or hull_loader(cousin.layout.hulls)

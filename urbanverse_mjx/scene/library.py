@@ -17,7 +17,7 @@ TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz"
 #: Generators of sets whose graphs are not files: `citygen.craftbench` and `citygen.validation_streets` (hand-made),
 #: `citygen.procedural_streets` and `citygen.procedural_places` (from templates).
 GENERATORS = ("craft", "validation", "procedural", "places")
-_OPTIONAL = ("numbered", "builder", "validation", "regional", "hulls", "exchange")
+_OPTIONAL = ("numbered", "builder", "validation", "regional", "hulls", "exchange", "standing")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -36,6 +36,7 @@ class SceneSet:
       hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
       exchange: whether objects that a country does not have are exchanged (`materialisation.exchange`); needs
         `regional`.
+      standing: whether loose objects have assets that stand or lie by themselves (`materialisation.steady`).
     """
 
     name: str
@@ -48,6 +49,7 @@ class SceneSet:
     regional: bool = False
     hulls: str = ""
     exchange: bool = False
+    standing: bool = False
 
     def scene_id(self, layout: str, cousin: int) -> str:
         """Id of a layout's cousin number `cousin`, from 0."""
@@ -84,6 +86,7 @@ def sets() -> dict[str, SceneSet]:
         v.boolean(row.get("exchange", False), f"{TABLE}: {name}: exchange")
         if row.get("exchange", False) and not row.get("regional", False):
             raise v.fail(f"{TABLE}: {name}", '"exchange" without "regional"', "both or neither", "add the other")
+        v.boolean(row.get("standing", False), f"{TABLE}: {name}: standing")
         where = f"{TABLE}: {name}: validation"
         layouts = tuple(v.text(x, where) for x in v.items(row.get("validation", ()), where))
         v.unique(layouts, where)

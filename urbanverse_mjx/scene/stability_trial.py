@@ -1,15 +1,14 @@
 """Measures the stability of a whole scene: all objects that are not fixed in reality are free bodies for two seconds.
 
-Fixed objects are hanging objects (awnings, signs, air conditioners), anchored ones (trees, lamps, bollards), people and
-animals, which balance actively, and houses, because the ground ends a few metres behind their fronts.
+Fixed objects are those that are held (`assets.categories.priors.is_held`; houses also because the ground ends a few
+metres behind their fronts), and those that hang.
 """
 
 import dataclasses
 
 import numpy as np
 
-from ..assets.categories.ontology import category_of
-from ..assets.categories.priors import prior
+from ..assets.categories.priors import is_held
 from ..geometry import rotations
 from ..geometry.grids import cell_of
 from .geometry import SceneGeometry
@@ -17,8 +16,6 @@ from .stability import Displacement, displacements
 
 #: m; an object hangs if its lowest point is higher than this above the ground.
 MIN_HANGING_HEIGHT = 0.3
-#: Kinds of support (`assets.categories.priors`) of objects that stay fixed.
-HELD = frozenset({"fixed", "alive", "hangs"})
 #: m and rad below which an object counts as still.
 SHIFT, TILT = 0.05, np.radians(5.0)
 
@@ -35,8 +32,7 @@ class StabilityTrial:
 def let_go(scene: SceneGeometry) -> StabilityTrial:
     """Releases all objects that are not fixed and simulates them; takes some seconds for 300 objects."""
     hangs = hanging(scene)
-    held = [prior(leaf).rest in HELD or category_of(leaf)[0] == "building" for leaf in scene.object_categories]
-    loose = ~hangs & ~np.array(held, bool)
+    loose = ~hangs & ~np.array([is_held(leaf) for leaf in scene.object_categories], bool)
     free = dataclasses.replace(scene, object_movable=loose)
     moved = tuple(m for m in displacements(free, shift=SHIFT, tilt=TILT))
     names = tuple(name for name, up in zip(scene.object_ids, hangs, strict=True) if up)

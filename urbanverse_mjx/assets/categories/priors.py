@@ -21,6 +21,8 @@ from urbanverse_mjx.settings import asset_root
 from . import ontology
 from .materials import material, number, read_rows, sources
 
+#: Kinds of support of objects that are held where they are, see `is_held`.
+HELD = frozenset({"fixed", "alive", "hangs"})
 #: Share of its bounding box that a form's outer surface encloses; geometry, or measured on our recipes' meshes where
 #: no formula exists (saloon cars 0.43-0.45, vans 0.54, lorries 0.70, people 0.2 to 0.4).
 FORMS: Mapping[str, float] = {
@@ -248,3 +250,13 @@ def prior(leaf: str) -> Prior:
     """
     ontology.category_of(leaf)
     return priors()[leaf]
+
+
+def is_held(leaf: str) -> bool:
+    """Whether objects of a leaf are held where they are in reality: hanging ones (awnings, signs, air conditioners),
+    anchored ones (trees, lamps, bollards), people and animals, which balance actively, and buildings.
+
+    Raises:
+      UnknownLabelError: the ontology has no such leaf.
+    """
+    return prior(leaf).rest in HELD or ontology.category_of(leaf)[0] == "building"

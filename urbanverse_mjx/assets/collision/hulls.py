@@ -19,7 +19,7 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, Validation
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.settings import asset_root
 
-from ..meshes import instances
+from ..meshes import instances, laying
 from ..meshes.recipe import get_recipe
 from ..records.index import base_mesh
 from ..records.user_store import AGAIN, FILE_RECIPE, HULLS, mesh_file
@@ -135,8 +135,8 @@ def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
 
 
 def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
-    """The convex hulls of a record in the asset frame at scale 1 (for an instance, the scaled hulls of its base shape).
-    Never runs CoACD.
+    """The convex hulls of a record in the asset frame at scale 1 (for an instance, the scaled hulls of its base shape;
+    for a lying asset, turned). Never runs CoACD.
 
     Args:
       close: whether to return closer hulls where the second store has some.
@@ -148,6 +148,8 @@ def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
     if record.recipe == FILE_RECIPE:
         return _file_hulls(record)
     key = hull_key(record)
+    laid = record.params.get(laying.KEY)
+    close = close and laid is None  # lying assets rest on the first hulls
     found = (_close_store().hulls.get(key) if close else None) or _store().hulls.get(key)
     if found is None:
         raise ValidationError(
@@ -155,9 +157,9 @@ def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
             f"build the missing ones with `{BUILD_COMMAND}`."
         )
     hulls = HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in found))
-    if instances.KEY not in record.params:
-        return hulls
-    return instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])
+    if instances.KEY in record.params:
+        hulls = instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])
+    return hulls if laid is None else HullSet(tuple(laying.turned(h, laid).astype(np.float32) for h in hulls.hulls))
 
 
 def hull_key(record: AssetRecord) -> str:

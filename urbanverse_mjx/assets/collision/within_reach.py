@@ -47,7 +47,8 @@ def layouts_in(folders: Iterable[pathlib.Path]) -> list[SceneLayout]:
 
 
 def _records(uids: Sequence[str]) -> dict[str, AssetRecord]:
-    """The records of uids of the catalogue and of regional buildings; imported assets are left out."""
+    """The records of uids of the catalogue and of regional buildings; imported and lying assets, which have no closer
+    hulls, are left out."""
     table = store.load_store()
     rows = table.filter(pc.is_in(table["uid"], pa.array(uids, pa.string())))  # pyright: ignore[reportAttributeAccessIssue]
     found = [store.record_of(row) for row in rows.to_pylist()]

@@ -1,5 +1,6 @@
 """The asset index: every record of every recipe in one Parquet file, whose content a command reproduces exactly."""
 
+import dataclasses
 import functools
 import json
 import os
@@ -19,7 +20,7 @@ from ..categories import ontology
 from ..categories.materials import AIR
 from ..categories.physical import composition, sample_meshes
 from ..categories.priors import prior
-from ..meshes import instances
+from ..meshes import instances, laying
 from ..meshes.mesh_builder import BuiltAsset
 from ..meshes.mesh_cache import cached_mesh
 from ..meshes.recipe import Recipe, all_recipes, get_recipe
@@ -186,7 +187,7 @@ def _from_prior(recipe: Recipe, uid: str, built: BuiltAsset, volume: float) -> d
 
 def build_mesh(record: AssetRecord) -> AssetMesh:
     """The mesh of a record: built by its recipe, or read from the user's store; for an instance, its scaled and tinted
-    base shape.
+    base shape; for a lying asset, turned.
 
     Raises:
       ValidationError: this version of the package has no such recipe, or its mesh differs from the record; or the file
@@ -198,6 +199,8 @@ def build_mesh(record: AssetRecord) -> AssetMesh:
     if instances.KEY in record.params:
         inner = record.params[instances.KEY]
         mesh = instances.scaled_mesh(mesh, inner["scale"], inner["tint"], record.leaf)
+    if laying.KEY in record.params:
+        mesh = dataclasses.replace(mesh, vertices=laying.turned(mesh.vertices, record.params[laying.KEY]))
     if np.abs(mesh.extent - np.asarray(record.extent_xyz)).max() > 1e-3:
         raise ValidationError(
             f"asset {record.uid!r}: found a mesh of {np.round(mesh.extent, 3)} m, needed {list(record.extent_xyz)} m "

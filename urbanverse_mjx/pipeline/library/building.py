@@ -89,8 +89,9 @@ def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
     from ...materialisation import localise, materialise_cousins
 
     graph = graph_of(scenes, layout)
-    for k, made in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed, hulls=scenes.hulls)):
-        cousin = localise(made, graph, exchange=scenes.exchange) if scenes.regional else made
+    found = materialise_cousins(graph, scenes.cousins, scenes.seed, hulls=scenes.hulls, standing=scenes.standing)
+    for k, made in enumerate(found):
+        cousin = localise(made, graph, exchange=scenes.exchange, standing=scenes.standing) if scenes.regional else made
         named = dataclasses.replace(cousin.layout, id=scenes.scene_id(layout, k))
         yield dataclasses.replace(cousin, layout=named)
 
@@ -118,6 +119,8 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
         wanted["exchange"] = True
     if scenes.hulls:
         wanted["hulls"] = [scenes.hulls, close_hash()]
+    if scenes.standing:
+        wanted["standing"] = True
     key = key_of("library", graph=graph.content_hash(), assets=inputs_key(), **wanted)
     ids = [scenes.scene_id(layout, k) for k in range(scenes.cousins)]
     done = [_record(name, scene, key) for scene in ids]
