@@ -34,8 +34,8 @@ CITIES = {
 
 
 #: Scene id -> object id -> m (along, across, up): a size for which another asset is chosen, where that of the scene's
-#: own size belongs into other cities: red telephone boxes, and a palm in Paris, in whose place only a slim tree fits; or
-#: is longer than the place in its row: jersey barriers of 2.15 m, 2.05 m apart.
+#: own size belongs into other cities: red telephone boxes, and a palm in Paris, in whose place only a slim tree fits;
+#: or is longer than the place in its row: jersey barriers of 2.15 m, 2.05 m apart.
 SIZES: dict[str, dict[str, tuple[float, float, float]]] = {
     "04_commercial_street_asymmetric_sidewalks_benches_bicycles": {"tree_00": (2.7, 2.6, 8.4)},
     "06_bar_street_dual_sidewalks_obstructed_fallen_scooters": {"telephone_booth_00": (0.58, 0.76, 2.18)},
