@@ -10,6 +10,7 @@ from urbanverse_mjx import materialisation
 from urbanverse_mjx.assets import load_hulls, load_index
 from urbanverse_mjx.assets.records import regional
 from urbanverse_mjx.datatypes import (
+    GraphObject,
     GroundRegion,
     PlacedGround,
     PlacedObject,
@@ -199,6 +200,49 @@ def test_a_chair_that_a_new_house_penetrates_is_left_out_and_listed() -> None:
     made = dress(cousin(objects=objects), graph("Tokyo", "Japan"), INDEX)
     assert "chair_0" not in by_id(made)
     assert any(g.id == "chair_0" and "bakery_0" in g.reason for g in made.left_out)
+
+
+def test_with_standing_what_a_new_house_penetrates_is_moved_to_the_nearest_free_place() -> None:
+    """A vending machine on the step of a shop goes in front of it; one deep inside is left out, though not movable."""
+    machine = placed("machine_0", "vending machine", (8.0, 3.0, 0.1), -math.pi / 2)
+    front = by_id(dressed("Tokyo", "Japan"))["bakery_0"]
+    record = regional.load_regional().get(front.asset_uid)
+    house = overlap.Body(front, record, overlap.prisms_of(front, load_hulls(record)))
+    step = min(y for y in np.arange(3.0, 9.0, 0.05) if overlap.penetration(house, body(_at(machine, y))) > 0.0)
+    for y, stays in ((step + 0.1, True), (step + 1.5, False)):
+        objects = tuple(sorted((*OBJECTS, _at(machine, y)), key=lambda p: p.id))
+        inside = dress(cousin(objects=objects), graph("Tokyo", "Japan"), INDEX)
+        made = dress(cousin(objects=objects), graph("Tokyo", "Japan"), INDEX, standing=True)
+        assert ("machine_0", "bakery_0") in inside.unresolved
+        assert not [pair for pair in made.unresolved if "machine_0" in pair]
+        assert ("machine_0" in by_id(made)) is stays
+        assert ("machine_0" in {g.id for g in made.left_out}) is not stays
+        if stays:
+            moved = by_id(made)["machine_0"]
+            assert overlap.penetration(house, body(moved)) == 0.0
+            assert 0.05 < y - moved.position[1] < 0.3
+
+
+def test_with_standing_one_of_two_cars_in_one_place_is_left_out_and_a_tree_never() -> None:
+    cars = tuple(dataclasses.replace(placed(f"car_{k}", "sedan", (12.0 + k, 0.0, 0.1), 0.0)) for k in range(2))
+    tree_0, tree_1 = (placed(f"tree_{k}", "tree", (30.0 + k, 0.0, 0.1), 0.0) for k in range(2))
+    street = graph("Tokyo", "Japan")
+    nodes = tuple(
+        GraphObject(c.id, c.label, c.position, (4.6, 1.8, 1.5), 0.0, score=0.9 - 0.1 * k) for k, c in enumerate(cars)
+    )
+    street = dataclasses.replace(street, objects=nodes)
+    before = cousin(objects=(*OBJECTS, *cars, tree_0, tree_1))
+    before = dataclasses.replace(before, unresolved=(("car_0", "car_1"), ("tree_0", "tree_1")))
+    plain, parted = (localise(before, street, INDEX, standing=on) for on in (False, True))
+    assert {"car_0", "car_1"} <= by_id(plain).keys()
+    assert ("car_0", "car_1") in plain.unresolved
+    assert by_id(plain).keys() - by_id(parted).keys() == {"car_1"}, "the less certain of the two"
+    assert [g.id for g in parted.left_out if g.id.startswith("car")] == ["car_1"]
+    assert not [pair for pair in parted.unresolved if "car_1" in pair]
+
+
+def _at(placed: PlacedObject, y: float) -> PlacedObject:
+    return dataclasses.replace(placed, position=(placed.position[0], round(float(y), 3), placed.position[2]))
 
 
 def test_a_set_of_the_library_asks_for_the_regional_look_by_a_field(monkeypatch: pytest.MonkeyPatch) -> None:

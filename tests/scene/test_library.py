@@ -220,6 +220,23 @@ def test_a_set_with_the_regional_look_is_built(monkeypatch: pytest.MonkeyPatch, 
     monkeypatch.setattr(hulls, "close_hash", lambda: "another store")
     building.build_layout("mine", "corner")
     assert compiled[0][-1] != compiled[1][-1], "a changed store of hulls builds the scene again"
+    rows["mine"]["standing"] = True
+    write_json(tmp_path / "scenes" / library.TABLE, rows)
+    building.build_layout("mine", "corner")
+    assert compiled[1][-1] != compiled[2][-1]
+
+
+def test_only_the_second_versions_ask_for_objects_that_stand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The others are frozen, and policies were chosen on them."""
+    known = library.sets()
+    assert {name for name, scenes in known.items() if scenes.standing} == {"autobench_v2", "craftbench_v2"}
+    asked = []
+    monkeypatch.setattr(
+        "urbanverse_mjx.materialisation.materialise_cousins", lambda *_, **more: asked.append(more["standing"]) or []
+    )
+    for name in ("craftbench", "craftbench_v2"):
+        assert list(cousins_of(known[name], layouts_of(known[name])[0])) == []
+    assert asked == [False, True]
 
 
 def test_most_hulls_in_reach_is_what_the_shipped_streets_allow(bank: SceneBank) -> None:

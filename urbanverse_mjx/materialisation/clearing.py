@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
-from ..assets.categories.priors import is_held
-from ..datatypes import AssetRecord, GraphObject, PlacedObject
+from ..datatypes import GraphObject, PlacedObject
 from . import overlap
 from .shortlists import LeftOut
 
@@ -41,23 +40,19 @@ def clear(
     bodies: Sequence[overlap.Body],
     support: overlap.Support,
     graph_objects: Mapping[str, GraphObject],
-    standing: bool = False,
 ) -> Cleared:
     """Resolves penetrations.
 
     Objects are moved by at most `overlap.LIMIT`. Of a remaining pair, the movable one is left out, because contact
     forces would eject it; two fixed objects may overlap slightly. An object that penetrates a pavement and has no free
     position next to it is put on top.
-
-    Args:
-      standing: whether an object that nothing holds, though it is too heavy to be moved (a car), is left out likewise.
     """
     found = list(bodies)
     left = overlap.resolve(found, support, kerbs=True)
     gone: dict[int, LeftOut] = {}
     no_room = []
     for i, j in left:
-        movable = [k for k in (i, j) if _yields(found[k].record, standing) and k not in gone]
+        movable = [k for k in (i, j) if found[k].record.movable and k not in gone]
         if i in gone or j in gone or not movable:
             continue
         k = min(
@@ -75,10 +70,6 @@ def clear(
         unresolved=tuple((found[i].placed.id, found[j].placed.id) for i, j in left if i not in gone and j not in gone),
         no_room=tuple(no_room),
     )
-
-
-def _yields(record: AssetRecord, standing: bool) -> bool:
-    return record.movable or (standing and not is_held(record.leaf))
 
 
 def found_twice(graph_objects: Sequence[GraphObject]) -> list[LeftOut]:

@@ -96,8 +96,7 @@ def materialise_cousins(
       embeddings: neural embeddings of labels and crops; by default assets are chosen by letters, words and
         descriptors.
       hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
-      standing: whether loose objects have assets that stand on their hulls, or lie (see `steady`), and are left out
-        where they penetrate a fixed one and have no free position.
+      standing: whether loose objects have assets that stand on their hulls, or lie (see `steady`).
 
     Raises:
       ValidationError: seed, count or kerb is out of range.
@@ -197,11 +196,11 @@ def _materialise(
     for k in numbers:
         chosen = {obj.id: drawn[obj.id][k] for obj in known}
         bodies, away = _without_obstructing(_stand(known, chosen, support, flat, hulls_of), strip, floors)
-        cleared = clearing.clear(bodies, support, graph_objects, standing)
+        cleared = clearing.clear(bodies, support, graph_objects)
         if cleared.crowded:
             chosen |= _slimmer(cleared.crowded, bodies, others, graph_objects, flat, hulls_of, steady)
             bodies, away = _without_obstructing(_stand(known, chosen, support, flat, hulls_of), strip, floors)
-            cleared = clearing.clear(bodies, support, graph_objects, standing)
+            cleared = clearing.clear(bodies, support, graph_objects)
         layout = SceneLayout(
             **surroundings.identity(graph, k, seed),
             objects=cleared.placed,

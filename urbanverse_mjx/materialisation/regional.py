@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from ..assets import hull_loader
+from ..assets.categories.priors import is_held
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
 from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
@@ -19,6 +20,7 @@ from . import exchange as exchange_step
 from . import overlap, paints
 from .cousins import Cousin, index_of, trees_of
 from .facades import dress
+from .shortlists import LeftOut
 
 #: Trees tried in the place of one before it is kept.
 TRIED = 150
@@ -58,7 +60,7 @@ def localise(
       hulls_of: function that returns the collision hulls of a record; default: those that the layout asks for.
       exchange: whether objects that its country does not have are exchanged, and houses that would hang in the air left
         out (`materialisation.exchange`).
-      standing: see `facades.dress`.
+      standing: see `facades.dress`; an object that nothing holds is left out where it still penetrates another.
     """
     if exchange and regional.is_served(graph.source.city, graph.source.country):
         cousin = _exchanged(cousin, graph, hulls_of)
@@ -90,7 +92,31 @@ def localise(
     ]
     layout = dataclasses.replace(layout, objects=tuple(objects), place=place)
     chosen = {name: c for name, c in dressed.chosen.items() if name not in changed}
-    return dataclasses.replace(dressed, layout=layout, chosen=chosen, unresolved=tuple(unresolved))
+    made = dataclasses.replace(dressed, layout=layout, chosen=chosen, unresolved=tuple(unresolved))
+    return _parted(made, graph) if standing else made
+
+
+def _parted(cousin: Cousin, graph: SceneGraph) -> Cousin:
+    """Leaves out an object of every pair that still overlaps if nothing holds it (a car), the less certain or else the
+    lighter of two: contact forces would throw it out."""
+    placed = {p.id: p for p in cousin.layout.objects}
+    score = {obj.id: obj.score for obj in graph.objects}
+    gone: dict[str, LeftOut] = {}
+    for pair in cousin.unresolved:
+        loose = [name for name in pair if not is_held(placed[name].category)]
+        if not loose or gone.keys() & set(pair):
+            continue
+        name = min(loose, key=lambda n: (score[n], placed[n].mass, n))
+        other = placed[pair[1 - pair.index(name)]]
+        reason = f"there is no free place within {overlap.MAX_MOVE:g} m of {other.id!r} ({other.category})"
+        gone[name] = LeftOut(name, placed[name].label, reason)
+    return dataclasses.replace(
+        cousin,
+        layout=dataclasses.replace(cousin.layout, objects=tuple(p for p in cousin.layout.objects if p.id not in gone)),
+        left_out=(*cousin.left_out, *gone.values()),
+        unresolved=tuple(pair for pair in cousin.unresolved if not gone.keys() & set(pair)),
+        chosen={name: c for name, c in cousin.chosen.items() if name not in gone},
+    )
 
 
 def _exchanged(cousin: Cousin, graph: SceneGraph, hulls_of: Callable[[AssetRecord], HullSet] | None) -> Cousin:
