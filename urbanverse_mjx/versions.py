@@ -56,6 +56,7 @@ CODE: Mapping[str, Code] = {
                 "crowns",
                 "glb",
                 "instances",
+                "laying",
                 "repaint",
                 "sheets",
                 "table_files",
@@ -78,6 +79,7 @@ CODE: Mapping[str, Code] = {
         (
             "materialisation",
             *("assets.categories.labels", "assets.categories.semantics", "assets.records.annotations"),
+            *_below("assets.collision", "decompose", "lying", "rest_poses", "rigid_body"),
             *_below("assets.selection", "integrity", "matching", "neural", "search"),
         ),
         ("appearances", "thumbnails"),
