@@ -35,7 +35,7 @@ CITIES = {
 
 #: Scene id -> object id -> m (along, across, up): a size for which another asset is chosen, where that of the scene's
 #: own size belongs into other cities: red telephone boxes, and a palm in Paris, in whose place only a slim tree fits;
-#: or is longer than the place in its row: jersey barriers of 2.15 m, 2.05 m apart.
+#: or is longer than the place in its row (jersey barriers of 2.15 m, 2.05 m apart) or falls over: a fitness machine.
 SIZES: dict[str, dict[str, tuple[float, float, float]]] = {
     "04_commercial_street_asymmetric_sidewalks_benches_bicycles": {"tree_00": (2.7, 2.6, 8.4)},
     "06_bar_street_dual_sidewalks_obstructed_fallen_scooters": {"telephone_booth_00": (0.58, 0.76, 2.18)},
@@ -44,6 +44,7 @@ SIZES: dict[str, dict[str, tuple[float, float, float]]] = {
         "telephone_booth_00": (0.58, 0.76, 2.18),
         **{f"jersey_barrier_{k:02d}": (0.64, 1.99, 0.81) for k in range(10)},
     },
+    "11_urban_park_dogs_sports_area": {"fitness_equipments_01": (1.2, 0.55, 1.22)},
 }
 #: Scene id -> another sky: with baked shadows, the side of a crossing away from a clear noon's sun was nearly black.
 SKIES = {"10_cbd_cross_intersection_diverse_obstacles": "summer_noon-broken_cumulus"}
