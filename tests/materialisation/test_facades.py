@@ -223,6 +223,18 @@ def test_with_standing_what_a_new_house_penetrates_is_moved_to_the_nearest_free_
             assert 0.05 < y - moved.position[1] < 0.3
 
 
+def test_with_standing_a_board_on_the_former_front_is_not_moved_into_the_air() -> None:
+    """It hangs in the new house, and is left out as it is without."""
+    board = dataclasses.replace(placed("board_1", "advertising board", (8.0, 5.0, 2.0), 0.0), movable=True)
+    inside = next(
+        _at(board, y)
+        for y in np.arange(4.0, 8.0, 0.1)
+        if "board_1" not in by_id(dress(cousin(objects=(*OBJECTS, _at(board, y))), graph("Tokyo", "Japan"), INDEX))
+    )
+    made = dress(cousin(objects=(*OBJECTS, inside)), graph("Tokyo", "Japan"), INDEX, standing=True)
+    assert "board_1" not in by_id(made)
+
+
 def test_with_standing_one_of_two_cars_in_one_place_is_left_out_and_a_tree_never() -> None:
     cars = tuple(dataclasses.replace(placed(f"car_{k}", "sedan", (12.0 + k, 0.0, 0.1), 0.0)) for k in range(2))
     tree_0, tree_1 = (placed(f"tree_{k}", "tree", (30.0 + k, 0.0, 0.1), 0.0) for k in range(2))

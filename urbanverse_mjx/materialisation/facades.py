@@ -19,6 +19,7 @@ from ..assets.records.index import AssetIndex
 from ..datatypes import PAINT_KINDS, AssetRecord, HullSet, PlacedObject, SceneGraph
 from ..datatypes.toml_table import table
 from . import choice, overlap
+from . import standing as standing_on
 from .cousins import Cousin, index_of
 from .shortlists import LeftOut
 
@@ -223,8 +224,8 @@ def _fitting(
     for body in others:
         placed = body.placed
         touched = [b.placed.id for b in bodies if overlap.penetration(b, body) > 0.0]
-        loose = support is not None and not is_held(body.record.leaf)
-        if touched and loose:
+        loose = support is not None and not is_held(body.record.leaf) and _on_ground(body, support)
+        if touched and support is not None and loose:
             offset = overlap.free_offset(body, [*bodies, *others], support, kerbs=True)
             if offset is not None:
                 body.offset = offset
@@ -238,3 +239,10 @@ def _fitting(
         found.append(placed)
     order = sorted(found, key=lambda p: p.id)
     return tuple(order), crowded, overlapping
+
+
+def _on_ground(body: overlap.Body, support: overlap.Support) -> bool:
+    """Whether an object stands at the height of the nearest ground; boards on fronts have no free place in the air."""
+    x, y, z = body.placed.position
+    near = support.near_point(x, y, standing_on.GROUND_DISTANCE)
+    return any(abs(z - height) <= standing_on.SUPPORT_DISTANCE for height in near)

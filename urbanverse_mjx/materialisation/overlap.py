@@ -188,7 +188,11 @@ class Support:
 
     def near(self, obj: GraphObject, reach: float) -> list[float]:
         """Height (m) of the region nearest to an object's centre, at its nearest point; empty beyond `reach` m."""
-        middle = shapely.Point(obj.center[:2])
+        return self.near_point(*obj.center[:2], reach)
+
+    def near_point(self, x: float, y: float, reach: float) -> list[float]:
+        """Like `near`, for a point."""
+        middle = shapely.Point(x, y)
         found = self._tree.query_nearest(middle, max_distance=reach, all_matches=False)
         if not len(found):
             return []
