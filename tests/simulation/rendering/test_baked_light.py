@@ -329,6 +329,32 @@ def test_another_place_or_sun_is_another_light(cache: pathlib.Path) -> None:
     assert key(dataclasses.replace(bank, material_roughness=bank.material_roughness * 0.5)) == keys[0]
 
 
+def test_ground_around_a_scene_has_no_light_of_its_own(cache: pathlib.Path) -> None:
+    """Courts and what lies below houses would count as dark ground."""
+    bank = box_bank(1, seed=5)
+    ground = [k for k, row in enumerate(bank.slot_category[0]) if bank.meta["categories"][row].startswith("ground:")]
+    around = next(k for k in ground if bank.slot_mesh[0, k] >= 0)
+    names = [list(row) for row in bank.meta["object_ids"]]
+    names[0] += [""] * (around + 1 - len(names[0]))
+    names[0][around] = f"{light_bake.AROUND}0/(0,0)"
+    other = dataclasses.replace(bank, meta={**bank.meta, "object_ids": names})
+    assert not light_bake.around_scenes(bank).any()
+    assert np.flatnonzero(light_bake.around_scenes(other)[0]).tolist() == [around]
+
+    def known(bank: SceneBank) -> int:
+        counted: list[int] = []
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(
+                light_bake.Baker,
+                "_exposure",
+                lambda self, scene, shares: counted.append(len(shares)) or np.ones((), np.float32),
+            )
+            cases.make_renderer(bank, None, light="baked").view(0, np.zeros(3), cases.DOWN, 1.0)
+        return counted[0]
+
+    assert 0 <= known(other) < known(bank)
+
+
 _EMPTY = light_bake.BakedLight(
     np.zeros(2, np.float32),
     np.full((2, 2, 2), 255, np.uint8),

@@ -33,6 +33,8 @@ from .street_light_native import CELL, CELL_BYTES, TEXEL, THOUSAND
 VERSION = 1
 #: m around the map of a scene that its tables cover, and above its highest ground.
 MARGIN, HEADROOM = 4.0, 12.0
+#: Begin of the names of such slots (`scene.backdrop`).
+AROUND = "drawn/around/"
 #: A camera makes up for this power of what the street is darker than open ground, up to a factor.
 EXPOSURE, BRIGHTEST = 0.7, 2.0
 #: Brightness of a white surface in the open from which a sky counts as daylight: at dusk or in heavy rain a camera
@@ -91,13 +93,25 @@ def _sphere(number: int) -> np.ndarray:
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], -1)
 
 
+def around_scenes(bank: SceneBank) -> np.ndarray:
+    """(Z, N) bool, slots with ground behind the houses of a scene and beyond its ends.
+
+    It has the light of the nearest ground of the scene: most of it lies below houses or in courts, and would count as
+    dark ground in the exposure and darken the feet of walls.
+    """
+    found = np.zeros(bank.slot_mesh.shape, bool)
+    for scene, names in enumerate(bank.meta["object_ids"]):
+        found[scene, : len(names)] = [name.startswith(AROUND) for name in names]
+    return found
+
+
 class Baker:
     """Bakes scenes of one bank on Warp's current device.
 
     Args:
       street: the tables of the bank's scenes, without moving parts.
       roots: (Z,) i32 of their trees.
-      is_ground: (objects,) bool, which rows of the object table are ground.
+      is_ground: (objects,) bool, which rows of the object table are ground with light of its own.
     """
 
     def __init__(self, bank: SceneBank, street: Any, roots: np.ndarray, is_ground: np.ndarray) -> None:
@@ -157,7 +171,7 @@ class Baker:
         for array in (
             bank.slot_position[scene, slots],
             bank.slot_quaternion[scene, slots],
-            ground[bank.slot_category[scene, slots]],
+            ground[bank.slot_category[scene, slots]] & ~around_scenes(bank)[scene, slots],
             bank.map_origin[scene],
             bank.map_kind[scene].any(1),
             bank.map_kind[scene].any(0),

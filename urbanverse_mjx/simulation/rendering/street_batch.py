@@ -13,7 +13,7 @@ from ...datatypes import SceneBank
 from ...geometry import rotations
 from ..threads import run_all
 from . import street_coverage, street_draw, street_packets
-from .light_bake import Baker, light_tables
+from .light_bake import Baker, around_scenes, light_tables
 from .meshes import RenderMeshes
 from .model import FAR_PLANE, RenderModel, images
 from .pbr_private import build_dfg_lut, effective_geom_rgba, resolve_geom_materials
@@ -196,6 +196,9 @@ class Streets:
         grounds = np.array([name.startswith("ground:") for name in bank.meta["categories"]])
         self._is_ground = np.zeros(len(texels), bool)
         self._is_ground[: len(mesh)] = grounds[bank.slot_category[scene, number]]
+        #: Of these, what light is baked on.
+        self._baked_ground = self._is_ground.copy()
+        self._baked_ground[: len(mesh)] &= ~around_scenes(bank)[scene, number]
         # Its sign tells the shading; see `street_shade`.
         texels = np.where(self._is_ground, -texels, texels)
         metallic, roughness, _ = resolve_geom_materials(mjm)
@@ -258,7 +261,7 @@ class Streets:
 
     def _add_baked_light(self, bank: SceneBank, model: RenderModel) -> None:
         """Light that the streets hide, and the boxes of what moves; see `street_light`."""
-        baker = Baker(bank, self.street, self.roots.numpy(), self._is_ground)
+        baker = Baker(bank, self.street, self.roots.numpy(), self._baked_ground)
         sheets, texels, cells = light_tables(baker.lights())
         self.street.sheets = self._keep(sheets)
         for name, table in (("texels", texels), ("cells", cells)):
