@@ -342,13 +342,16 @@ def test_ground_around_a_scene_has_no_light_of_its_own(cache: pathlib.Path) -> N
     assert np.flatnonzero(light_bake.around_scenes(other)[0]).tolist() == [around]
 
     def known(bank: SceneBank) -> int:
+        """Number of texels with ground of their own."""
         counted: list[int] = []
+
+        def exposure(self: light_bake.Baker, scene: int, shares: np.ndarray) -> np.ndarray:
+            counted.append(len(shares))
+            return np.ones((), np.float32)
+
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(
-                light_bake.Baker,
-                "_exposure",
-                lambda self, scene, shares: counted.append(len(shares)) or np.ones((), np.float32),
-            )
+            patch.setattr(light_bake, "_read", lambda path: None)
+            patch.setattr(light_bake.Baker, "_exposure", exposure)
             cases.make_renderer(bank, None, light="baked").view(0, np.zeros(3), cases.DOWN, 1.0)
         return counted[0]
 
