@@ -9,13 +9,22 @@ import numpy as np
 import pytest
 
 from benchmarks.lib.gait_trials import Judge, Wandering, flat
-from tests.support.box_bank import HALF_WIDTH, LENGTH, box_scene, box_skies
+from tests.support.box_bank import HALF_WIDTH, KERB_Y, LENGTH, box_scene, box_skies
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import GroundRegion, SceneBank
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
-from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, _Field, footprint, waypoint_of
+from urbanverse_mjx.evaluation.planner import (
+    MOTIONS,
+    Planner,
+    RouteField,
+    _Field,
+    _field_at,
+    footprint,
+    placed,
+    waypoint_of,
+)
 from urbanverse_mjx.robots import make_coco, make_go2
 from urbanverse_mjx.robots.go2 import load_gait
 from urbanverse_mjx.robots.waypoint import pd_velocity
@@ -46,6 +55,46 @@ def test_the_model_of_coco_stays_beside_c_mujoco(drive: str, command: tuple[floa
     heading = 2.0 * np.arctan2(data.qpos[6], data.qpos[3])
     assert np.hypot(*(data.qpos[:2] - [x, y])) < 0.4
     assert abs(np.arctan2(np.sin(heading - yaw), np.cos(heading - yaw))) < 0.16
+
+
+def _coco_on(
+    slope: tuple[float, float], command: tuple[float, float], seconds: float, drive: str
+) -> tuple[float, float]:
+    """Speed ahead and yaw rate at the end of C MuJoCo's drive over a plane that rises ahead and to the left."""
+    robot = make_coco(drive)  # type: ignore[arg-type]
+    spec = mujoco.MjSpec.from_string(robot.mjcf)
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1])
+    model = spec.compile()
+    down = np.array([-slope[0], -slope[1], -1.0])
+    model.opt.gravity[:] = 9.81 * down / np.linalg.norm(down)
+    data = mujoco.MjData(model)
+    data.qpos[2] = robot.spawn_height
+    data.ctrl[:] = np.asarray(robot.command(jnp.array(command)))
+    mujoco.mj_step(model, data, round(seconds / model.opt.timestep))
+    yaw = 2.0 * np.arctan2(data.qpos[6], data.qpos[3])
+    return float(data.qvel[:2] @ [np.cos(yaw), np.sin(yaw)]), float(data.qvel[5])
+
+
+@pytest.mark.parametrize("drive", ["differential", "ackermann"])
+@pytest.mark.parametrize("slope", [0.12, 0.06, -0.12])
+@pytest.mark.parametrize("speed", [0.0, 0.4, 2.0])
+def test_the_model_of_coco_climbs_as_in_c_mujoco(drive: str, slope: float, speed: float) -> None:
+    """A ramp of 12 % takes 0.3 m/s of any speed: a command of 0.2 m/s rolls back, as one to stand does."""
+    found, _ = _coco_on((slope, 0.0), (speed, 0.0), 3.0, drive)
+    motion, pose, v, w = MOTIONS[f"coco_{drive}"], np.zeros(3), 0.0, 0.0
+    for _ in range(15):
+        pose, v, w = motion.drive(pose, v, w, motion.obeyed(speed, 0.0), 0.2, (slope, 0.0))
+    assert float(v) == pytest.approx(found, abs=0.05)
+
+
+@pytest.mark.parametrize(("left", "omega"), [(-0.12, -1.0), (-0.06, -1.0), (-0.06, 1.0), (0.06, -0.6)])
+def test_the_model_of_coco_veers_downhill_as_in_c_mujoco(left: float, omega: float) -> None:
+    """A turn on the spot towards the upper side of a ramp of 12 % does not come about."""
+    _, found = _coco_on((0.0, left), (0.0, omega), 0.6, "differential")
+    motion, pose, v, w = MOTIONS["coco_differential"], np.zeros(3), 0.0, 0.0
+    for _ in range(6):
+        pose, v, w = motion.drive(pose, v, w, motion.obeyed(0.0, omega), 0.1, (0.0, left))
+    assert float(w) == pytest.approx(found, abs=0.25)
 
 
 def test_the_model_of_the_go2_stays_beside_c_mujoco() -> None:
@@ -125,9 +174,9 @@ def _dropped_kerb(lip: float, slope: float, shift: float) -> SceneBank:
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.013, 0.025, 0.049])
-@pytest.mark.parametrize(("lip", "slope", "edge"), [(0.02, 1 / 8, False), (0.025, 1 / 8, False), (0.04, 0.0, True)])
+@pytest.mark.parametrize(("lip", "slope", "edge"), [(0.02, 1 / 8, False), (0.03, 1 / 8, False), (0.04, 0.0, True)])
 def test_a_dropped_kerb_is_no_edge_and_a_low_kerb_is(lip: float, slope: float, edge: bool, shift: float) -> None:
-    """Wherever the border lies in a cell. In cells of 10 cm the lip of 2.5 cm would be an edge."""
+    """Wherever the border lies in a cell. In cells of 10 cm the lip of 3 cm would be an edge."""
     bank = _dropped_kerb(lip, slope, shift)
     maps = build_clearance_maps(bank, [0], 1.0)
     i, low, high = (
@@ -155,6 +204,56 @@ def test_padding_a_bank_changes_no_clearance(small_bank: SceneBank) -> None:
     assert (joined.to_edge[0, x + 20 :] == -1.0).all()
     assert (joined.to_edge[0, :, y + 20 :] == -1.0).all()
     assert (joined.to_edge[0] > 0.0).any()
+
+
+def _flank(small_bank: SceneBank) -> tuple[Planner, np.ndarray]:
+    """A planner on the first box street, and the middle of the border between its left ramp and the pavement, where the
+    ramp is half as high: the pavement is 7.5 cm higher at x < 28 m."""
+    env = unicycle_env(bank_for("clean", small_bank))
+    return Planner(env), np.array([28.0, KERB_Y + 0.75])
+
+
+def test_no_kerb_is_under_the_trunk(small_bank: SceneBank) -> None:
+    """Astride of a flank, no foot is near it; the trunk would touch it."""
+    planner, border = _flank(small_bank)
+    astride = jnp.asarray([*border, np.pi / 2], jnp.float32)
+    beside = jnp.asarray([border[0] + 0.6, border[1], np.pi / 2], jnp.float32)
+    feet = planner._to_edge.at(0, *placed(astride, planner._body.feet))
+    assert float(feet.min()) > 0.1
+    assert float(planner._gap(0, astride)) < 0.0
+    assert float(planner._gap(0, beside)) > 0.1
+
+
+def test_no_edge_lies_between_two_predictions(small_bank: SceneBank) -> None:
+    """At 2 m/s they are 0.6 m apart; a planner that could jump over an edge would wait for that for ever."""
+    planner, border = _flank(small_bank)
+    for first in np.arange(0.0, 0.6, 0.02):
+        way = [jnp.asarray([border[0] + first + 0.6 * k, border[1], np.pi], jnp.float32) for k in range(-2, 3)]
+        assert min(float(planner._gap(0, pose)) for pose in way) < 0.02
+
+
+def test_the_planner_looks_not_across_an_edge(small_bank: SceneBank) -> None:
+    """A field that falls behind a flank tempts no robot in front of it; beside the flank it does."""
+    planner, border = _flank(small_bank)
+    nodes = np.arange(120) * 0.1
+    cost = jnp.asarray(np.where(nodes[:, None] > 1.95, 20.0, 10.0) + np.zeros((120, 120)), jnp.float32)
+    route = RouteField(jnp.asarray(border - [2.0, 6.0], jnp.float32), cost)
+    for y, expected in ((border[1], 20.0), (border[1] + 1.8, 10.0)):
+        pose = jnp.asarray([border[0] + 0.45, y, np.pi], jnp.float32)
+        here = _field_at(route, pose, 0.0)
+        assert float(here) == pytest.approx(20.0)
+        assert float(planner._nose(0, route, pose, here)) == pytest.approx(expected)
+
+
+def test_the_planner_knows_the_slope(small_bank: SceneBank) -> None:
+    """The left ramp of the crossing rises by 0.15 m in 1.5 m along y."""
+    planner, _ = _flank(small_bank)
+    on_ramp = np.array([30.0, KERB_Y + 0.75])
+    for yaw in (np.pi / 2, 0.0, 2.0):
+        ahead, left = planner._slope(0, jnp.asarray([*on_ramp, yaw], jnp.float32))
+        assert float(ahead) == pytest.approx(0.1 * np.sin(yaw), abs=0.01)
+        assert float(left) == pytest.approx(0.1 * np.cos(yaw), abs=0.01)
+    assert planner._slope(0, jnp.asarray([20.0, KERB_Y + 2.0, 0.3], jnp.float32)) == (0.0, 0.0)
 
 
 def test_a_field_without_its_padding_has_the_same_values_everywhere() -> None:

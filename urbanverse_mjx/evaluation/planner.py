@@ -49,6 +49,8 @@ class Motion:
       curvature: 1/m, largest curvature; infinite for a robot that turns on the spot.
       dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which the robot stands still; 0 for none.
       lateral: m/s², largest sideways acceleration, above which the robot slows down.
+      climb: m/s lost per unit of slope uphill, and gained downhill, because the motors' speed gives way to their load.
+      veer: rad/s per unit of slope, turn towards the lower side; `eases` applies to it as to the lag.
     """
 
     speed_lag: float
@@ -58,6 +60,8 @@ class Motion:
     eases: float = np.inf
     dead: tuple[float, float] = (0.0, 0.0)
     lateral: float = np.inf
+    climb: float = 0.0
+    veer: float = 0.0
 
     def obeyed(self, v: Any, omega: Any) -> tuple[Any, Any]:
         """The velocity that a command (v, omega) reaches; 0 if it is too small to move the robot."""
@@ -68,8 +72,19 @@ class Motion:
         moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
         return moves * v, moves * omega
 
-    def drive(self, pose: Any, v: Any, w: Any, targets: tuple[Any, Any], dt: Any) -> tuple[Any, Any, Any]:
-        """Pose (3,) x, y, yaw and speeds (v, w) after `dt` s; targets: result of `obeyed` for the command."""
+    def drive(
+        self, pose: Any, v: Any, w: Any, targets: tuple[Any, Any], dt: Any, slope: tuple[Any, Any] = (0.0, 0.0)
+    ) -> tuple[Any, Any, Any]:
+        """Pose (3,) x, y, yaw and speeds (v, w) after `dt` s.
+
+        Args:
+          targets: result of `obeyed` for the command.
+          slope: rise of the ground per metre ahead and per metre to the left.
+        """
+        targets = (
+            targets[0] - self.climb * slope[0],
+            targets[1] - self.veer * slope[1] / (1.0 + jnp.abs(v) / self.eases),
+        )
         new_v = targets[0] + (v - targets[0]) * jnp.exp(-dt / self.speed_lag)
         turn_lag = self.turn_lag / (1.0 + 0.5 * jnp.abs(new_v + v) / self.eases)
         new_w = targets[1] + (w - targets[1]) * jnp.exp(-dt / turn_lag)
@@ -82,8 +97,8 @@ class Motion:
 #: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and Go2
 #: with C MuJoCo. The Go2's gait stands still at small commands (docs/decisions/go2.md).
 MOTIONS = {
-    "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
-    "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),
+    "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9, climb=2.4, veer=9.2),
+    "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456, climb=2.4),
     "go2": Motion(0.2, 0.05, 0.0, np.inf, dead=(0.28, 0.45)),
 }
 DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
@@ -104,14 +119,21 @@ class Footprint:
     Attributes:
       discs: (D, 3) x, y, radius (m) of the outer collision spheres.
       feet: (F, 2) m, ground contacts.
+      low: (L, 2) m, outer ones of the trunk's spheres that end less than `LOW` above the ground, and their middle: they
+        touch a kerb that is between the wheels, and at full speed none is between two predictions unnoticed.
       half_width: m, largest distance from its heading line.
       reach: m, farthest point.
     """
 
     discs: np.ndarray
     feet: np.ndarray
+    low: np.ndarray
     half_width: float
     reach: float
+
+
+#: m, height of the highest kerbs, over which a part of the robot may be anywhere.
+LOW = 0.2
 
 
 def footprint(robot: RobotSpec) -> Footprint:
@@ -121,11 +143,17 @@ def footprint(robot: RobotSpec) -> Footprint:
     solid = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
     spheres = np.array([(*data.geom_xpos[g, :2], model.geom_size[g, 0]) for g in solid])
     angle = np.linspace(-np.pi, np.pi, 128, endpoint=False)
-    support = spheres[:, :2] @ np.stack([np.cos(angle), np.sin(angle)]) + spheres[:, 2:]
-    discs = spheres[np.unique(support.argmax(0))]
-    feet = np.array([data.geom(name).xpos[:2] for name in robot.foot_geoms])
+    ways = np.stack([np.cos(angle), np.sin(angle)])
+    discs = spheres[np.unique((spheres[:, :2] @ ways + spheres[:, 2:]).argmax(0))]
+    on_ground = [model.geom(name).id for name in robot.foot_geoms]
+    feet, ends = data.geom_xpos[on_ground, :2], data.geom_xpos[:, 2] - model.geom_size[:, 0]
+    root = model.body(robot.root_body).id
+    rigid = model.body_weldid[model.geom_bodyid] == root
+    low = data.geom_xpos[[g for g in solid if rigid[g] and ends[g] - ends[on_ground].min() < LOW], :2]
+    if len(low):
+        low = np.concatenate([low[np.unique((low @ ways).argmax(0))], low.mean(0, keepdims=True)])
     half_width = float((np.abs(spheres[:, 1]) + spheres[:, 2]).max())
-    return Footprint(discs, feet, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
+    return Footprint(discs, feet, low, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
 
 
 class RouteField(NamedTuple):
@@ -184,6 +212,9 @@ class Planner:
             _Field.of(x, scenes, self._maps.origin, far)
             for x, far in ((self._maps.to_hull, MAX_DISTANCE), (self._maps.to_edge, -MAX_DISTANCE))
         )
+        self._ground = _Field.of(self._maps.ground, scenes, self._maps.origin, 0.0)
+        # (2, F): times the ground's heights under the feet, the slope ahead and to the left of the plane through them.
+        self._plane = np.linalg.pinv(np.column_stack([self._body.feet, np.ones(len(self._body.feet))]))[:2]
         self.first = jnp.asarray(_commands(robot, self._motion, _OPTIONS.speeds, _OPTIONS.turns), jnp.float32)
         self._after = jnp.asarray(
             _commands(robot, self._motion, _OPTIONS.later_speeds, _OPTIONS.later_turns), jnp.float32
@@ -241,7 +272,7 @@ class Planner:
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
             def lookahead_step(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
-                followed = self._downhill(route, ahead.pose, command) if follow else command
+                followed = self._downhill(scene, route, ahead.pose, command) if follow else command
                 return self._lookahead_step(scene, route, agents, ahead, followed, *now), None
 
             # A loop compiles in a tenth of the time of unrolled steps.
@@ -266,13 +297,23 @@ class Planner:
         size = jnp.asarray(dynamic.shapes.radius + dynamic.shapes.half_length)
         return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, crowd.present.astype(jnp.float32)], -1)
 
-    def _downhill(self, route: RouteField, pose: Any, speed: Any) -> Any:
+    def _nose(self, scene: Any, route: RouteField, pose: Any, here: Any, side: float = 0.0) -> Any:
+        """Cost-metres from the point `nose` m in front of a pose, `side` rad to its left; at least `here`, those of the
+        pose itself, if an edge or a hull is in between.
+
+        Behind a kerb the field may be metres lower than before it, and a robot that looked across would stay there.
+        """
+        points = np.outer(_OPTIONS.nose * np.array([0.6, 0.8, 1.0]), [np.cos(side), np.sin(side)])
+        at = placed(pose, points)
+        clear = jnp.minimum(self._to_hull.at(scene, *at), self._to_edge.at(scene, *at)).min() > _OPTIONS.nose_clearance
+        found = _field_at(route, pose, _OPTIONS.nose, side)
+        return jnp.where(clear, found, jnp.maximum(found, here))
+
+    def _downhill(self, scene: Any, route: RouteField, pose: Any, speed: Any) -> Any:
         """(2,) command that turns to the descent direction of the field, and drives at up to `speed` when it points
         there."""
-        left, right = (
-            _field_at(route, pose, _OPTIONS.nose, side) for side in (_OPTIONS.nose_angle, -_OPTIONS.nose_angle)
-        )
-        ahead, here = _field_at(route, pose, _OPTIONS.nose), _field_at(route, pose, 0.0)
+        here, angle = _field_at(route, pose, 0.0), _OPTIONS.nose_angle
+        ahead, left, right = (self._nose(scene, route, pose, here, side) for side in (0.0, angle, -angle))
         # On a planar field with slope 1 in the direction e from straight ahead, these are sin e and cos e.
         sine, cosine = (
             (right - left) / (2.0 * _OPTIONS.nose * np.sin(_OPTIONS.nose_angle)),
@@ -291,7 +332,8 @@ class Planner:
     ) -> _Ahead:
         """Advances the drive to step `k`, `dt` s after the previous one and `end` s from now."""
         motion = self._motion
-        pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt)
+        slope = self._slope(scene, ahead.pose)
+        pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt, slope)
         gap, driving, uneasy = self._gap(scene, pose, route), ahead.driving, None
         if agents is not None:
             to_agents = self._agent_gap(agents, pose[:2], end)
@@ -305,18 +347,28 @@ class Planner:
         if uneasy is not None:
             shy += dt / self._slower * driving * uneasy
         touched = driving * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
-        here = _field_at(route, pose, 0.0) - _OPTIONS.goal_distance
+        here = _field_at(route, pose, 0.0)
+        nose = self._nose(scene, route, pose, here)
         # The episode ends when the goal is reached, so later costs are ignored.
-        driving = driving * (here > 0.0)
-        left = driving * (0.5 * (here + _field_at(route, pose, _OPTIONS.nose) - _OPTIONS.goal_distance) + _OPTIONS.nose)
+        driving = driving * (here > _OPTIONS.goal_distance)
+        left = driving * (0.5 * (here + nose) - _OPTIONS.goal_distance + _OPTIONS.nose)
         mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving)
 
+    def _slope(self, scene: Any, pose: Any) -> tuple[Any, Any]:
+        """Rise of the ground under the feet per metre ahead and to the left."""
+        if not (self._motion.climb or self._motion.veer):
+            return 0.0, 0.0
+        height = self._ground.at(scene, *placed(pose, self._body.feet))
+        # Steeper than any ramp is a foot behind an edge, where this plane is none.
+        ahead, left = jnp.clip(jnp.asarray(self._plane, jnp.float32) @ height, -_OPTIONS.max_slope, _OPTIONS.max_slope)
+        return ahead, left
+
     def _gap(self, scene: Any, pose: Any, route: Any) -> Any:
-        """m, least distance of discs to hulls and of feet to an edge."""
+        """m, least distance of discs to hulls, and of feet and low parts to an edge."""
         del route
         to_hull = self._to_hull.at(scene, *placed(pose, self._body.discs))
-        to_edge = self._to_edge.at(scene, *placed(pose, self._body.feet))
+        to_edge = self._to_edge.at(scene, *placed(pose, np.concatenate([self._body.feet, self._body.low])))
         return jnp.minimum(
             (to_hull - self._body.discs[:, 2].astype(np.float32)).min(), to_edge.min() - _OPTIONS.edge_distance
         )

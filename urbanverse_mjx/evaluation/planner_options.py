@@ -22,6 +22,9 @@ class PlannerOptions:
       follow_gain: (rad/s) / rad, gain of the descent.
       nose: m in front of the robot, distance of additional samples of the field, so that the heading affects the cost.
       nose_angle: rad, angle of these samples to both sides.
+      nose_clearance: m, distance from hulls and edges that leaves the way to these samples free; on the way there are
+        three points so close together that none passes between them.
+      max_slope: limit of the ground's slope in the model of the robot's motion.
       touch_distance: m, distance below which the robot counts as touching.
       margin: m, distance to obstacles below which there is a cost.
       margin_time: s, increase of the margin with the speed.
@@ -46,6 +49,8 @@ class PlannerOptions:
     follow_gain: float = 2.5
     nose: float = 0.6
     nose_angle: float = 0.6
+    nose_clearance: float = 0.05
+    max_slope: float = 0.25
     touch_distance: float = 0.02
     margin: float = 0.10
     margin_time: float = 0.08

@@ -1,7 +1,7 @@
 """Clearance maps: distances from any point of a scene to obstacles and to the edge of the traversable ground, accurate
 to about a centimetre.
 
-In:   a `SceneBank`. Out:  `ClearanceMaps`, two signed distance fields of each scene. When: once per bank, on the host;
+In:   a `SceneBank`. Out:  `ClearanceMaps`: signed distance fields and heights. When: once per bank, on the host;
 for privileged code such as `evaluation.planner`.
 
 `surroundings` has such distances for critics and rewards in cells of 0.2 m. A planner that passes obstacles with a
@@ -39,11 +39,13 @@ class ClearanceMaps:
       origin: (Z, 2) m, lower corner of each scene's cells.
       to_hull: (Z, X, Y) f16 m on the ground plane to the nearest hull's outline, negative inside.
       to_edge: (Z, X, Y) f16 m to the nearest ground that is not walkable or has a step, negative there.
+      ground: (Z, X, Y) f32 m, height of the ground; 0 behind the last walkable cells.
     """
 
     origin: np.ndarray
     to_hull: np.ndarray
     to_edge: np.ndarray
+    ground: np.ndarray
 
 
 def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) -> ClearanceMaps:
@@ -55,6 +57,7 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
     cells = round(float(bank.map_resolution) / CELL)
     shape = (bank.map_kind.shape[1] * cells, bank.map_kind.shape[2] * cells)
     to_hull, to_edge = (np.zeros((bank.num_scenes, *shape), np.float16) for _ in range(2))
+    heights = np.zeros((bank.num_scenes, *shape), np.float32)
     origin = np.asarray(bank.map_origin, np.float64)
     for scene in scenes:
         grid = Grid(origin[scene], CELL, shape)
@@ -64,7 +67,8 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
         to_edge[scene] = -MAX_DISTANCE
         near = _up_to_its_ground(walkable)
         to_edge[scene][near] = _to_edge(walkable[near], ground[near])
-    return ClearanceMaps(origin, to_hull, to_edge)
+        heights[scene][near] = ground[near]
+    return ClearanceMaps(origin, to_hull, to_edge, heights)
 
 
 def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, height: float) -> Iterator[Shape]:
