@@ -143,24 +143,45 @@ def footprint(robot: RobotSpec) -> Footprint:
     solid = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
     spheres = np.array([(*data.geom_xpos[g, :2], model.geom_size[g, 0]) for g in solid])
     angle = np.linspace(-np.pi, np.pi, 128, endpoint=False)
-    ways = np.stack([np.cos(angle), np.sin(angle)])
-    discs = spheres[np.unique((spheres[:, :2] @ ways + spheres[:, 2:]).argmax(0))]
+    directions = np.stack([np.cos(angle), np.sin(angle)])
+    discs = spheres[np.unique((spheres[:, :2] @ directions + spheres[:, 2:]).argmax(0))]
     on_ground = [model.geom(name).id for name in robot.foot_geoms]
     feet, ends = data.geom_xpos[on_ground, :2], data.geom_xpos[:, 2] - model.geom_size[:, 0]
     root = model.body(robot.root_body).id
     rigid = model.body_weldid[model.geom_bodyid] == root
     low = data.geom_xpos[[g for g in solid if rigid[g] and ends[g] - ends[on_ground].min() < LOW], :2]
     if len(low):
-        low = np.concatenate([low[np.unique((low @ ways).argmax(0))], low.mean(0, keepdims=True)])
+        low = np.concatenate([low[np.unique((low @ directions).argmax(0))], low.mean(0, keepdims=True)])
     half_width = float((np.abs(spheres[:, 1]) + spheres[:, 2]).max())
     return Footprint(discs, feet, low, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
 
 
 class RouteField(NamedTuple):
-    """The planner's data of one episode: see `RouteFields`."""
+    """The planner's data of one episode: see `RouteFields`.
+
+    Data of a route in several parts have the same methods; `part` of this one is always 0.
+    """
 
     origin: Any
     cost: Any
+
+    def at(self, point: Any) -> Any:
+        """() cost-metres to the goal from (2,) m."""
+        return bilinear(self.cost, (point - self.origin) / NODE)
+
+    def part(self, before: Any, xy: Any) -> Any:
+        """() i32, the part of the route on which a robot is at (2,) m, after part `before`."""
+        del xy
+        return before
+
+    def on(self, part: Any) -> "RouteField":
+        """The data for a robot on a part."""
+        del part
+        return self
+
+    def first_part(self) -> Any:
+        """() i32, the part on which the robot is now."""
+        return jnp.int32(0)
 
 
 def _commands(robot: RobotSpec, motion: Motion, speeds: Sequence[float], turns: Sequence[float]) -> np.ndarray:
@@ -183,6 +204,7 @@ class _Ahead(NamedTuple):
     touched: Any
     left: Any
     driving: Any
+    part: Any
 
 
 class Planner:
@@ -265,14 +287,15 @@ class Planner:
           agents: (A, 6), see `_agents`, or None.
         """
         zero = jnp.float32(0.0)
-        start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0))
+        start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0), route.first_part())
 
         dts, numbers = jnp.asarray(self._steps, jnp.float32), jnp.arange(len(_OPTIONS.steps))
         ends = jnp.cumsum(dts)
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
             def lookahead_step(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
-                followed = self._downhill(scene, route, ahead.pose, command) if follow else command
+                way = route.on(ahead.part)
+                followed = self._downhill(scene, way, ahead.pose, command) if follow else command
                 return self._lookahead_step(scene, route, agents, ahead, followed, *now), None
 
             # A loop compiles in a tenth of the time of unrolled steps.
@@ -334,6 +357,8 @@ class Planner:
         motion = self._motion
         slope = self._slope(scene, ahead.pose)
         pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt, slope)
+        part = route.part(ahead.part, pose[:2])
+        route = route.on(part)
         gap, driving, uneasy = self._gap(scene, pose, route), ahead.driving, None
         if agents is not None:
             to_agents = self._agent_gap(agents, pose[:2], end)
@@ -351,9 +376,15 @@ class Planner:
         nose = self._nose(scene, route, pose, here)
         # The episode ends when the goal is reached, so later costs are ignored.
         driving = driving * (here > _OPTIONS.goal_distance)
-        left = driving * (0.5 * (here + nose) - _OPTIONS.goal_distance + _OPTIONS.nose)
+        to_go = 0.5 * (here + nose) - _OPTIONS.goal_distance + _OPTIONS.nose
+        left = driving * (to_go + self._more_to_go(route, pose))
         mean = ahead.mean + left * dt / self._steps.sum()
-        return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving)
+        return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving, part)
+
+    def _more_to_go(self, route: Any, pose: Any) -> Any:
+        """Cost-metres at a pose beside those to the goal; 0 here."""
+        del route, pose
+        return 0.0
 
     def _slope(self, scene: Any, pose: Any) -> tuple[Any, Any]:
         """Rise of the ground under the feet per metre ahead and to the left."""
@@ -416,7 +447,7 @@ def _field_at(route: RouteField, pose: Any, ahead: float, side: float = 0.0) -> 
     """Cost-metres to the goal from the point `ahead` m in front of a pose (3,), `side` rad to its left."""
     angle = pose[2] + side
     point = pose[:2] + ahead * jnp.stack([jnp.cos(angle), jnp.sin(angle)]) if ahead else pose[:2]
-    return _bilinear(route.cost, (point - route.origin) / NODE)
+    return route.at(point)
 
 
 class _Field(NamedTuple):
@@ -475,13 +506,14 @@ def _stretched(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
     return rows[low] * (1.0 - share) + rows[low + 1] * share
 
 
-def _bilinear(field: Any, cell: Any) -> Any:
-    """Bilinear interpolation of a field (X, Y) at (2,) cells, whose centres are whole numbers; that of the border
-    outside."""
-    x, y = field.shape
+def bilinear(field: Any, cell: Any, layer: Any = 0) -> Any:
+    """Bilinear interpolation of a layer of fields (..., X, Y) at (2,) cells, whose centres are whole numbers; that of
+    the border outside."""
+    x, y = field.shape[-2:]
     cx, cy = jnp.clip(cell[0], 0.0, x - 1.001), jnp.clip(cell[1], 0.0, y - 1.001)
     i, j = cx.astype(jnp.int32), cy.astype(jnp.int32)
     fx, fy = cx - i, cy - j
-    flat = field.reshape(-1).at[jnp.stack([i * y + j, i * y + j + 1, (i + 1) * y + j, (i + 1) * y + j + 1])]
+    first = layer * (x * y) + i * y + j
+    flat = field.reshape(-1).at[jnp.stack([first, first + 1, first + y, first + y + 1])]
     a, b, c, d = flat.get(mode="promise_in_bounds")
     return (a * (1.0 - fy) + b * fy) * (1.0 - fx) + (c * (1.0 - fy) + d * fy) * fx

@@ -29,7 +29,7 @@ class RouteFieldOptions:
       tight_cost: factor on the cost per metre where the robot just fits.
       width_slack: m, tolerance of half the robot's width, because nodes seldom lie in the middle of a gap.
       tight_margin: m, clearance below which a gap counts as tight.
-      window_margin: m, margin of the window around a route.
+      window_margin: m, margin of the window around a route by default.
       reach_ratio: range of a field as a multiple of the route's length.
       reach_margin: m, additional range.
       outside_cost: cost per metre off the passable nodes, added to that of the nearest passable one.
@@ -67,6 +67,7 @@ def build_route_fields(
     routes: np.ndarray,
     lengths: np.ndarray,
     half_width: float,
+    margin: float = _OPTIONS.window_margin,
 ) -> RouteFields:
     """Computes the fields to the goals of n episodes.
 
@@ -76,9 +77,10 @@ def build_route_fields(
       routes: (n, W, 2) m, points of the routes, which the windows enclose.
       lengths: (n,) m.
       half_width: m, half the robot's width.
+      margin: m, margin of the window around a route.
     """
-    low = routes.min(1) - _OPTIONS.window_margin
-    spans = np.ceil((routes.max(1) + _OPTIONS.window_margin - low) / NODE).astype(int)
+    low = routes.min(1) - margin
+    spans = np.ceil((routes.max(1) + margin - low) / NODE).astype(int)
     shape = np.minimum(spans.max(0), np.array(maps.to_hull.shape[1:]) // POOL)
     first = cell_of(low, maps.origin[scenes], NODE)
     first = np.clip(first, 0, np.array(maps.to_hull.shape[1:]) // POOL - shape)

@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from ..crowds import half_planes
-from ..crowds.crossings import UNSIGNALLED, WALK
+from ..crowds.crossings import STOP, UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
@@ -18,8 +17,8 @@ from ..envs.navigation.tasks.object_goal import ObjectGoal
 from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
-from .planner import GOAL_DISTANCE, Planner, RouteField
-from .route_fields import build_route_fields
+from .planner import GOAL_DISTANCE, Planner, RouteField, bilinear
+from .route_fields import NODE, build_route_fields
 from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
 
 #: `Planner`'s distance and cost where the comfort of people counts: beyond Hall's intimate distance of 0.45 m, and less
@@ -44,19 +43,12 @@ ANTICIPATION = TIMES[-1]
 #: m/s, mean speed with which the robot comes to a crosswalk, and s by which it has to be on it before people must not
 #: begin to cross any more.
 APPROACH_SPEED, SPARE_TIME = 1.2, 0.6
-#: m of a part of a route for which there is a field, and least straight distance of its ends as a share of its length.
-PART_LENGTH, PART_STRAIGHTNESS = 8.0, 0.65
-#: m between the robot's centre and a crosswalk before which it waits: COCO's nose is 0.6 m ahead.
-KERB_DISTANCE = 0.75
-
-
-class RouteParts(NamedTuple):
-    """Fields of the parts of one route: see `RouteField`, with a leading axis of parts; part: (W,) i32 of each
-    waypoint."""
-
-    origin: Any
-    cost: Any
-    part: Any
+#: m around the way from one waypoint to the next, margin of the window of its field.
+LEG_MARGIN = 5.0
+#: m between the robot's centre and a crosswalk before which it waits: COCO's nose is 0.6 m ahead; and beside others.
+KERB_DISTANCE, SIDE_DISTANCE = 0.75, 0.25
+#: Cost of a metre to the end of a crosswalk that the robot has to leave; one on the route costs 1.
+LEAVING_COST = 3.0
 
 
 class PersonFollower(RouteFollower):
@@ -72,60 +64,114 @@ class PersonFollower(RouteFollower):
         return person - (FOLLOWING_DISTANCE - NOSE) * away / jnp.maximum(jnp.linalg.norm(away), 1e-6)
 
 
-class ClosedField(NamedTuple):
-    """A planner's data in one state: see `RouteField`, and (C,) m from each crosswalk that the robot's centre has to
-    keep, minus infinity where it may enter."""
+class RouteLegs(NamedTuple):
+    """A planner's data of a route past waypoints in one state: as `RouteField`, whose part is the next waypoint.
+
+    Attributes:
+      origin, cost: see `RouteField`, with a leading axis (W,): the fields to the waypoints.
+      rest: (W,) cost-metres from each waypoint past the others to the goal.
+      places: (W, 2) m, the waypoints; those after the goal repeat it.
+      waypoint: () i32, the next one.
+      kept: (C,) m from each crosswalk that the robot's centre has to keep, minus infinity where it may enter.
+      exit_at: (2,) m, middle of the end of a crosswalk by which the robot has to leave it. outwards: (2,) unit vector
+        there, 0 if it does not have to.
+    """
 
     origin: Any
     cost: Any
+    rest: Any
+    places: Any
+    waypoint: Any
     kept: Any
+    exit_at: Any
+    outwards: Any
+
+    def at(self, point: Any) -> Any:
+        """See `RouteField.at`."""
+        k = self.waypoint
+        return bilinear(self.cost, (point - self.origin[k]) / NODE, k) + self.rest[k]
+
+    def part(self, before: Any, xy: Any) -> Any:
+        """See `RouteField.part`."""
+        return terms.next_waypoint(xy, before, self.places, len(self.places))
+
+    def on(self, part: Any) -> "RouteLegs":
+        """See `RouteField.on`."""
+        return self._replace(waypoint=part)
+
+    def first_part(self) -> Any:
+        """See `RouteField.first_part`."""
+        return self.waypoint
 
 
 class SignalPlanner(Planner):
-    """The ceiling of `FollowRoute`: enters crosswalks while their signals let it, and follows the route part by
-    part."""
+    """The ceiling of `FollowRoute`: drives past the waypoints in their order, enters crosswalks while their signals let
+    it, and leaves one on which people must not be any more by the shorter way."""
 
     def __init__(self, env: NavEnv) -> None:
         super().__init__(env)
         assert isinstance(env.task, FollowRoute)
         self._task, self._crosswalks = env.task, env.task.crosswalks
 
-    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteParts:
-        """See `Planner.prepare`: a field for each part of the routes."""
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteLegs:
+        """See `Planner.prepare`: fields to all waypoints."""
         bank = self._env.bank
-        routes = np.concatenate(
-            [bank.episode_start[scenes, rows, None, :2], bank.episode_waypoints[scenes, rows, :, :2]], 1
-        )
-        counts = bank.episode_num_waypoints[scenes, rows]
-        ends = [route_parts(route[: count + 1]) for route, count in zip(routes, counts, strict=True)]
-        whose = np.repeat(np.arange(len(rows)), [len(e) for e in ends])
-        lines, lengths = [], []
-        for route, own in zip(routes.astype(np.float64), ends, strict=True):
-            for first, last in zip([0, *own[:-1]], own, strict=True):
-                line = route[first : last + 1]
-                lines.append(line)
-                lengths.append(np.linalg.norm(np.diff(line, axis=0), axis=-1).sum())
-        most = max(map(len, lines))
-        padded = np.stack([np.concatenate([line, np.repeat(line[-1:], most - len(line), 0)]) for line in lines])
+        number, places = bank.episode_num_waypoints[scenes, rows], bank.episode_waypoints[scenes, rows, :, :2]
+        last = int(number.max())
+        which = np.minimum(np.arange(last), number[:, None] - 1)
+        places = np.take_along_axis(places, which[..., None], 1).astype(np.float64)
+        corners = np.concatenate([bank.episode_start[scenes, rows, None, :2], places], 1).astype(np.float64)
+        legs = np.stack([corners[:, :-1], corners[:, 1:]], 2)
+        real = np.arange(last) < number[:, None]
+        lengths = np.linalg.norm(np.diff(legs, axis=2)[:, :, 0], axis=-1)
         fields = build_route_fields(
-            self._maps, scenes[whose], padded[:, -1], padded, np.array(lengths), self._body.half_width
+            self._maps,
+            np.repeat(scenes, number),
+            legs[real][:, 1],
+            legs[real],
+            lengths[real],
+            self._body.half_width,
+            LEG_MARGIN,
         )
-        number, longest = max(map(len, ends)), routes.shape[1] - 1
-        place = np.cumsum([0, *map(len, ends)])
-        which = np.stack([np.minimum(place[k] + np.arange(number), place[k + 1] - 1) for k in range(len(rows))])
-        # The part in which each waypoint is: the first that ends there or later.
-        parts = np.stack([np.searchsorted(own, np.minimum(np.arange(1, longest + 1), own[-1])) for own in ends])
-        return RouteParts(*(jnp.asarray(x) for x in (fields.origin[which], fields.cost[which], parts)))
+        # Row of each leg's field; those after the goal repeat the last.
+        row = (np.cumsum(number) - number)[:, None] + which
+        origin, cost = jnp.asarray(fields.origin)[row], jnp.asarray(fields.cost)[row]
+        costs = jax.vmap(jax.vmap(lambda c, o, p: bilinear(c, (p - o) / NODE)))(cost, origin, legs[:, :, 0])
+        costs = np.where(real, np.asarray(costs, np.float64), 0.0)
+        rest = costs[:, ::-1].cumsum(1)[:, ::-1] - costs
+        first, none = jnp.zeros(len(rows), jnp.int32), jnp.zeros((len(rows), 2))
+        known = origin, cost, jnp.asarray(rest, jnp.float32), jnp.asarray(places, jnp.float32)
+        return RouteLegs(*known, waypoint=first, kept=none, exit_at=none, outwards=none)
 
-    def act(self, nav: NavState, route: Any) -> Any:
-        """See `Planner.act`; with the field of the part of the route on which the robot is."""
-        scene, part = nav.sim.scene, route.part[nav.waypoint]
-        away = self._crosswalks.away(scene, nav.sim.xpos[self._root, :2])
+    def act(self, nav: NavState, route: RouteLegs) -> Any:
+        """See `Planner.act`."""
+        scene, robot = nav.sim.scene, self._task.pose(nav.sim)
+        away = self._crosswalks.away(scene, robot.xy)
+        # The nose stays off the next one of the route; past others the way may be narrow.
+        next_one = jnp.arange(len(away)) == self._task.light(nav).row
+        kept = jnp.where(next_one, KERB_DISTANCE, SIDE_DISTANCE)
         # A robot that is nearer already, because one was closed just now, keeps where it is.
-        kept = jnp.minimum(KERB_DISTANCE, away - 0.05)
+        kept = jnp.minimum(kept, away - 0.05)
         closed = self.closed(nav) & (away > 0.0)
-        data: Any = ClosedField(route.origin[part], route.cost[part], jnp.where(closed, kept, -jnp.inf))
-        return super().act(nav, data)
+        exit_at, outwards = self._exit(nav)
+        kept = jnp.where(closed, kept, -jnp.inf)
+        route = route._replace(waypoint=nav.waypoint, kept=kept, exit_at=exit_at, outwards=outwards)
+        return super().act(nav, route)
+
+    def _exit(self, nav: NavState) -> tuple[Any, Any]:
+        """The end by which the robot leaves a crosswalk sooner, and the direction out there, see `RouteLegs`."""
+        state: RouteState = nav.task
+        scene, row, robot = nav.sim.scene, state.inside, self._task.pose(nav.sim)
+        axis = self._crosswalks.axis[scene, row]
+        outwards = jnp.stack([axis, -axis])
+        ends = self._crosswalks.centre[scene, row] + self._crosswalks.half[scene, row, 0] * outwards
+        left = ((ends - robot.xy) * outwards).sum(-1)
+        ahead = outwards @ jnp.stack([jnp.cos(robot.yaw), jnp.sin(robot.yaw)])
+        turning = jnp.arccos(jnp.clip(ahead, -1.0, 1.0)) / self._robot.max_yaw_rate
+        sooner = jnp.argmin(left / APPROACH_SPEED + turning)
+        phase = self._task.phases(scene, state.offset, nav.steps)[row]
+        leaves = (row >= 0) & (phase == STOP) & (left.min() > 0.0)
+        return ends[sooner], jnp.where(leaves, outwards[sooner], 0.0)
 
     def closed(self, nav: NavState) -> Any:
         """(C,) bool, the crosswalks that the robot should not enter, because it cannot in time; not the one on which it
@@ -138,26 +184,13 @@ class SignalPlanner(Planner):
         enters = (phase == UNSIGNALLED) | ((phase == WALK) & (left > arrives))
         return ~enters & (jnp.arange(len(phase)) != state.inside)
 
-    def _gap(self, scene: Any, pose: Any, route: ClosedField) -> Any:
+    def _gap(self, scene: Any, pose: Any, route: RouteLegs) -> Any:
         to_crosswalk = (self._crosswalks.away(scene, pose[:2]) - route.kept).min()
         return jnp.minimum(super()._gap(scene, pose, route), to_crosswalk)
 
-
-def route_parts(corners: Float[np.ndarray, "W 2"]) -> list[int]:
-    """Rows of the corners (W, 2) m of a route at which its parts end, the last corner among them: parts are at most
-    `PART_LENGTH` m long and lead away from their beginning, so that a part is about the shortest path to its end."""
-    length = np.linalg.norm(np.diff(corners, axis=0), axis=-1)
-    found, first, last = [], 0, len(corners) - 1
-    while first < last:
-        end = first + 1
-        for k in range(first + 2, last + 1):
-            along = length[first:k].sum()
-            if along > PART_LENGTH or np.linalg.norm(corners[k] - corners[first]) < PART_STRAIGHTNESS * along:
-                break
-            end = k
-        found.append(end)
-        first = end
-    return found
+    def _more_to_go(self, route: RouteLegs, pose: Any) -> Any:
+        to_exit = ((route.exit_at - pose[:2]) * route.outwards).sum()
+        return LEAVING_COST * jnp.maximum(to_exit, 0.0)
 
 
 class ObjectPlanner(Planner):

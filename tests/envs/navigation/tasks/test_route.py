@@ -226,6 +226,82 @@ def test_the_planner_may_not_enter_crosswalks_while_their_signals_forbid_it(env:
     assert not bool(planner.closed(with_time(on, 40.0))[0]), "it leaves the crosswalk on which it is"
 
 
+def posed(env: NavEnv, nav: Any, xy: tuple[float, float], yaw: float, seconds: float) -> Any:
+    """A state in which the robot stands at a point (m) and heading, after the step that leads there."""
+    new = after(env, with_time(nav, seconds - env.dt), xy)
+    turned = jnp.array([np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)])
+    return new._replace(sim=new.sim._replace(xquat=new.sim.xquat.at[1].set(turned)))
+
+
+@pytest.fixture(scope="module")
+def planner(env: NavEnv) -> SignalPlanner:
+    planner = planner_of(env)
+    assert isinstance(planner, SignalPlanner)
+    return planner
+
+
+@pytest.fixture(scope="module")
+def legs(planner: SignalPlanner) -> Any:
+    """The planner's data of the first route."""
+    return jax.tree.map(lambda x: x[0], planner.prepare(np.array([0], np.int32), np.array([0], np.int32)))
+
+
+def test_the_planners_cost_leads_past_every_waypoint(planner: SignalPlanner, legs: Any, begun: Any) -> None:
+    places, rest = np.asarray(legs.places), np.asarray(legs.rest)
+    left = np.append(np.linalg.norm(np.diff(places, axis=0), axis=-1)[::-1].cumsum()[::-1], 0.0)
+    assert (np.diff(rest) < 0.0).all()
+    assert (rest >= 0.9 * left - 1.0).all()
+    assert rest[0] < 3.0 * left[0]
+    for k in range(len(places) - 1):
+        # From one waypoint to the next, and past the one that is missing.
+        assert float(legs.on(k + 1).at(legs.places[k])) == pytest.approx(rest[k], abs=1e-3)
+        assert float(legs.on(k).at(legs.places[k + 1])) > rest[k] + 0.9 * np.linalg.norm(places[k + 1] - places[k]) - 1
+        assert int(legs.part(jnp.int32(k), legs.places[k])) == k + 1
+    assert int(legs.part(jnp.int32(len(places) - 1), legs.places[-1])) == len(places) - 1
+    far = legs.places[0] + jnp.array([2.1, 0.0])
+    assert int(legs.part(jnp.int32(0), far)) == 0
+    assert float(legs.at(begun.start[:2])) > rest[0]
+
+
+def test_the_planner_waits_before_a_closed_crosswalk_and_enters_an_open_one(
+    env: NavEnv, planner: SignalPlanner, legs: Any, begun: Any
+) -> None:
+    """Where the first route comes to it. It stands as long as it is closed, whatever lies behind."""
+    arc = float(env.task._arc[0, 0, 0])  # type: ignore[attr-defined]
+    corners = np.concatenate([np.asarray(begun.start)[None, :2], np.asarray(begun.waypoints)[:, :2]])
+    ends = np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=-1))
+    k = int(np.searchsorted(ends, arc))
+    along = (corners[k + 1] - corners[k]) / np.linalg.norm(corners[k + 1] - corners[k])
+    xy = corners[k] + (arc - (ends[k - 1] if k else 0.0) - 0.85) * along
+    yaw = float(np.arctan2(along[1], along[0]))
+    act = jax.jit(planner.act)
+    for seconds, speed in ((5.0, 0.5), (21.0, 0.0), (40.0, 0.0), (59.0, 0.0), (60.5, 0.5)):
+        nav = posed(env, begun, tuple(xy), yaw, seconds)._replace(
+            waypoint=jnp.int32(k), route_done=jnp.float32(arc - 0.85)
+        )
+        forward = float(act(nav, legs)[0])
+        assert (forward > 0.3) if speed else (forward < 0.02), (seconds, forward)
+
+
+@pytest.mark.parametrize(
+    ("y", "yaw", "end"),
+    [(-3.0, np.pi / 2, -4.0), (-3.0, -np.pi / 2, -4.0), (1.0, np.pi / 2, 4.0), (-0.5, np.pi / 2, 4.0)],
+)
+def test_the_planner_leaves_a_crosswalk_by_the_shorter_way(
+    env: NavEnv, planner: SignalPlanner, begun: Any, y: float, yaw: float, end: float
+) -> None:
+    """In time: ahead to a far end takes no turn, and 0.5 m from the middle a turn takes longer than the way on."""
+    on = after(env, with_time(at(begun, (30.0, -4.5)), 5.0), (30.0, -3.9))
+    for seconds, leaves in ((10.0, False), (22.0, False), (40.0, True)):
+        nav = posed(env, on, (30.0, y), yaw, seconds)
+        place, outwards = planner._exit(nav)
+        np.testing.assert_allclose(outwards, [0.0, leaves * np.sign(end)], atol=0.02)
+        if leaves:
+            np.testing.assert_allclose(place, [30.0, end], atol=0.2)
+    beside = posed(env, on, (30.0, -4.3), yaw, 40.0)
+    assert not np.any(planner._exit(beside)[1]), "it is out"
+
+
 @pytest.mark.slow
 def test_check_env_accepts_it(env: NavEnv) -> None:
     check_env(env, num_envs=4, num_steps=6)
