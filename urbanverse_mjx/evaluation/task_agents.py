@@ -254,11 +254,12 @@ class DeliveryPlanner(Planner):
 
     Of the commands that keep clear of the street it prefers those whose velocity ORCA permits (van den Berg et al.,
     "Reciprocal n-Body Collision Avoidance", 2011): each robot of a pair takes half of the change that avoids the other
-    for `HORIZON` s. Robots that stand for good take none, so these are avoided in full.
+    for `HORIZON` s. A robot that stands takes none, so it is avoided in full, and the look-ahead drives around it: two
+    that stand face to face would otherwise wait for each other.
     """
 
     def __init__(self, env: NavEnv) -> None:
-        super().__init__(env, people=False)
+        super().__init__(env)
         assert isinstance(env.task, MultiRobot)
         self._task = env.task
 
@@ -273,6 +274,11 @@ class DeliveryPlanner(Planner):
         goes_back = jnp.round(nav.task.delivered).astype(jnp.int32) % 2 == 1
         field = there._replace(cost=jnp.where(goes_back, back, there.cost))
         return self._waypoint(self._first_costs(nav, field) + ORCA_COST * self._forbidden(nav))
+
+    def _agents(self, nav: NavState) -> Any:
+        agents = super()._agents(nav)
+        standing = jnp.hypot(agents[:, 2], agents[:, 3]) <= STANDING_ROBOT
+        return agents.at[:, 5].set(jnp.where(standing, agents[:, 5], 0.0))
 
     def _forbidden(self, nav: NavState) -> Any:
         """(first,) m/s by which the velocity of each command is outside of what ORCA permits."""

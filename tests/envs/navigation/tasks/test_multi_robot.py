@@ -152,6 +152,34 @@ def test_episodes_of_a_street_stay_together(env: NavEnv) -> None:
         fixed_episodes(env, 3)
 
 
+def test_the_planner_drives_around_a_robot_that_stands_in_its_way(env: NavEnv, pair: Any) -> None:
+    """It would wait for it for ever. One that drives on is left to ORCA."""
+    planner = planner_of(env)
+    assert isinstance(planner, DeliveryPlanner)
+    nav = one(pair, 0)
+    row = np.asarray(nav.episode)[None]
+    route = jax.tree.map(lambda x: x[0], planner.prepare(np.zeros(1, np.int32), row))
+    xy, along = np.asarray(nav.start[:2]), np.asarray(nav.waypoints[0, :2] - nav.start[:2])
+    along = along / np.linalg.norm(along)
+    yaw = float(np.arctan2(along[1], along[0]))
+    turned = jnp.array([np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)])
+    nav = nav._replace(sim=nav.sim._replace(xquat=nav.sim.xquat.at[1].set(turned)))
+    act = jax.jit(planner.act)
+
+    def with_other(away: float, speed: float) -> Any:
+        at, v = jnp.asarray(xy + away * along, jnp.float32), jnp.asarray(speed * along, jnp.float32)
+        body = nav.crowd.bodies._replace(x=at[:1], y=at[1:], vx=v[:1], vy=v[1:], heading=jnp.array([yaw + np.pi]))
+        return nav._replace(crowd=nav.crowd._replace(bodies=body))
+
+    free, _ = np.asarray(act(with_other(20.0, 0.0), route))
+    assert free > 0.5, "nothing is in its way"
+    faced = np.asarray(act(with_other(1.6, 0.0), route))
+    assert np.linalg.norm(faced) > 1e-3, "it does not stand"
+    assert abs(np.arctan2(faced[1], faced[0])) > 0.05, "it turns aside"
+    assert float(planner._agents(with_other(1.6, 0.0))[0, 5]) == 1.0
+    assert float(planner._agents(with_other(1.6, 1.0))[0, 5]) == 0.0
+
+
 @pytest.mark.slow
 def test_the_planner_delivers_more_than_the_baseline(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {**FEW, "episode_length": 150}, config=multi_robot_config())
