@@ -215,7 +215,12 @@ class Planner:
       people: whether to include moving agents.
       comfort: m between bodies below which nearness to agents has a cost, and that cost relative to the one of nearness
         to obstacles; None for no such cost.
+
+    Attributes:
+      STILL: whether waiting opens no way where there are no agents.
     """
+
+    STILL = True
 
     def __init__(self, env: NavEnv, people: bool = True, comfort: tuple[float, float] | None = None) -> None:
         robot = env.robot
@@ -262,29 +267,54 @@ class Planner:
 
     def act(self, nav: NavState, route: RouteField) -> Any:
         """(2,) waypoint in [-1, 1]."""
-        return self._waypoint(self._first_costs(nav, route))
+        return self._waypoint(*self._first_costs(nav, route))
 
-    def _waypoint(self, cost: Any) -> Any:
-        """(2,) waypoint in [-1, 1] of the cheapest command of the first phase; cost: (first,)."""
-        best = self.first[jnp.argmin(cost)]
+    def _waypoint(self, commands: Any, cost: Any) -> Any:
+        """(2,) waypoint in [-1, 1] of the cheapest of commands (n, 2) with costs (n,)."""
+        best = commands[jnp.argmin(cost)]
         return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
 
-    def _first_costs(self, nav: NavState, route: RouteField) -> Any:
-        """(first,) cost of every command of the first phase with the best of the second."""
+    def _first_costs(self, nav: NavState, route: RouteField) -> tuple[Any, Any]:
+        """(n, 2) commands of the first phase and (n,) their costs with the best of the second. Where nothing moves, the
+        last command is that of the second phase of a plan to wait, see `_at_once`."""
         xy, quaternion = nav.sim.xpos[self._root, :2], nav.sim.xquat[self._root]
         yaw = rotations.yaw_of(quaternion)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         agents = self._agents(nav) if self._people else None
         state = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw, speed, nav.sim.qvel[5]]))
-        return self.costs(nav.sim.scene, state, route, agents).min(1)
+        costs = self.costs(nav.sim.scene, state, route, agents)
+        if agents is not None or not self.STILL:
+            return self.first, costs.min(1)
+        command, cost = self._at_once(nav.sim.scene, state, route, costs)
+        return jnp.concatenate([self.first, command[None]]), jnp.append(costs.min(1), cost)
 
-    def costs(self, scene: Any, state: Any, route: RouteField, agents: Any) -> Any:
+    def _at_once(self, scene: Any, state: Any, route: RouteField, costs: Any) -> tuple[Any, Any]:
+        """The command (2,) after the wait of the cheapest plan, and its cost: a little less than that of waiting if the
+        robot stands and can begin without contact, else infinite.
+
+        Among still things such a plan can begin at once. Its end then differs, because the predictions end at the same
+        time, and may be dearer; a robot that waits for that reason has the same choice in every step and never starts.
+        """
+        waiting = jnp.argmin(jnp.abs(self.first).sum(-1))
+        after = jnp.argmin(costs[waiting])
+        held = len(self._after)
+        speeds = jnp.array(_OPTIONS.follow_speeds) * self._robot.max_speed
+        way = route.on(route.first_part())
+        followed = self._downhill(scene, way, state[:3], speeds[jnp.clip(after - held, 0, len(speeds) - 1)])
+        command = jnp.where(after < held, self._after[jnp.minimum(after, held - 1)], followed)
+        waits = (jnp.argmin(costs.min(1)) == waiting) & (jnp.abs(state[3:]).max() < _OPTIONS.standing)
+        least = costs[waiting, after]
+        begins = self.costs(scene, state, route, None, command[None]).min() < least + 0.5 * _OPTIONS.touch_cost
+        return command, jnp.where(waits & begins, least - 1e-3, jnp.inf)
+
+    def costs(self, scene: Any, state: Any, route: RouteField, agents: Any, first: Any = None) -> Any:
         """(first, after) cost of every command of the first phase with every command of the second; constant commands
         come before those that follow the field.
 
         Args:
           state: (5,) x, y, yaw, speed, yaw rate.
           agents: (A, 6), see `_agents`, or None.
+          first: (first, 2) m/s, rad/s, other commands of the first phase than `self.first`.
         """
         zero = jnp.float32(0.0)
         start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0), route.first_part())
@@ -309,7 +339,7 @@ class Planner:
             speeds = jnp.array(_OPTIONS.follow_speeds) * self._robot.max_speed
             return jnp.concatenate([held, jax.vmap(lambda v: _cost(drive(middle, v, go_on, follow=True)))(speeds)])
 
-        return jax.vmap(whole)(self.first)
+        return jax.vmap(whole)(self.first if first is None else first)
 
     def _agents(self, nav: NavState) -> Any:
         """(A, 6) x, y, vx, vy, radius, presence of moving agents; long ones are enclosing discs."""

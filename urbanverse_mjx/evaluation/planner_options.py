@@ -34,6 +34,7 @@ class PlannerOptions:
       edge_distance: m, distance of wheels to an edge.
       agent_distance: m, distance to agents.
       agent_drift: m/s, increase of that distance with the prediction time, for the uncertainty of their motion.
+      standing: m/s and rad/s, speeds below which the robot stands.
       mean_weight: weight of the mean remaining distance in the cost, so that of two commands with equal ends the faster
         one is better.
     """
@@ -60,4 +61,5 @@ class PlannerOptions:
     edge_distance: float = 0.04
     agent_distance: float = 0.15
     agent_drift: float = 0.1
+    standing: float = 0.1
     mean_weight: float = 1.0

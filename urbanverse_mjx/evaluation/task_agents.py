@@ -108,6 +108,8 @@ class SignalPlanner(Planner):
     """The ceiling of `FollowRoute`: drives past the waypoints in their order, enters crosswalks while their signals let
     it, and leaves one on which people must not be any more by the shorter way."""
 
+    STILL = False
+
     def __init__(self, env: NavEnv) -> None:
         super().__init__(env)
         assert isinstance(env.task, FollowRoute)
@@ -273,15 +275,16 @@ class DeliveryPlanner(Planner):
         there, back = route
         goes_back = jnp.round(nav.task.delivered).astype(jnp.int32) % 2 == 1
         field = there._replace(cost=jnp.where(goes_back, back, there.cost))
-        return self._waypoint(self._first_costs(nav, field) + ORCA_COST * self._forbidden(nav))
+        commands, costs = self._first_costs(nav, field)
+        return self._waypoint(commands, costs + ORCA_COST * self._forbidden(nav, commands))
 
     def _agents(self, nav: NavState) -> Any:
         agents = super()._agents(nav)
         standing = jnp.hypot(agents[:, 2], agents[:, 3]) <= STANDING_ROBOT
         return agents.at[:, 5].set(jnp.where(standing, agents[:, 5], 0.0))
 
-    def _forbidden(self, nav: NavState) -> Any:
-        """(first,) m/s by which the velocity of each command is outside of what ORCA permits."""
+    def _forbidden(self, nav: NavState, commands: Any) -> Any:
+        """(n,) m/s by which the velocity of each of the commands (n, 2) is outside of what ORCA permits."""
         assert nav.crowd is not None
         body, dynamic = nav.crowd.bodies, self._env.dynamic
         assert dynamic is not None
@@ -302,8 +305,8 @@ class DeliveryPlanner(Planner):
             dt=self._env.dt,
         )
         # Where the robot is after half of a turn of the first phase.
-        heading = robot.yaw + 0.5 * self.first[:, 1] * TURNING_TIME
-        vx, vy = self.first[:, 0] * jnp.cos(heading), self.first[:, 0] * jnp.sin(heading)
+        heading = robot.yaw + 0.5 * commands[:, 1] * TURNING_TIME
+        vx, vy = commands[:, 0] * jnp.cos(heading), commands[:, 0] * jnp.sin(heading)
         over = jax.vmap(lambda x, y: lines.violation(x, y).max())(vx, vy)
         return jnp.maximum(over, 0.0)
 
