@@ -93,7 +93,7 @@ class RouteLegs(NamedTuple):
 
     def part(self, before: Any, xy: Any) -> Any:
         """See `RouteField.part`."""
-        return terms.next_waypoint(xy, before, self.places, len(self.places))
+        return terms.next_waypoint(xy, before, self.places, jnp.int32(len(self.places)))
 
     def on(self, part: Any) -> "RouteLegs":
         """See `RouteField.on`."""
@@ -157,8 +157,8 @@ class SignalPlanner(Planner):
         closed = self.closed(nav) & (away > 0.0)
         exit_at, outwards = self._exit(nav)
         kept = jnp.where(closed, kept, -jnp.inf)
-        route = route._replace(waypoint=nav.waypoint, kept=kept, exit_at=exit_at, outwards=outwards)
-        return super().act(nav, route)
+        data: Any = route._replace(waypoint=nav.waypoint, kept=kept, exit_at=exit_at, outwards=outwards)
+        return super().act(nav, data)
 
     def _exit(self, nav: NavState) -> tuple[Any, Any]:
         """The end by which the robot leaves a crosswalk sooner, and the direction out there, see `RouteLegs`."""
