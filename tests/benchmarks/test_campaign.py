@@ -381,5 +381,7 @@ def test_results_become_rows_of_scores(
     assert (tmp_path / "student_arms.csv").read_text().splitlines()[1:] == [
         f"without memory,1,{name},s,50.0" for name in campaign.results.VALIDATION
     ]
-    assert len((tmp_path / "imitation.csv").read_text().splitlines()) == 1 + 2 * len(campaign.results.COMPARISONS["imitation"].sets)
+    assert len((tmp_path / "imitation.csv").read_text().splitlines()) == 1 + 2 * len(
+        campaign.results.COMPARISONS["imitation"].sets
+    )
     assert "both,1,validation_composed,s,50.0" in (tmp_path / "training_streets.csv").read_text()
