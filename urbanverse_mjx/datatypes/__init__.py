@@ -1,6 +1,8 @@
 """The datatypes that the stages exchange: frozen, validated, each with a file form."""
 
 from .asset import AgentAppearance, AssetMesh, AssetRecord, HullSet
+from .bank_shards import BankShards
+from .bank_shards_writer import BankShardsWriter
 from .evaluation import HIT_GROUND, OUTCOMES, RESULTS, BenchmarkReport, EpisodeResult, outcome_of
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
@@ -28,6 +30,8 @@ __all__ = [
     "AgentShapes",
     "AssetMesh",
     "AssetRecord",
+    "BankShards",
+    "BankShardsWriter",
     "BenchmarkReport",
     "Bodies",
     "Camera",

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from . import validation as v
+from .bank_padding import EMPTY
 from .scene_bank import SceneBank
 
 #: Index arrays with a leading scene axis -> the array to whose rows they refer.
@@ -22,19 +23,6 @@ _STARTS = {
     "mesh_vertex_start": "mesh_vertices",
     "mesh_face_start": "mesh_faces",
     "texture_start": "texture_data",
-}
-#: Fill values of padding, where not 0.
-_EMPTY = {
-    "inst_hull": -1,
-    "inst_object": -1,
-    "inst_friction": 1.0,
-    "prism_hull": -1,
-    "prism_friction": 1.0,
-    "prism_material_friction": 1.0,
-    "hull_grid": -1,
-    "prism_grid": -1,
-    "slot_mesh": -1,
-    "slot_category": -1,
 }
 _SCALARS = ("grid_cell", "map_resolution")
 
@@ -59,7 +47,7 @@ def join(banks: Sequence[SceneBank]) -> SceneBank:
         if len(values) > 1:
             raise v.fail("join", f"{what} {sorted(values)}", "the same in all banks", "build them with one version")
     resolution = max(float(bank.map_resolution) for bank in banks)
-    parts = [_coarse_map(bank, resolution) for bank in banks]
+    parts = [coarse_map(bank, resolution) for bank in banks]
     categories = list(dict.fromkeys(name for bank in banks for name in bank.meta["categories"]))
     for bank, part in zip(banks, parts, strict=True):
         rows = np.array([*(categories.index(name) for name in bank.meta["categories"]), -1], np.int32)
@@ -68,8 +56,12 @@ def join(banks: Sequence[SceneBank]) -> SceneBank:
     return SceneBank(**arrays, meta=_meta(banks, categories, arrays["slot_mesh"].shape[1]))
 
 
-def _coarse_map(bank: SceneBank, resolution: float) -> dict[str, np.ndarray]:
-    """The bank's arrays with a map of every n-th cell."""
+def coarse_map(bank: SceneBank, resolution: float) -> dict[str, np.ndarray]:
+    """The bank's arrays with a map of every n-th cell, of `resolution` m.
+
+    Raises:
+      ValidationError: the resolution is no multiple of the bank's.
+    """
     arrays = bank.arrays()
     step = round(resolution / float(bank.map_resolution))
     if abs(step * float(bank.map_resolution) - resolution) > 1e-6:
@@ -101,7 +93,7 @@ def _stacked(arrays: Sequence[np.ndarray], name: str) -> np.ndarray:
     shapes = [a.shape[1:] for a in arrays]
     if len(set(shapes)) == 1:
         return np.concatenate(arrays)
-    shape, fill = tuple(max(sizes) for sizes in zip(*shapes, strict=True)), _EMPTY.get(name, 0)
+    shape, fill = tuple(max(sizes) for sizes in zip(*shapes, strict=True)), EMPTY.get(name, 0)
     # The system allocates no memory for zeros that are never written, which saves half of the maps of 200 streets.
     whole, dtype = (sum(len(a) for a in arrays), *shape), arrays[0].dtype
     out = np.full(whole, fill, dtype) if fill else np.zeros(whole, dtype)

@@ -1,4 +1,5 @@
-"""`SceneBank`: many compiled scenes as padded arrays with a leading `scene` axis. File: `bank-<hash>.npz`.
+"""`SceneBank`: many compiled scenes as padded arrays with a leading `scene` axis. File: `bank-<hash>.npz`, or a folder
+`NAME.bank` (`bank_shards`), of which scenes can be read alone.
 
 It holds all data for physics, rendering, environments and evaluation, so a GPU machine needs no other file. All
 positions are in the scene's world frame (z up, metres), rotations R_world_x.
@@ -11,7 +12,8 @@ K materials, S skies, A categories.
 import dataclasses
 import json
 import os
-from collections.abc import Iterator
+import pathlib
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +22,8 @@ from . import array_file
 from . import validation as v
 from .asset import MAX_HULL_VERTICES
 from .bank_checks import check_bank
+from .bank_shards import SUFFIX, BankShards
+from .bank_shards_writer import BankShardsWriter
 
 SCHEMA = "urbanverse.scene_bank/1"
 #: Splits of scenes: for training; for the choice of presets, checkpoints and ablations; for reports.
@@ -191,16 +195,28 @@ class SceneBank:
         return body.reshape(tuple(self.texture_shape[index]))
 
     def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a file, or a folder (`bank_shards`) where the name ends in .bank.
+
+        Raises:
+          ValidationError: there is a folder of this name that is not a bank's.
+        """
+        if pathlib.Path(path).suffix == SUFFIX:
+            with BankShardsWriter(path) as writer:
+                writer.add(self.arrays(), self.meta)
+            return
         meta = np.frombuffer(json.dumps({**self.meta, "schema": SCHEMA}).encode("utf-8"), np.uint8)
         array_file.save(path, {"meta": meta, **self.arrays()})
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "SceneBank":
-        """Reads a bank.
+        """Reads a bank from a file or a folder, with all its scenes.
 
         Raises:
           ValidationError: the file does not exist, is damaged, has another schema, or its arrays are inconsistent.
         """
+        if os.path.isdir(path):
+            shards = BankShards(path)
+            return SceneBank.take(shards, range(shards.num_scenes))
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a scene bank", "build one with `urbanverse scene bank`")
         arrays = array_file.load(path, "a whole scene bank", "build it again, or copy it again from where it is whole")
@@ -217,3 +233,16 @@ class SceneBank:
             wrong = ", ".join(sorted(names ^ set(arrays)))
             raise v.fail(str(path), f"other arrays than expected ({wrong})", "a bank of this version", "build it again")
         return SceneBank(meta=meta, **arrays)
+
+    @staticmethod
+    def take(shards: BankShards, rows: "Sequence[int] | np.ndarray") -> "SceneBank":
+        """Reads some scenes of a folder; of hulls, meshes, textures and skies only those that they use.
+
+        Args:
+          rows: of the scenes, in this order, each once.
+
+        Raises:
+          ValidationError: there is no such row, a file is missing or damaged, or its arrays are inconsistent.
+        """
+        arrays, meta = shards.take(rows)
+        return SceneBank(meta={**meta, "schema": SCHEMA}, **arrays)
