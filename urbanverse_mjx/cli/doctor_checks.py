@@ -292,7 +292,7 @@ def check_scenes() -> Finding:
     detail = f"{v.counted(len(graphs), 'streets')} with {v.counted(objects, 'objects')} in {root}"
     if not graphs:
         return Finding("missing", detail, "git checkout -- scenes")
-    built = settings.default_bank_path().is_file()
+    built = settings.default_bank_path().exists()
     return Finding("ok", f"{detail}; their bank is {'built' if built else 'built at the first use'}")
 
 

@@ -10,8 +10,9 @@ from typing import Annotated, Literal
 import tyro
 
 from .. import pipeline, settings
-from ..datatypes import SPLITS, SceneBank
+from ..datatypes import SPLITS, BankShardsWriter, SceneBank
 from ..datatypes import validation as v
+from ..datatypes.bank_shards import SUFFIX as SHARDS
 from ..progress import Progress
 from . import scene_gallery, scene_library, scene_routes
 
@@ -44,13 +45,14 @@ class CompileArgs:
 
 @dataclasses.dataclass(frozen=True)
 class BankArgs:
-    """Compile scene graphs and pack them into one bank file; prints one JSON line."""
+    """Compile scene graphs and pack them into one bank; prints one JSON line."""
 
     graphs: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional] = ()
     """graph.json files; none: the shipped streets, which are re-used if nothing changed."""
     out: pathlib.Path | None = None
-    """Bank file; default: in the cache, named by a hash of its inputs. Environments load the shipped streets' bank, or
-    that of the variable URBANVERSE_BANK."""
+    """Bank file (.npz), or a folder (.bank) of which environments can read some scenes alone; default: a file in the
+    cache, named by a hash of its inputs. Environments load the shipped streets' bank, or that of the variable
+    URBANVERSE_BANK."""
     seed: int = 0
     """Seed of the choice among equally good assets, materials and skies, and of the episodes."""
     split: str = "train"
@@ -68,9 +70,10 @@ class JoinArgs:
     holds it out; prints one JSON line."""
 
     banks: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional]
-    """Bank files; a scene may occur in only one of them."""
+    """Bank files or folders; a scene may occur in only one of them."""
     out: pathlib.Path
-    """Bank file to write."""
+    """Bank file (.npz) to write, or a folder (.bank), which needs the memory of one bank at a time and holds equal meshes
+    and textures once."""
     split: tuple[str, ...] = ()
     """NAME=PATTERN assigns the scenes whose ids match a shell pattern to the split NAME: "held_out=bench_*_15?"."""
 
@@ -157,6 +160,11 @@ def _bank(args: BankArgs) -> int:
     else:
         graphs, splits = pipeline.shipped_scenes()
         cousins = 1
+    if args.out is not None and args.out.suffix == SHARDS:
+        return _say_shards(
+            args.out,
+            pipeline.build_shards(args.out, graphs, splits, args.seed, args.quiet, cousins, args.imported),
+        )
     return _keep_bank(
         args.out,
         settings.user_bank_path(graphs, splits, args.seed, cousins),
@@ -179,9 +187,16 @@ def _keep_bank(out: pathlib.Path | None, path: pathlib.Path, build: Callable[[],
 
 
 def _join(args: JoinArgs) -> int:
+    if args.out.suffix == SHARDS:
+        return _say_shards(args.out, pipeline.join_shards(args.banks, args.out, args.split))
     bank = pipeline.join_banks(args.banks, args.split)
     bank.save(args.out)
     return _say_bank(args.out, bank)
+
+
+def _say_shards(path: pathlib.Path, written: BankShardsWriter) -> int:
+    print(json.dumps({"bank": str(path), "scenes": written.scene_ids, **written.counts}))
+    return 0
 
 
 def _say_bank(path: pathlib.Path, bank: SceneBank) -> int:

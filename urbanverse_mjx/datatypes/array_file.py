@@ -83,20 +83,25 @@ def _is_sealed(body: mmap.mmap) -> bool:
     return True
 
 
-def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
-    """Reads all arrays by name.
+def load(
+    path: str | os.PathLike[str], kind: str, hint: str, names: Collection[str] | None = None
+) -> dict[str, Any]:
+    """Reads arrays by name.
 
     Args:
       kind: expected kind of file, for error messages.
       hint: advice for a damaged one.
+      names: those to read, without an error for one that is missing; None for all. All of the file is checked anyway.
 
     Raises:
       ValidationError: the file cannot be read, is truncated, or any of its bytes changed.
     """
-    return _load(path, kind, hint)[0]
+    return _load(path, kind, hint, names)[0]
 
 
-def _load(path: str | os.PathLike[str], kind: str, hint: str) -> tuple[dict[str, Any], bool]:
+def _load(
+    path: str | os.PathLike[str], kind: str, hint: str, names: Collection[str] | None = None
+) -> tuple[dict[str, Any], bool]:
     """The arrays, and whether the file has a checksum over all of it."""
     try:
         with open(path, "rb") as file, _mapped(file) as body, zipfile.ZipFile(cast(Any, body)) as archive:
@@ -105,7 +110,9 @@ def _load(path: str | os.PathLike[str], kind: str, hint: str) -> tuple[dict[str,
             if sealed:
                 for entry in entries:
                     del entry.CRC  # `zipfile` computes none where there is none to compare
-            return {entry.filename.removesuffix(_SUFFIX): _array(archive, entry) for entry in entries}, sealed
+            found = {entry.filename.removesuffix(_SUFFIX): entry for entry in entries}
+            wanted = {name: entry for name, entry in found.items() if names is None or not sealed or name in names}
+            return {name: _array(archive, entry) for name, entry in wanted.items()}, sealed
     except MemoryError:
         raise
     except Exception as error:

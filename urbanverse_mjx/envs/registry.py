@@ -319,7 +319,7 @@ def load_terrain_bank() -> SceneBank:
 
 def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
     """Loads a bank that a command builds; `keyed`: the file's name contains a hash of its inputs."""
-    if not path.is_file():
+    if not path.exists():
         raise ValidationError(f"scene bank: found none at {path}, needed one; run `{command}`.")
     bank = SceneBank.load(path)
     if keyed and bank.key != settings.bank_key(path):

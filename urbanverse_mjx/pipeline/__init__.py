@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .banks import (
         build_bank,
+        build_shards,
         build_terrain_bank,
         cached_bank,
         ensure_default_bank,
         ensure_terrain_bank,
         join_banks,
+        join_shards,
         shipped_scenes,
     )
     from .benchmarking import BenchmarkOptions, BenchmarkRun, benchmark
@@ -63,6 +65,7 @@ _HOMES = {
     "analyse_study": "study",
     "benchmark": "benchmarking",
     "build_bank": "banks",
+    "build_shards": "banks",
     "build_library": "library.sets",
     "build_terrain_bank": "banks",
     "cached_bank": "banks",
@@ -82,6 +85,7 @@ _HOMES = {
     "import_colmap": "generation.importing",
     "import_kitti360": "generation.importing",
     "join_banks": "banks",
+    "join_shards": "banks",
     "make_controller": "scenes",
     "make_study": "study",
     "plan_routes": "routes",
@@ -116,6 +120,7 @@ __all__ = [
     "analyse_study",
     "benchmark",
     "build_bank",
+    "build_shards",
     "build_library",
     "build_terrain_bank",
     "cached_bank",
@@ -135,6 +140,7 @@ __all__ = [
     "import_colmap",
     "import_kitti360",
     "join_banks",
+    "join_shards",
     "make_controller",
     "make_study",
     "plan_routes",

@@ -1,18 +1,22 @@
 """Builds, joins and caches banks of compiled scenes."""
 
+import contextlib
 import dataclasses
 import fnmatch
 import os
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from .. import settings
-from ..datatypes import SceneBank, array_file
+from ..datatypes import BankShards, BankShardsWriter, SceneBank, array_file
 from ..datatypes import validation as v
 from ..process_pool import results_as_completed
 from ..progress import Progress
 from ..work_folder import work_folder
 from .scenes import compile_graph
+
+#: Scenes that are in memory at once where a folder is written.
+_SCENES_TOGETHER = 16
 
 
 def build_bank(
@@ -37,8 +41,49 @@ def build_bank(
     Raises:
       ValidationError: a graph cannot be compiled; the message names it.
     """
-    from ..assets.records.store import ensure_store
     from ..scene import pack_bank
+
+    with _compiled(graphs, seed, quiet, cousins, imported) as folders:
+        return pack_bank(folders, [split for split in splits for _ in range(cousins)])
+
+
+def build_shards(
+    out: str | os.PathLike[str],
+    graphs: Sequence[str | os.PathLike[str]],
+    splits: Sequence[str],
+    seed: int = 0,
+    quiet: bool = False,
+    cousins: int = 1,
+    imported: bool = False,
+) -> BankShardsWriter:
+    """Like `build_bank`, but writes a folder (`datatypes.bank_shards`), of whose scenes few are in memory at once.
+
+    Args:
+      out: the folder; its name ends in .bank.
+
+    Returns:
+      the writer, which knows the scenes and counts.
+
+    Raises:
+      ValidationError: a graph cannot be compiled; the message names it; or the folder holds other files.
+    """
+    from ..scene import pack_bank
+
+    with BankShardsWriter(out) as writer, _compiled(graphs, seed, quiet, cousins, imported) as folders:
+        every = [split for split in splits for _ in range(cousins)]
+        for first in range(0, len(folders), _SCENES_TOGETHER):
+            part = slice(first, first + _SCENES_TOGETHER)
+            bank = pack_bank(folders[part], every[part])
+            writer.add(bank.arrays(), bank.meta)
+    return writer
+
+
+@contextlib.contextmanager
+def _compiled(
+    graphs: Sequence[str | os.PathLike[str]], seed: int, quiet: bool, cousins: int, imported: bool
+) -> Iterator[list[pathlib.Path]]:
+    """Folders of the compiled scenes of graphs, cousins one after the other, which are removed at the end."""
+    from ..assets.records.store import ensure_store
 
     ensure_store()
     wanted = [(pathlib.Path(graph), cousin) for graph in graphs for cousin in range(cousins)]
@@ -53,7 +98,7 @@ def build_bank(
         ]
         for done, _ in enumerate(results_as_completed(_compile_job, tasks, settings.num_threads()), 1):
             report(done)
-        return pack_bank(folders, [split for split in splits for _ in range(cousins)])
+        yield folders
 
 
 def _compile_job(graph: pathlib.Path, cousin: int, out: pathlib.Path, seed: int, imported: bool = False) -> None:
@@ -165,13 +210,75 @@ def join_banks(banks: Sequence[str | os.PathLike[str]], splits: Sequence[str] = 
     return bank
 
 
+def join_shards(
+    banks: Sequence[str | os.PathLike[str]], out: str | os.PathLike[str], splits: Sequence[str] = ()
+) -> BankShardsWriter:
+    """Like `join_banks`, but writes a folder (`datatypes.bank_shards`), with one of the banks in memory at a time.
+
+    Args:
+      out: the folder; its name ends in .bank.
+
+    Returns:
+      the writer, which knows the scenes and counts.
+
+    Raises:
+      ValidationError: see `join_banks`; or the folder is one of the banks, or holds other files.
+    """
+    from ..datatypes.bank_join import coarse_map
+    from ..scene import library
+
+    if not banks:
+        raise v.fail("join", "no bank", "at least one")
+    for path in banks:
+        if pathlib.Path(path).resolve() == pathlib.Path(out).resolve():
+            raise v.fail(str(out), "one of the banks that are joined", "a folder of its own", "take another name")
+    resolution = max(_resolution(path) for path in banks)
+    with BankShardsWriter(out) as writer:
+        has_agents = False
+        for bank in _in_parts(banks):
+            writer.add(coarse_map(bank, resolution), bank.meta)
+            has_agents |= bool(bank.agents["kind"])
+        if not has_agents:
+            raise v.fail(str(out), "no bank with appearances of agents", "one that has them", "build a bank again")
+        held_out = [f"validation={scene}" for scene in library.held_out(writer.scene_ids)]
+        writer.splits = _splits(writer.scene_ids, writer.splits, [*held_out, *splits])
+    return writer
+
+
+def _resolution(path: str | os.PathLike[str]) -> float:
+    """m, side of the cells of a bank's maps."""
+    if os.path.isdir(path):
+        return BankShards(path).resolution
+    if not os.path.isfile(path):
+        return float(SceneBank.load(path).map_resolution)  # its error
+    found = array_file.load(path, "a whole scene bank", "build it again, or copy it again", ("map_resolution",))
+    return float(found.get("map_resolution", 0.0))
+
+
+def _in_parts(banks: Sequence[str | os.PathLike[str]]) -> Iterator[SceneBank]:
+    """The scenes of banks, of files all at once, of folders some at a time."""
+    for path in banks:
+        if not os.path.isdir(path):
+            yield SceneBank.load(path)
+            continue
+        shards = BankShards(path)
+        for first in range(0, shards.num_scenes, _SCENES_TOGETHER):
+            yield SceneBank.take(shards, range(first, min(first + _SCENES_TOGETHER, shards.num_scenes)))
+
+
 def _with_splits(bank: SceneBank, wanted: Sequence[str]) -> SceneBank:
-    splits = list(bank.meta["splits"])
+    splits = _splits(bank.scene_ids, bank.meta["splits"], wanted)
+    return dataclasses.replace(bank, meta={**bank.meta, "splits": splits})
+
+
+def _splits(scene_ids: Sequence[str], splits: Sequence[str], wanted: Sequence[str]) -> list[str]:
+    """The splits of scenes where some have other ones: NAME=PATTERN for ids."""
+    splits = list(splits)
     for text in wanted:
         name, equals, pattern = text.partition("=")
-        rows = [i for i, scene in enumerate(bank.scene_ids) if fnmatch.fnmatchcase(scene, pattern)]
+        rows = [i for i, scene in enumerate(scene_ids) if fnmatch.fnmatchcase(scene, pattern)]
         if not (name and equals and rows):
             raise v.ValidationError(f"--split: found {text!r}, needed NAME=PATTERN that fits some scene of the banks.")
         for i in rows:
             splits[i] = name
-    return dataclasses.replace(bank, meta={**bank.meta, "splits": splits})
+    return splits

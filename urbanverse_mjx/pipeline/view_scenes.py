@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 
 from .. import settings
-from ..datatypes import SceneBank, ValidationError
+from ..datatypes import BankShards, SceneBank, ValidationError
+from ..datatypes.bank_shards import SUFFIX as SHARDS
 from ..work_folder import work_folder
 
 #: Number of digital cousins of a graph.
@@ -70,6 +71,9 @@ class ViewScenes:
 
         if name in self._banks:
             path, scene = self._banks[name]
+            if path.is_dir():
+                shards = BankShards(path)
+                return SceneBank.take(shards, shards.rows_of([scene])), 0
             bank = SceneBank.load(path)
             return bank, bank.scene_ids.index(scene)
         if name in self._folders:
@@ -88,7 +92,7 @@ class ViewScenes:
         hint = f"did you mean {' or '.join(near)}?" if near else "`urbanverse scene library` builds more."
         return (
             f"scene: found no {text!r}, needed a shipped street ({', '.join(self._shipped)}), a scene of the built "
-            f"library, a graph.json, a compiled scene's folder or a bank's .npz; {hint}"
+            f"library, a graph.json, a compiled scene's folder or a bank (.npz, .bank); {hint}"
         )
 
     def _add(self, text: str) -> str:
@@ -101,8 +105,8 @@ class ViewScenes:
             self._folders[name] = [path]
             self._graphs.pop(name, None)
             return name
-        if path.suffix == ".npz":
-            bank = SceneBank.load(path)
+        if path.suffix == ".npz" or (path.suffix == SHARDS and path.is_dir()):
+            bank = BankShards(path) if path.is_dir() else SceneBank.load(path)
             self._banks |= {f"{path.stem}/{scene}": (path, scene) for scene in bank.scene_ids}
             return f"{path.stem}/{bank.scene_ids[0]}"
         if path.is_file():
