@@ -1,10 +1,11 @@
 """Measures time and memory of each stage up to the first step of an environment with a camera.
 
     python -m benchmarks.start --banks validation/bank.npz craftbench/bank.npz
+    python -m benchmarks.start --banks streets.bank --scenes 16    # the first 16 scenes of a folder of any number
 
-Prints a JSON line per stage: seconds, processor seconds, current and peak resident memory (MiB). This includes memory
-that is shared or can be reclaimed, such as mapped files. Compiled JAX programs come from its cache, as in all commands
-(`settings.use_compilation_cache`).
+Prints a JSON line per stage: seconds, processor seconds, current and peak resident memory (MiB), on a GPU its peak.
+This includes memory that is shared or can be reclaimed, such as mapped files. Compiled JAX programs come from its
+cache, as in all commands (`settings.use_compilation_cache`).
 """
 
 import argparse
@@ -17,8 +18,8 @@ import jax
 import jax.numpy as jnp
 
 from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.memory import peak_rss_mib, rss_mib
-from urbanverse_mjx.datatypes import SceneBank, bank_join
+from benchmarks.lib.memory import peak_device_mib, peak_rss_mib, rss_mib
+from urbanverse_mjx.datatypes import BankShards, SceneBank, bank_join
 from urbanverse_mjx.envs import registry
 
 
@@ -34,13 +35,22 @@ class Stages:
         wall, processor = (round(now - before, 1) for now, before in zip(clocks, self._clocks, strict=True))
         now, most = round(rss_mib()), round(peak_rss_mib())
         row = {"stage": name, "seconds": wall, "processor": processor, "rss_mib": now, "peak_rss_mib": most}
-        print(json.dumps(row), flush=True)
+        device = peak_device_mib()
+        print(json.dumps(row | ({"peak_device_mib": round(device)} if device else {})), flush=True)
         self._clocks = clocks
+
+
+def _load(path: pathlib.Path, scenes: int | None) -> SceneBank:
+    if scenes is None:
+        return SceneBank.load(path)
+    shards = BankShards(path)
+    return SceneBank.take(shards, range(min(scenes, shards.num_scenes)))
 
 
 def main(argv: list[str] | None = None) -> int:
     cli = argparse.ArgumentParser(prog="python -m benchmarks.start", description=__doc__)
     cli.add_argument("--banks", nargs="+", type=pathlib.Path, required=True, help="joined where there are several")
+    cli.add_argument("--scenes", type=int, help="of a folder, only so many scenes")
     cli.add_argument("--num-envs", type=int, default=64)
     cli.add_argument("--impl", default="warp")
     cli.add_argument("--scenario", default="static")
@@ -49,7 +59,7 @@ def main(argv: list[str] | None = None) -> int:
     stage = Stages()
     jax.block_until_ready(jnp.zeros(1))
     stage("empty process")
-    parts = [SceneBank.load(path) for path in args.banks]
+    parts = [_load(path, args.scenes) for path in args.banks]
     stage("load")
     bank = bank_join.join(parts) if len(parts) > 1 else parts[0]
     del parts

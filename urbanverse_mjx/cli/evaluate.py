@@ -70,7 +70,7 @@ def main(argv: Sequence[str]) -> int:
             "files are scored by `urbanverse benchmark`."
         )
     out = args.out or out
-    bank = bank_of(environment, args.quiet, preset, args.bank)
+    bank = bank_of(environment, args.quiet, preset, args.bank, args.scenes)
     options = (args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic, args.env_name)
     summary = evaluate_policy(policy, bank, out, *options, preset=args.preset, env_overrides=args.env_overrides)
     if not args.quiet:

@@ -72,8 +72,8 @@ class JoinArgs:
     banks: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional]
     """Bank files or folders; a scene may occur in only one of them."""
     out: pathlib.Path
-    """Bank file (.npz) to write, or a folder (.bank), which needs the memory of one bank at a time and holds equal meshes
-    and textures once."""
+    """Bank file (.npz) to write, or a folder (.bank), which needs the memory of one bank at a time and holds equal
+    meshes and textures once."""
     split: tuple[str, ...] = ()
     """NAME=PATTERN assigns the scenes whose ids match a shell pattern to the split NAME: "held_out=bench_*_15?"."""
 

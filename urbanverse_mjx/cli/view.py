@@ -17,7 +17,8 @@ class ViewArgs(ViewOptions):
     """Shows a street in a web page with a policy driving in it; Ctrl-C ends it."""
 
     scene: Annotated[str | None, tyro.conf.Positional] = None
-    """A shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank (.npz, .bank)."""
+    """A shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank (.npz,
+    .bank)."""
     people: Crowded = False
     """With moving people and vehicles."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)

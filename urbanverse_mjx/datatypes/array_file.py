@@ -83,9 +83,7 @@ def _is_sealed(body: mmap.mmap) -> bool:
     return True
 
 
-def load(
-    path: str | os.PathLike[str], kind: str, hint: str, names: Collection[str] | None = None
-) -> dict[str, Any]:
+def load(path: str | os.PathLike[str], kind: str, hint: str, names: Collection[str] | None = None) -> dict[str, Any]:
     """Reads arrays by name.
 
     Args:

@@ -1,16 +1,15 @@
 """Scene banks as folders: arrays in shards that are mapped into memory, equal ones stored once. Folder: `NAME.bank`.
 
-A file of one bank (`SceneBank.save`) is read as a whole. A folder is opened by its index, and only what the scenes asked
-for need is read from the shards, so that a bank of a thousand streets opens as fast as one of ten and needs no memory
-for the others.
+A file of one bank (`SceneBank.save`) is read as a whole. A folder is opened by its index, and of the shards only what
+the chosen scenes need is read, so that a few of a thousand streets take the time and memory of a few.
 
     index.npz             what follows, sealed by a checksum over all of it
     shard-<token>-0000.bin    pieces of bytes, one behind the other at multiples of 16, at most `SHARD_BYTES` a file
 
-The index holds `pieces` (B,) of `PIECE` (file, offset, size, CRC-32) and, by numbers of pieces, the tables that all scenes
-share: hulls (of `hull_dtype` each), meshes (vertices, UV and faces), textures, skies. Of each scene it holds the pieces
-and shapes of `PARTS`, without the padding to the largest scene. Pieces are compared by content, so hulls, meshes and
-textures of the assets that cousins and other scenes share stand once in a folder, whatever banks they came from.
+The index holds `pieces` (B,) of `PIECE` (file, offset, size, CRC-32) and, by numbers of pieces, the tables that all
+scenes share: hulls (of `hull_dtype` each), meshes (vertices, UV and faces), textures, skies. Of each scene it holds the
+pieces and shapes of `PARTS`, without the padding to the largest scene. Pieces are compared by content, so hulls, meshes
+and textures of the assets that cousins and other scenes share stand once in a folder, whatever banks they came from.
 
 A piece's checksum is compared when it is first read.
 """
@@ -120,7 +119,9 @@ class BankShards:
         v.choice(self.meta.get("schema"), f"{index}: schema", (SCHEMA,))
         if set(tables) != _TABLES:
             wrong = ", ".join(sorted(_TABLES ^ set(tables)))
-            raise v.fail(str(index), f"other tables than expected ({wrong})", "a bank of this version", "build it again")
+            raise v.fail(
+                str(index), f"other tables than expected ({wrong})", "a bank of this version", "build it again"
+            )
         self._tables = tables
         self._known = np.zeros(len(tables["pieces"]), bool)
         self._files: dict[int, mmap.mmap] = {}
@@ -148,6 +149,10 @@ class BankShards:
         """How many different hulls, meshes, textures and skies the scenes share."""
         tables = {"hulls": "hull_piece", "meshes": "mesh_pieces", "textures": "texture_piece", "skies": "sky_piece"}
         return {name: len(self._tables[table]) for name, table in tables.items()}
+
+    def scenes_of(self, split: str) -> np.ndarray:
+        """(n,) i32: rows of the scenes of a split."""
+        return np.array([i for i, s in enumerate(self.meta["splits"]) if s == split], np.int32)
 
     def rows_of(self, scenes: Iterable[str]) -> np.ndarray:
         """(n,) i32, rows of scenes by their ids.
@@ -220,7 +225,7 @@ class BankShards:
 
     def _hulls(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         kind = hull_dtype(*self.meta["shapes"]["hull"])
-        table = np.empty(len(rows), kind)
+        table: Any = np.empty(len(rows), kind)
         for i, row in enumerate(rows):
             body = self._piece(int(self._tables["hull_piece"][row]), "a hull")
             table[i] = self._array(body, kind, (), "a hull")

@@ -297,7 +297,9 @@ class BankShardsWriter:
             **{name: np.array(self._scenes[name]) for name in SMALL},
             **self._scalars,
         }
-        array_file.save(self.path / INDEX, {name: np.ascontiguousarray(a) if a.ndim else a for name, a in tables.items()})
+        array_file.save(
+            self.path / INDEX, {name: np.ascontiguousarray(a) if a.ndim else a for name, a in tables.items()}
+        )
 
     def _is_ours(self) -> bool:
         return self.path.is_dir() and (

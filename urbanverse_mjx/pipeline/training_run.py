@@ -6,7 +6,7 @@ import pathlib
 import shlex
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _train(
         raise ValidationError("--start-from: found it together with --resume, needed one of them.")
     tables_as_arguments()
     _say(f"run folder: {folder}", quiet)
-    bank = bank_of(name, quiet, config.get("preset"), options.bank)
+    bank = bank_of(name, quiet, config.get("preset"), options.bank, config.get("scenes", "all"))
     env = registry.load(name, config=config, bank=bank)
     if source is None:
         Devices.every().check_draws(wrap_for_training(env, config.episode_length).learns_episodes)
@@ -293,23 +293,31 @@ def _validator(env: Any, config: Any, quiet: bool) -> Any:
 
 
 def bank_of(
-    environment: str, quiet: bool = False, preset: str | None = None, path: pathlib.Path | None = None
+    environment: str,
+    quiet: bool = False,
+    preset: str | None = None,
+    path: pathlib.Path | None = None,
+    scenes: "str | Sequence[str]" = "all",
 ) -> "SceneBank":
     """Loads the bank of the file `path`, or the default bank of an environment.
 
     Banks of this package are built into the cache if they are missing or outdated. The presets `quick` and `best` have
-    more streets than the shipped ones.
+    more streets than the shipped ones. Of a folder (`datatypes.bank_shards`) only `scenes` and those of the splits
+    validation and test are read, whatever else it holds.
 
     Raises:
       ValidationError: the file does not exist, no environment has this name, or its loader raises an error.
     """
+    from .. import settings
     from ..envs import registry
-    from .banks import chosen_bank, ensure_default_bank, ensure_terrain_bank
+    from .banks import chosen_scenes, ensure_default_bank, ensure_terrain_bank
     from .quick_bank import ensure_quick_bank
 
-    if path is not None:
-        return chosen_bank(path)
     load = registry.bank_loader(environment)
+    if path is None and load is registry.load_default_bank:
+        path = settings.chosen_bank_path()
+    if path is not None:
+        return chosen_scenes(path, scenes)
     if load is registry.load_default_bank:
         return ensure_quick_bank(quiet) if preset in ("quick", "best") else ensure_default_bank(quiet=quiet)
     return ensure_terrain_bank() if load is registry.load_terrain_bank else load()

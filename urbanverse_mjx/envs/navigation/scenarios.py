@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Int32
 from ml_collections import ConfigDict
 
-from ...datatypes import SceneBank, ValidationError
+from ...datatypes import BankShards, SceneBank, ValidationError
 
 SCENARIOS = ("clean", "static", "dynamic")
 
@@ -43,7 +43,7 @@ def bank_for(scenario: str, bank: SceneBank) -> SceneBank:
     )
 
 
-def select_scenes(bank: SceneBank, which: str | Sequence[str]) -> Int32[np.ndarray, " n"]:
+def select_scenes(bank: SceneBank | BankShards, which: str | Sequence[str]) -> Int32[np.ndarray, " n"]:
     """(n,) i32, rows of the bank selected by a split ("train", "test", ...), "all", or ids (a list, or
     comma-separated)."""
     if isinstance(which, str) and which == "all":
