@@ -225,7 +225,7 @@ class BankShards:
 
     def _hulls(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         kind = hull_dtype(*self.meta["shapes"]["hull"])
-        table: Any = np.empty(len(rows), kind)
+        table = np.empty(len(rows), kind)
         for i, row in enumerate(rows):
             body = self._piece(int(self._tables["hull_piece"][row]), "a hull")
             table[i] = self._array(body, kind, (), "a hull")
@@ -260,8 +260,8 @@ class BankShards:
     def _skies(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         shape, tables = tuple(self.meta["shapes"]["sky"]), self._tables
         out = np.empty((len(rows), *shape), np.float32)
-        for own, row in zip(out, rows, strict=True):
-            own[...] = self._array(self._piece(int(tables["sky_piece"][row]), "a sky"), "<f4", shape, "a sky")
+        for i, row in enumerate(rows):
+            out[i] = self._array(self._piece(int(tables["sky_piece"][row]), "a sky"), "<f4", shape, "a sky")
         suns = {name: tables[name][rows] for name in ("sky_sun_direction", "sky_sun_irradiance")}
         return {"sky_radiance": out, **suns}
 
