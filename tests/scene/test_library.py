@@ -12,12 +12,21 @@ import shapely
 
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.collision import hulls
-from urbanverse_mjx.datatypes import GraphObject, GroundRegion, SceneBank, SceneGraph, Source, ValidationError
+from urbanverse_mjx.datatypes import (
+    BankShards,
+    GraphObject,
+    GroundRegion,
+    SceneBank,
+    SceneGraph,
+    Source,
+    ValidationError,
+)
 from urbanverse_mjx.datatypes.ground import PAINT_KINDS
 from urbanverse_mjx.datatypes.validation import write_json
 from urbanverse_mjx.pipeline.banks import join_banks
+from urbanverse_mjx.pipeline.benchmarking import benchmark_bank
 from urbanverse_mjx.pipeline.library import building
-from urbanverse_mjx.pipeline.library.building import cousins_of, graph_of, layouts_of
+from urbanverse_mjx.pipeline.library.building import cousins_of, graph_of, layouts_of, pack_set
 from urbanverse_mjx.scene import library
 from urbanverse_mjx.scene.stability_trial import hanging
 
@@ -269,3 +278,34 @@ def test_the_cache_key_of_the_streets_ignores_the_library(
     assert settings.default_bank_path() == before
     (root / "one" / "graph.json").write_text("[]")
     assert settings.default_bank_path() != before
+
+
+def test_a_set_is_packed_to_a_file_or_a_folder_which_replaces_it(
+    small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+) -> None:
+    """One bank at a time is where all look for it; a folder is packed part by part."""
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    packed = []
+
+    def pack_bank(folders: list[pathlib.Path], splits: list[str]) -> SceneBank:
+        packed.append([path.name for path in folders])
+        rows = [small_bank.scene_ids.index(path.name) for path in folders]
+        bank = SceneBank.take(BankShards(tmp_path / "small.bank"), rows)
+        return dataclasses.replace(bank, meta={**bank.meta, "splits": splits})
+
+    small_bank.save(tmp_path / "small.bank")
+    monkeypatch.setattr("urbanverse_mjx.scene.pack_bank", pack_bank)
+    monkeypatch.setattr("urbanverse_mjx.pipeline.banks._SCENES_TOGETHER", 2)
+    records = {name: {} for name in small_bank.scene_ids}
+    most = pack_set("craftbench", records)
+    assert library.bank_path("craftbench").name == "bank.npz"
+    assert pack_set("craftbench", records, shards=True) == most
+    assert packed == [list(small_bank.scene_ids), list(small_bank.scene_ids[:2]), [small_bank.scene_ids[2]]]
+    path = library.bank_path("craftbench")
+    assert path.name == "bank.bank"
+    for bank in (SceneBank.load(path), benchmark_bank("craftbench")):
+        assert bank.scene_ids == small_bank.scene_ids
+        assert bank.meta["splits"] == ["test"] * 3
+    pack_set("craftbench", records)
+    assert library.bank_path("craftbench").name == "bank.npz"
+    assert not path.exists()

@@ -69,15 +69,19 @@ def build_shards(
     Raises:
       ValidationError: a graph cannot be compiled; the message names it; or the folder holds other files.
     """
-    from ..scene import pack_bank
-
     with BankShardsWriter(out) as writer, _compiled(graphs, seed, quiet, cousins, imported) as folders:
-        every = [split for split in splits for _ in range(cousins)]
-        for first in range(0, len(folders), _SCENES_TOGETHER):
-            part = slice(first, first + _SCENES_TOGETHER)
-            bank = pack_bank(folders[part], every[part])
+        for bank in packed_parts(folders, [split for split in splits for _ in range(cousins)]):
             writer.add(bank.arrays(), bank.meta)
     return writer
+
+
+def packed_parts(folders: Sequence[pathlib.Path], splits: Sequence[str]) -> Iterator[SceneBank]:
+    """Banks of compiled scenes, of some at a time, so that few are in memory; see `scene.packing.pack_bank`."""
+    from ..scene import pack_bank
+
+    for first in range(0, len(folders), _SCENES_TOGETHER):
+        part = slice(first, first + _SCENES_TOGETHER)
+        yield pack_bank(folders[part], splits[part])
 
 
 @contextlib.contextmanager

@@ -116,8 +116,13 @@ def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
         from .banks import ensure_default_bank
 
         return ensure_default_bank(quiet)
-    path = settings.cache_dir("library", name, "bank.npz")
+    from ..scene import library
+
+    path = settings.cache_dir("library", name, library.BANK)
     if not path.is_file():
+        shards = path.with_name(library.SHARDS)
+        if shards.is_dir():
+            return SceneBank.load(shards)
         raise ValidationError(
             f"benchmark {name!r}: found no bank at {path}, needed its scenes; run `urbanverse scene library {name}` or "
             "say which file with --bank."

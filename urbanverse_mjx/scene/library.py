@@ -14,6 +14,8 @@ from ..datatypes.reach_count import most_objects_in_reach, most_prisms_in_reach
 from ..datatypes.scene_layout import HULL_KINDS
 
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
+#: A set's bank as a folder of shards, which stands in place of the file.
+SHARDS = "bank.bank"
 #: Generators of sets whose graphs are not files: `citygen.craftbench` and `citygen.validation_streets` (hand-made),
 #: `citygen.procedural_streets` and `citygen.procedural_places` (from templates).
 GENERATORS = ("craft", "validation", "procedural", "places")
@@ -111,7 +113,7 @@ def held_out(scenes: Iterable[str]) -> list[str]:
 
 
 def folder(name: str) -> pathlib.Path:
-    """Folder of a built set: `scenes/<id>/`, `records/<id>.json`, `report.json` and `bank.npz`."""
+    """Folder of a built set: `scenes/<id>/`, `records/<id>.json`, `report.json` and `bank.npz` (or `bank.bank`)."""
     return settings.cache_dir("library", scene_set(name).name)
 
 
@@ -121,12 +123,11 @@ def bank_path(name: str) -> pathlib.Path:
     Raises:
       ValidationError: the set does not exist or is not built; the message names the command that builds it.
     """
-    path = folder(name) / BANK
-    if not path.is_file():
-        raise v.fail(
-            f"set {name!r}", f"no {path.name} in the cache", "its bank", f"run `urbanverse scene library {name}`"
-        )
-    return path
+    home = folder(name)
+    for path in (home / BANK, home / SHARDS):
+        if path.exists():
+            return path
+    raise v.fail(f"set {name!r}", f"no {BANK} in the cache", "its bank", f"run `urbanverse scene library {name}`")
 
 
 def shipped_hashes(name: str) -> dict[str, dict[str, str]]:

@@ -2,15 +2,17 @@
 
 import dataclasses
 import pathlib
+import shutil
 import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from ... import settings, versions
-from ...datatypes import SceneGraph
+from ...datatypes import BankShardsWriter, SceneGraph
 from ...datatypes import validation as v
 from ...process_pool import results_as_completed
 from ...scene import library
+from ..banks import packed_parts
 from ..generation.run_folder import key_of
 
 if TYPE_CHECKING:
@@ -240,14 +242,28 @@ def _built(name: str, layout: str) -> list[dict[str, Any]] | Failure:
         return Failure(layout, str(error))
 
 
-def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, dict[str, int]]:
-    """Packs the scenes of a set into its bank; returns `library.most_in_reach` of each scene."""
+def pack_set(name: str, records: dict[str, dict[str, Any]], shards: bool = False) -> dict[str, dict[str, int]]:
+    """Packs the scenes of a set into its bank, in place of an older one; returns `library.most_in_reach` of each scene.
+
+    Args:
+      shards: whether the bank is a folder of shards, of whose scenes few are in memory at once.
+    """
     from ...scene import pack_bank
 
-    scenes = library.scene_set(name)
-    bank = pack_bank([_paths(name, scene)[0] for scene in records], [scenes.split_of(s) for s in records])
+    scenes, home = library.scene_set(name), library.folder(name)
+    folders, splits = [_paths(name, scene)[0] for scene in records], [scenes.split_of(scene) for scene in records]
+    most: dict[str, dict[str, int]] = {}
+    if shards:
+        with BankShardsWriter(home / library.SHARDS) as writer:
+            for bank in packed_parts(folders, splits):
+                most |= {scene: library.most_in_reach(bank, z) for z, scene in enumerate(bank.scene_ids)}
+                writer.add(bank.arrays(), bank.meta)
+        (home / library.BANK).unlink(missing_ok=True)
+        return most
+    bank = pack_bank(folders, splits)
     most = {scene: library.most_in_reach(bank, z) for z, scene in enumerate(bank.scene_ids)}
-    bank.save(library.folder(name) / library.BANK)
+    bank.save(home / library.BANK)
+    shutil.rmtree(home / library.SHARDS, ignore_errors=True)
     return most
 
 

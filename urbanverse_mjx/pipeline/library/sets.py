@@ -20,6 +20,9 @@ class LibraryOptions:
     """Only layouts whose id contains this; no bank is packed then."""
     bank: bool = True
     """Pack the set's bank."""
+    shards: bool = False
+    """Write the bank as a folder of shards, bank.bank, in place of the file bank.npz: with few scenes in memory at
+    once, and read scene by scene."""
     write_hashes: bool = False
     """Write the scenes' hashes into scenes/<set>/hashes.json instead of comparing them."""
 
@@ -79,7 +82,7 @@ def build_library(name: str, options: LibraryOptions | None = None, quiet: bool 
         other = []
     summary = _summary(name, records)
     if options.bank and records and not options.only:
-        most = pack_set(name, records)
+        most = pack_set(name, records, options.shards)
         summary["bank"] = str(library.bank_path(name))
         summary |= {f"most_{kind}_in_reach": max(n[kind] for n in most.values()) for kind in ("hulls", "prisms")}
         records = {scene: {**record, "in_reach": most[scene]} for scene, record in records.items()}
