@@ -7,10 +7,8 @@ import os
 import pathlib
 from collections.abc import Callable, Iterator, Sequence
 
-import numpy as np
-
 from .. import settings
-from ..datatypes import SPLITS, BankShards, BankShardsWriter, SceneBank, array_file
+from ..datatypes import BankShards, BankShardsWriter, SceneBank, array_file
 from ..datatypes import validation as v
 from ..process_pool import results_as_completed
 from ..progress import Progress
@@ -148,24 +146,6 @@ def chosen_bank(path: str | os.PathLike[str] | None, quiet: bool = False) -> Sce
       ValidationError: the file does not exist or is not a bank.
     """
     return ensure_default_bank(quiet) if path is None else SceneBank.load(path)
-
-
-def chosen_scenes(path: str | os.PathLike[str], scenes: str | Sequence[str]) -> SceneBank:
-    """Loads a bank for a training: of a folder only what it needs, the scenes chosen and those of the other splits.
-
-    Args:
-      scenes: see `envs.navigation.scenarios.select_scenes`; of the splits "validation" and "test" all are loaded.
-
-    Raises:
-      ValidationError: the file does not exist or is not a bank, or has no such scenes.
-    """
-    if not os.path.isdir(path):
-        return SceneBank.load(path)
-    from ..envs.navigation.scenarios import select_scenes
-
-    shards = BankShards(path)
-    rows = [select_scenes(shards, scenes), *(shards.scenes_of(split) for split in SPLITS[1:])]
-    return SceneBank.take(shards, np.unique(np.concatenate(rows)))
 
 
 def ensure_terrain_bank() -> SceneBank:

@@ -310,17 +310,38 @@ def bank_of(
     """
     from .. import settings
     from ..envs import registry
-    from .banks import chosen_scenes, ensure_default_bank, ensure_terrain_bank
+    from .banks import ensure_default_bank, ensure_terrain_bank
     from .quick_bank import ensure_quick_bank
 
     load = registry.bank_loader(environment)
     if path is None and load is registry.load_default_bank:
         path = settings.chosen_bank_path()
     if path is not None:
-        return chosen_scenes(path, scenes)
+        return _chosen_scenes(path, scenes)
     if load is registry.load_default_bank:
         return ensure_quick_bank(quiet) if preset in ("quick", "best") else ensure_default_bank(quiet=quiet)
     return ensure_terrain_bank() if load is registry.load_terrain_bank else load()
+
+
+def _chosen_scenes(path: pathlib.Path, scenes: "str | Sequence[str]") -> "SceneBank":
+    """Loads a bank for a training: of a folder only `scenes`, and those of the splits validation and test.
+
+    Args:
+      scenes: see `envs.navigation.scenarios.select_scenes`.
+
+    Raises:
+      ValidationError: the file does not exist or is not a bank, or has no such scenes.
+    """
+    import numpy as np
+
+    from ..datatypes import SPLITS, BankShards, SceneBank
+    from ..envs.navigation.scenarios import select_scenes
+
+    if not path.is_dir():
+        return SceneBank.load(path)
+    shards = BankShards(path)
+    rows = [select_scenes(shards, scenes), *(shards.scenes_of(split) for split in SPLITS[1:])]
+    return SceneBank.take(shards, np.unique(np.concatenate(rows)))
 
 
 def _say(text: str, quiet: bool) -> None:
