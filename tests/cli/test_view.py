@@ -76,6 +76,11 @@ def test_scenes_by_name_file_folder_and_bank(
     assert [scenes.cousins(x) for x in ("corner", "alley", "alley_Cousin_02", first)] == [64, 2, 1, 1]
     bank, row = scenes.open(f"boxes/{small_bank.scene_ids[2]}")
     assert bank.scene_ids[row] == small_bank.scene_ids[2]
+    small_bank.save(tmp_path / "many.bank")
+    scenes = ViewScenes([str(tmp_path / "many.bank")])
+    assert scenes.first == [f"many/{small_bank.scene_ids[0]}"]
+    bank, row = scenes.open(f"many/{small_bank.scene_ids[2]}")
+    assert (bank.scene_ids, row) == ((small_bank.scene_ids[2],), 0), "the others are not read"
     with pytest.raises(ValidationError, match="found 2, needed one of 0 to 1"):
         scenes.open("alley", 2)
 

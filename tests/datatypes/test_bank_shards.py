@@ -14,7 +14,14 @@ from hypothesis.extra import numpy as hnp
 from tests.support.agent_appearances import with_box_agents
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.cli.main import main
-from urbanverse_mjx.datatypes import BankShards, BankShardsWriter, SceneBank, ValidationError, bank_padding
+from urbanverse_mjx.datatypes import (
+    BankShards,
+    BankShardsWriter,
+    SceneBank,
+    ValidationError,
+    array_file,
+    bank_padding,
+)
 from urbanverse_mjx.datatypes.bank_join import join
 from urbanverse_mjx.pipeline.banks import join_banks, join_shards
 
@@ -189,6 +196,48 @@ def test_a_wrong_index_with_right_checksums_is_refused(small_bank: SceneBank, tm
         writer.add(wrong, small_bank.meta)
     with pytest.raises(ValidationError, match=r"bank\.hull_grid: "):
         SceneBank.load(tmp_path / "a.bank")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("scene_pieces", 10**6),
+        ("hull_piece", -1),
+        ("mesh_pieces", 10**6),
+        ("mesh_material", 10**6),
+        ("material_texture", -2),
+        ("texture_piece", 10**6),
+        ("sky_piece", -5),
+        ("scene_sky", 10**6),
+        ("mesh_counts", 10**6),
+        ("scene_shapes", 10**6),
+        ("texture_shape", -1),
+    ],
+)
+def test_an_index_with_rows_outside_its_tables_is_refused(
+    small_bank: SceneBank, tmp_path: pathlib.Path, name: str, value: int
+) -> None:
+    """Also where its checksum is right."""
+    index = written(small_bank, tmp_path / "a.bank").path / "index.npz"
+    tables = array_file.load(index, "", "")
+    tables[name].reshape(-1)[0] = value
+    array_file.save(index, tables)
+    with pytest.raises(ValidationError, match=r"a\.bank.*found"):
+        SceneBank.load(index.parent)
+
+
+def test_an_index_without_a_field_is_refused(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    index = written(small_bank, tmp_path / "a.bank").path / "index.npz"
+    tables = array_file.load(index, "", "")
+    meta = json.loads(tables["meta"].tobytes())
+    for field in ("files", "shapes", "agents", "scene_ids"):
+        less = json.dumps({key: value for key, value in meta.items() if key != field})
+        array_file.save(index, {**tables, "meta": np.frombuffer(less.encode(), np.uint8)})
+        with pytest.raises(ValidationError, match=rf"index\.npz: meta\.{field}: found nothing"):
+            SceneBank.load(index.parent)
+    array_file.save(index, {**tables, "num_episodes": tables["num_episodes"][:1]})
+    with pytest.raises(ValidationError, match="num_episodes: found 1 rows"):
+        BankShards(index.parent)
 
 
 def test_a_folder_without_an_index_is_no_bank(tmp_path: pathlib.Path, small_bank: SceneBank) -> None:

@@ -50,6 +50,7 @@ READERS: dict[str, Callable[[pathlib.Path], object]] = {
     "gait.npz": Gait.load,
     "hulls.npz": HullStore.load,
     "bank.npz": SceneBank.load,
+    "streets.bank/index.npz": lambda path: SceneBank.load(path.parent),
     "index.parquet": lambda path: index._load_cached.__wrapped__(path),
     "shapes.parquet": lambda path: base_shapes._load_cached.__wrapped__(path),
 }
@@ -74,7 +75,8 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     load_gait().save(folder / "gait.npz")
     corners = np.random.default_rng(0).integers(0, 1000, (8, 3), dtype=np.int32)
     HullStore({"ab" * 16: (corners,)}).save(folder / "hulls.npz")
-    box_bank(1, seed=0, num_objects=4).save(folder / "bank.npz")
+    for name in ("bank.npz", "streets.bank"):
+        box_bank(1, seed=0, num_objects=4).save(folder / name)
     for name in ("index.parquet", "shapes.parquet"):
         (folder / name).write_bytes((asset_root() / name).read_bytes())
     return folder

@@ -77,6 +77,7 @@ _TABLES = {
     *("material_texture", "material_rgba", "material_roughness", "material_metallic"),
     *("sky_piece", "sky_sun_direction", "sky_sun_irradiance", "scene_pieces", "scene_shapes", *SMALL, *SCALARS),
 }
+_META = ("scene_ids", "splits", "categories", "skies", "hashes", "agents", "grid_reach", "shapes", "files")
 _DAMAGED = "copy the folder again from where it is whole, or build it again"
 
 
@@ -123,9 +124,40 @@ class BankShards:
                 str(index), f"other tables than expected ({wrong})", "a bank of this version", "build it again"
             )
         self._tables = tables
+        self._check_index(str(index))
         self._known = np.zeros(len(tables["pieces"]), bool)
         self._files: dict[int, mmap.mmap] = {}
         self._lock = threading.Lock()
+
+    def _check_index(self, where: str) -> None:
+        """Refuses an index whose rows are not within its tables."""
+        tables, meta = self._tables, self.meta
+        v.mapping(meta, f"{where}: meta", _META, ("schema", "materials_unknown", "key"), "write the bank again")
+        v.mapping(meta["shapes"], f"{where}: meta.shapes", (*PARTS, "sky", "hull"))
+        scenes, pieces = len(meta["scene_ids"]), len(tables["pieces"])
+        for name, rows in (
+            ("splits", meta["splits"]),
+            *((n, tables[n]) for n in ("scene_pieces", "scene_shapes", *SMALL)),
+        ):
+            if len(rows) != scenes:
+                raise v.fail(f"{where}: {name}", f"{len(rows)} rows", f"one for each of {scenes} scenes", _DAMAGED)
+        for name, end in (
+            *((name, pieces) for name in ("scene_pieces", "hull_piece", "mesh_pieces", "texture_piece", "sky_piece")),
+            ("mesh_material", len(tables["material_rgba"])),
+            ("material_texture", len(tables["texture_piece"])),
+            ("scene_sky", min(len(tables["sky_piece"]), len(meta["skies"]))),
+        ):
+            least = -1 if name == "material_texture" else 0
+            _check_rows(f"{where}: {name}", tables[name], least, end)
+        _check_rows(f"{where}: pieces", tables["pieces"]["file"], 0, len(meta["files"]))
+        size, counts = tables["pieces"]["size"].astype(np.float64), tables["mesh_counts"].astype(np.float64)
+        bytes_of = {
+            "texture_shape": (tables["texture_piece"], tables["texture_shape"].astype(np.float64).prod(1)),
+            "mesh_counts": (tables["mesh_pieces"], counts[:, [0, 0, 1]] * [12, 8, 12]),
+        }
+        for name, (rows, wanted) in bytes_of.items():
+            if (size[rows] != wanted).any():
+                raise v.fail(f"{where}: {name}", "a size that is not its piece's", "the same", _DAMAGED)
 
     @property
     def scene_ids(self) -> tuple[str, ...]:
@@ -187,6 +219,9 @@ class BankShards:
         scenes |= {name: self._tables[name][rows] for name in SMALL}
         scenes |= {name: self._tables[name] for name in SCALARS}
         agents = {key: list(values) for key, values in self.meta["agents"].items()}
+        for name, table in (("inst_hull", "hull_piece"), ("prism_hull", "hull_piece"), ("slot_mesh", "mesh_pieces")):
+            _check_rows(f"{self.path}: {name}", scenes[name], -1, len(self._tables[table]))
+        _check_rows(f"{self.path}: meta.agents.mesh", np.array(agents["mesh"]), 0, len(self._tables["mesh_pieces"]))
         hulls = _used(scenes["inst_hull"], scenes["prism_hull"])
         meshes = _used(scenes["slot_mesh"], np.array(agents["mesh"], np.int32))
         skies = _used(scenes["scene_sky"])
@@ -301,6 +336,11 @@ class BankShards:
                     raise v.fail(str(path), found, needed, _DAMAGED)
                 self._files[number] = mapped
             return self._files[number]
+
+
+def _check_rows(where: str, rows: np.ndarray, least: int, end: int) -> None:
+    if rows.size and (int(rows.min()) < least or int(rows.max()) >= end):
+        raise v.fail(where, "a row outside its table", f"[{least}, {end})", _DAMAGED)
 
 
 def _used(*indices: np.ndarray) -> np.ndarray:
