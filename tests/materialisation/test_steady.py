@@ -21,7 +21,7 @@ from urbanverse_mjx.scene.stability_trial import StabilityTrial, let_go
 from .test_cousins import obj, street
 
 #: Label -> m (along, across, up), and how many records: as in CraftBench, where one of each fell.
-THINGS = {
+KINDS = {
     "shovel": ((0.2, 0.24, 1.3), 20),
     "umbrella": ((0.9, 0.9, 0.85), 20),
     "kite": ((0.1, 1.0, 1.1), 13),
@@ -35,7 +35,7 @@ THINGS = {
 
 @functools.cache
 def few(*leaves: str) -> ObjectLibrary:
-    counts = {leaf: THINGS[leaf][1] if leaf in THINGS else 3 for leaf in leaves}
+    counts = {leaf: KINDS[leaf][1] if leaf in KINDS else 3 for leaf in leaves}
     return ObjectLibrary(pa.concat_tables([build_leaf(leaf, load_index(), n) for leaf, n in counts.items()]))
 
 
@@ -48,30 +48,30 @@ def released(cousin: Cousin, objects: ObjectLibrary) -> StabilityTrial:
 
 
 @pytest.fixture(scope="module")
-def street_of_things() -> SceneGraph:
-    placed = [obj(label, label, 4.0 * k - 14, 4.0, size=size) for k, (label, (size, _)) in enumerate(THINGS.items())]
+def street_of_kinds() -> SceneGraph:
+    placed = [obj(label, label, 4.0 * k - 14, 4.0, size=size) for k, (label, (size, _)) in enumerate(KINDS.items())]
     return street(*placed)
 
 
 @pytest.fixture(scope="module")
-def steady(street_of_things: SceneGraph) -> list[Cousin]:
-    return made(street_of_things, few(*THINGS), True, 2)
+def steady(street_of_kinds: SceneGraph) -> list[Cousin]:
+    return made(street_of_kinds, few(*KINDS), True, 2)
 
 
-def test_what_falls_is_replaced_or_lies(street_of_things: SceneGraph, steady: list[Cousin]) -> None:
-    before = [m.id for m in released(made(street_of_things, few(*THINGS), False)[0], few(*THINGS)).moved]
+def test_what_falls_is_replaced_or_lies(street_of_kinds: SceneGraph, steady: list[Cousin]) -> None:
+    before = [m.id for m in released(made(street_of_kinds, few(*KINDS), False)[0], few(*KINDS)).moved]
     assert {"shovel", "umbrella", "unicycle"} <= set(before)
     for cousin in steady:
-        trial = released(cousin, few(*THINGS))
-        assert trial.standing == len(THINGS)
+        trial = released(cousin, few(*KINDS))
+        assert trial.standing == len(KINDS)
         assert trial.moved == ()
         lie = {p.id for p in cousin.layout.objects if is_lying(p.asset_uid)}
         assert {"shovel", "umbrella", "unicycle", "football"} <= lie
         assert not lie & {"backpack", "luggage", "lawn mower"}, "others of their kind stand"
 
 
-def test_a_cousin_is_the_same_alone_and_among_others(street_of_things: SceneGraph, steady: list[Cousin]) -> None:
-    assert made(street_of_things, few(*THINGS), True)[0].layout == steady[0].layout
+def test_a_cousin_is_the_same_alone_and_among_others(street_of_kinds: SceneGraph, steady: list[Cousin]) -> None:
+    assert made(street_of_kinds, few(*KINDS), True)[0].layout == steady[0].layout
 
 
 def test_what_stands_already_stays_the_same() -> None:
@@ -82,7 +82,7 @@ def test_what_stands_already_stays_the_same() -> None:
 
 def test_what_hangs_is_not_laid_down() -> None:
     """An umbrella two metres above the ground hangs from something that the graph does not show."""
-    graph, objects = street(obj("umbrella", "umbrella", 0, 5, 2.2, size=THINGS["umbrella"][0])), few("umbrella")
+    graph, objects = street(obj("umbrella", "umbrella", 0, 5, 2.2, size=KINDS["umbrella"][0])), few("umbrella")
     assert not is_lying(made(graph, objects, True)[0].layout.objects[0].asset_uid)
 
 
@@ -110,7 +110,7 @@ def test_the_row_of_barriers_in_version_2_is_as_long_as_its_place() -> None:
 
 def test_a_lying_asset_has_its_own_box_and_mass(steady: list[Cousin]) -> None:
     layout = steady[0].layout
-    index = index_of(layout, few(*THINGS))
+    index = index_of(layout, few(*KINDS))
     shovel = next(p for p in layout.objects if p.id == "shovel")
     record = index.get(shovel.asset_uid)
     assert shovel.scale == (1.0, 1.0, 1.0)
