@@ -22,9 +22,9 @@ BEFORE = {"vision_config.light": "direct", "friction": "uniform"}
 #: Hash of the episodes of each list.
 PUBLISHED = {
     "autobench": "f010d0533118a36fb88e2c013911a0b3582a1ca068635796f62bbc390ac2f67e",
-    "autobench_v2": "db095663dd3b6e515a377eb3b2ef69ae099e45d980dbc70431ee4844d6318ee2",
+    "autobench_v2": "65d7818751b65582b63747b6658ef12dfc6100ff053bc5c17bd99a2800d2b1e9",
     "craftbench": "34b5f5a25ad9efe41e8c67eb333cdf3722a919ee7f5e3272e5c4f2150be85d15",
-    "craftbench_v2": "2b19fa12a9be6016068587a3585489c8582021bcdd77d3d7a55c773374df2a5e",
+    "craftbench_v2": "3d06897952d3d8d421628ae86b8772751869bbfa9b2807508e3fe9f74b991414",
     "shipped": "de1f337c92360c13c9a013bd0e1cceb478998df05c8a33461fd1c7dbda6c9561",
     "validation": "f8c9c282fcd5a4f1243b462ed1eaa89a009e7fa13bb80bd8e3186f0eb4647a53",
 }
