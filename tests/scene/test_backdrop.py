@@ -96,14 +96,14 @@ def test_whoever_looks_out_sees_a_front_in_every_direction(place: tuple[str, str
     houses = row([10.0, 18.0, 40.0])
     drawn = surround(street(), houses, place, "a")
     fronts = corners(drawn, "fronts")
-    eye = np.array([30.0, 0.0, 1.6])
+    camera = np.array([30.0, 0.0, 1.6])
     for angle in np.radians(np.arange(0, 360, 7)):
         ray = np.array([math.cos(angle), math.sin(angle), 0.0])
         edge1, edge2 = fronts[:, 1] - fronts[:, 0], fronts[:, 2] - fronts[:, 0]
         normal = np.cross(edge1, edge2)
         slope = normal @ ray
-        t = np.einsum("ij,ij->i", normal, fronts[:, 0] - eye) / np.where(np.abs(slope) < 1e-9, np.inf, slope)
-        point = eye + t[:, None] * ray - fronts[:, 0]
+        t = np.einsum("ij,ij->i", normal, fronts[:, 0] - camera) / np.where(np.abs(slope) < 1e-9, np.inf, slope)
+        point = camera + t[:, None] * ray - fronts[:, 0]
         # Inside a triangle: both shares are at least 0 and add up to at most 1.
         d11, d12, d22 = ((a * b).sum(1) for a, b in ((edge1, edge1), (edge1, edge2), (edge2, edge2)))
         p1, p2 = (point * edge1).sum(1), (point * edge2).sum(1)

@@ -48,9 +48,9 @@ def test_images_are_alike(small_bank: SceneBank, taken: SceneBank, shading: str,
     whole, alone = (Renderer(bank, None, 36, 64, outputs, shading=shading, light=light) for bank in (small_bank, taken))
     for row, scene in enumerate(TAKEN):
         start = small_bank.episode_start[scene, 0]
-        eye = start[:3] + np.array([0.0, 0.0, 1.2], np.float32)
+        camera = start[:3] + np.array([0.0, 0.0, 1.2], np.float32)
         turn = np.array([0.5, 0.5, -0.5, -0.5], np.float32)  # level, along +x
-        look = functools.partial(dict, position=eye, quaternion=turn, fovy=1.2)
+        look = functools.partial(dict, position=camera, quaternion=turn, fovy=1.2)
         first, second = whole.view(scene, **look()), alone.view(row, **look())
         for name in outputs:
             assert len(np.unique(np.asarray(first[name]))) > 3, name

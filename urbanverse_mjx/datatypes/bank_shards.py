@@ -82,7 +82,7 @@ _DAMAGED = "copy the folder again from where it is whole, or build it again"
 
 
 def hull_dtype(corners: int, triangles: int) -> np.dtype:
-    """The bytes of one hull; corners, triangles: room for as many, see `SceneBank.hull_vertices`."""
+    """The bytes of one hull; corners, triangles: the most that fit, see `SceneBank.hull_vertices`."""
     return np.dtype(
         [
             ("hull_vertices", "<f4", (corners, 3)),

@@ -292,7 +292,7 @@ class Planner:
         """The command (2,) after the wait of the cheapest plan, and its cost: a little less than that of waiting if the
         robot stands and can begin without contact, else infinite.
 
-        Among still things such a plan can begin at once. Its end then differs, because the predictions end at the same
+        Where nothing moves such a plan can begin at once. Its end then differs, because the predictions end at the same
         time, and may be dearer; a robot that waits for that reason has the same choice in every step and never starts.
         """
         waiting = jnp.argmin(jnp.abs(self.first).sum(-1))
