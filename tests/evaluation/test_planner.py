@@ -228,8 +228,8 @@ def test_no_edge_lies_between_two_predictions(small_bank: SceneBank) -> None:
     """At 2 m/s they are 0.6 m apart; a planner that could jump over an edge would wait for that for ever."""
     planner, border = _flank(small_bank)
     for first in np.arange(0.0, 0.6, 0.02):
-        way = [jnp.asarray([border[0] + first + 0.6 * k, border[1], np.pi], jnp.float32) for k in range(-2, 3)]
-        assert min(float(planner._gap(0, pose, None)) for pose in way) < 0.02
+        path = [jnp.asarray([border[0] + first + 0.6 * k, border[1], np.pi], jnp.float32) for k in range(-2, 3)]
+        assert min(float(planner._gap(0, pose, None)) for pose in path) < 0.02
 
 
 def test_the_planner_looks_not_across_an_edge(small_bank: SceneBank) -> None:

@@ -299,8 +299,8 @@ class Planner:
         after = jnp.argmin(costs[waiting])
         held = len(self._after)
         speeds = jnp.array(_OPTIONS.follow_speeds) * self._robot.max_speed
-        way = route.on(route.first_part())
-        followed = self._downhill(scene, way, state[:3], speeds[jnp.clip(after - held, 0, len(speeds) - 1)])
+        field = route.on(route.first_part())
+        followed = self._downhill(scene, field, state[:3], speeds[jnp.clip(after - held, 0, len(speeds) - 1)])
         command = jnp.where(after < held, self._after[jnp.minimum(after, held - 1)], followed)
         waits = (jnp.argmin(costs.min(1)) == waiting) & (jnp.abs(state[3:]).max() < _OPTIONS.standing)
         least = costs[waiting, after]
@@ -324,8 +324,8 @@ class Planner:
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
             def lookahead_step(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
-                way = route.on(ahead.part)
-                followed = self._downhill(scene, way, ahead.pose, command) if follow else command
+                field = route.on(ahead.part)
+                followed = self._downhill(scene, field, ahead.pose, command) if follow else command
                 return self._lookahead_step(scene, route, agents, ahead, followed, *now), None
 
             # A loop compiles in a tenth of the time of unrolled steps.
