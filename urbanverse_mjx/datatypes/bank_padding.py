@@ -15,7 +15,7 @@ EMPTY = {
     "slot_mesh": -1,
     "slot_category": -1,
 }
-_TURNS = {"inst_rotation": np.eye(3, dtype=np.float32), "slot_quaternion": np.array([1, 0, 0, 0], np.float32)}
+_TURNS = {"inst_rotation": np.identity(3, dtype=np.float32), "slot_quaternion": np.array([1, 0, 0, 0], np.float32)}
 _WAYPOINTS = "episode_waypoints"
 
 

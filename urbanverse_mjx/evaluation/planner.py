@@ -242,6 +242,7 @@ class Planner:
         self._ground = _Field.of(self._maps.ground, scenes, self._maps.origin, 0.0)
         # (2, F): times the ground's heights under the feet, the slope ahead and to the left of the plane through them.
         self._plane = np.linalg.pinv(np.column_stack([self._body.feet, np.ones(len(self._body.feet))]))[:2]
+        self._follow_speeds = jnp.array(_OPTIONS.follow_speeds) * robot.max_speed
         self.first = jnp.asarray(_commands(robot, self._motion, _OPTIONS.speeds, _OPTIONS.turns), jnp.float32)
         self._after = jnp.asarray(
             _commands(robot, self._motion, _OPTIONS.later_speeds, _OPTIONS.later_turns), jnp.float32
@@ -297,8 +298,7 @@ class Planner:
         """
         waiting = jnp.argmin(jnp.abs(self.first).sum(-1))
         after = jnp.argmin(costs[waiting])
-        held = len(self._after)
-        speeds = jnp.array(_OPTIONS.follow_speeds) * self._robot.max_speed
+        held, speeds = len(self._after), self._follow_speeds
         field = route.on(route.first_part())
         followed = self._downhill(scene, field, state[:3], speeds[jnp.clip(after - held, 0, len(speeds) - 1)])
         command = jnp.where(after < held, self._after[jnp.minimum(after, held - 1)], followed)
@@ -336,8 +336,8 @@ class Planner:
         def whole(first: Any) -> Any:
             middle = drive(start, first, begin)
             held = jax.vmap(lambda after: _cost(drive(middle, after, go_on)))(self._after)
-            speeds = jnp.array(_OPTIONS.follow_speeds) * self._robot.max_speed
-            return jnp.concatenate([held, jax.vmap(lambda v: _cost(drive(middle, v, go_on, follow=True)))(speeds)])
+            followed = jax.vmap(lambda v: _cost(drive(middle, v, go_on, follow=True)))(self._follow_speeds)
+            return jnp.concatenate([held, followed])
 
         return jax.vmap(whole)(self.first if first is None else first)
 

@@ -25,7 +25,6 @@ from ..assets.records.store import catalogue_hash, recorded_content
 from ..assets.selection.matching import Matcher
 from ..assets.selection.search import ObjectLibrary, library
 from ..datatypes import (
-    PAINT_KINDS,
     AssetRecord,
     GraphObject,
     HullSet,
@@ -175,8 +174,7 @@ def _materialise(
         flat = ground_inpainting.fill(flat, leaves)
     strip = _trajectory_strip(flat)
     known = [_cut_back(obj, leaves, strip) for obj in flat.objects if obj.id not in gone]
-    carrying = [r for r in flat.ground if r.kind not in PAINT_KINDS]
-    support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+    support = overlap.Support.of(flat.ground)
     steady = Steady(hulls_of, support) if standing else None
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}

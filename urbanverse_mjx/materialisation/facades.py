@@ -9,14 +9,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-import shapely
 from scipy.spatial import ConvexHull
 
 from ..assets import hull_loader, load_hulls
 from ..assets.categories.priors import is_held
 from ..assets.records import regional
 from ..assets.records.index import AssetIndex
-from ..datatypes import PAINT_KINDS, AssetRecord, HullSet, PlacedObject, SceneGraph
+from ..datatypes import AssetRecord, HullSet, PlacedObject, SceneGraph
 from ..datatypes.toml_table import table
 from . import choice, overlap
 from . import standing as standing_on
@@ -81,10 +80,7 @@ def dress(
     # Closer hulls cut the block of a house where its front recedes.
     records, placed = _replaced(cousin, houses, regional.of_tradition(name), index, whole, exact)
     kept, gone = _without_hung(cousin, placed, index)
-    support = None
-    if standing:
-        carrying = [r for r in cousin.layout.ground if r.kind not in PAINT_KINDS]
-        support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+    support = overlap.Support.of(cousin.layout.ground) if standing else None
     objects, crowded, overlapping = _fitting(kept, placed, records, index, hulls_of, support)
     layout = dataclasses.replace(
         cousin.layout, objects=objects, hashes={**cousin.layout.hashes, "facades": regional.regional_hash()}

@@ -88,7 +88,7 @@ def _under(
     carrying: Sequence[GroundRegion],
 ) -> list[BaseGeometry]:
     """Missing ground under objects that stand at the height of the adjacent ground."""
-    support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+    support = overlap.Support.of(carrying)
     found = []
     for obj in graph_objects:
         leaf = leaves[obj.label]

@@ -6,13 +6,13 @@ that a lamp may hang above a car and a chair may stand under a sunshade.
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import shapely
 import shapely.ops
 
-from ..datatypes import AssetRecord, GraphObject, HullSet, PlacedObject
+from ..datatypes import PAINT_KINDS, AssetRecord, GraphObject, GroundRegion, HullSet, PlacedGround, PlacedObject
 from ..datatypes import validation as v
 from ..geometry.polygons import rectangle
 
@@ -162,6 +162,11 @@ class Support:
     def __init__(self, regions: Sequence[tuple[shapely.Polygon, str, tuple[float, float, float]]]) -> None:
         self._regions = regions
         self._tree = shapely.STRtree([r[0] for r in regions])
+
+    @staticmethod
+    def of(ground: Iterable[GroundRegion | PlacedGround]) -> "Support":
+        """That of ground without what is painted on it."""
+        return Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in ground if r.kind not in PAINT_KINDS])
 
     def at(self, x: float, y: float) -> list[tuple[float, str]]:
         """(height m, kind) of every region under a point, in order of height."""

@@ -110,13 +110,7 @@ def _parted(cousin: Cousin, graph: SceneGraph) -> Cousin:
         other = placed[pair[1 - pair.index(name)]]
         reason = f"there is no free place within {overlap.MAX_MOVE:g} m of {other.id!r} ({other.category})"
         gone[name] = LeftOut(name, placed[name].label, reason)
-    return dataclasses.replace(
-        cousin,
-        layout=dataclasses.replace(cousin.layout, objects=tuple(p for p in cousin.layout.objects if p.id not in gone)),
-        left_out=(*cousin.left_out, *gone.values()),
-        unresolved=tuple(pair for pair in cousin.unresolved if not gone.keys() & set(pair)),
-        chosen={name: c for name, c in cousin.chosen.items() if name not in gone},
-    )
+    return _without(cousin, list(gone.values()))
 
 
 def _exchanged(cousin: Cousin, graph: SceneGraph, hulls_of: Callable[[AssetRecord], HullSet] | None) -> Cousin:
@@ -133,7 +127,11 @@ def _exchanged(cousin: Cousin, graph: SceneGraph, hulls_of: Callable[[AssetRecor
 
 def _grounded(cousin: Cousin) -> Cousin:
     """The cousin without houses in the air. After houses have been replaced, so that the others stay the same."""
-    gone = exchange_step.hanging(cousin.layout)
+    return _without(cousin, exchange_step.hanging(cousin.layout))
+
+
+def _without(cousin: Cousin, gone: Sequence[LeftOut]) -> Cousin:
+    """The cousin without some objects."""
     names = {entry.id for entry in gone}
     kept = tuple(p for p in cousin.layout.objects if p.id not in names)
     return dataclasses.replace(

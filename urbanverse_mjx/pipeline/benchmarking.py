@@ -118,14 +118,12 @@ def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
         return ensure_default_bank(quiet)
     from ..scene import library
 
-    path = settings.cache_dir("library", name, library.BANK)
-    if not path.is_file():
-        shards = path.with_name(library.SHARDS)
-        if shards.is_dir():
-            return SceneBank.load(shards)
+    home = settings.cache_dir("library", name)
+    path = library.bank_in(home)
+    if path is None:
         raise ValidationError(
-            f"benchmark {name!r}: found no bank at {path}, needed its scenes; run `urbanverse scene library {name}` or "
-            "say which file with --bank."
+            f"benchmark {name!r}: found no bank at {home / library.BANK}, needed its scenes; run "
+            f"`urbanverse scene library {name}` or say which file with --bank."
         )
     return SceneBank.load(path)
 

@@ -123,11 +123,15 @@ def bank_path(name: str) -> pathlib.Path:
     Raises:
       ValidationError: the set does not exist or is not built; the message names the command that builds it.
     """
-    home = folder(name)
-    for path in (home / BANK, home / SHARDS):
-        if path.exists():
-            return path
-    raise v.fail(f"set {name!r}", f"no {BANK} in the cache", "its bank", f"run `urbanverse scene library {name}`")
+    path = bank_in(folder(name))
+    if path is None:
+        raise v.fail(f"set {name!r}", f"no {BANK} in the cache", "its bank", f"run `urbanverse scene library {name}`")
+    return path
+
+
+def bank_in(home: pathlib.Path) -> pathlib.Path | None:
+    """The bank in the folder of a set, a file or a folder of shards; None if there is none."""
+    return next((path for path in (home / BANK, home / SHARDS) if path.exists()), None)
 
 
 def shipped_hashes(name: str) -> dict[str, dict[str, str]]:

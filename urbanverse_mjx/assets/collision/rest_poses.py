@@ -75,7 +75,7 @@ def firmest_pose(hulls: Sequence[np.ndarray]) -> RestPose | None:
 def _inside(facet: np.ndarray, centre: np.ndarray, down: np.ndarray) -> float:
     """m from the foot of the perpendicular from `centre` to the border of a facet (n, 3); negative outside, and -inf
     for a facet without area."""
-    across = np.cross(down, np.eye(3)[int(np.argmin(np.abs(down)))])
+    across = np.cross(down, np.identity(3)[int(np.argmin(np.abs(down)))])
     across /= np.linalg.norm(across)
     axes = np.stack([across, np.cross(down, across)], 1)
     try:

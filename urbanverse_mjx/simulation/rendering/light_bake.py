@@ -131,6 +131,7 @@ class Baker:
         self._lower, self._upper = slot_boxes(bank)
         self._on_host = bool(wp.get_device().is_cpu)
         self._mesh_digests: dict[int, bytes] = {}
+        self._around_scene = around_scenes(bank)
 
     def lights(self) -> list[BakedLight]:
         """Light of every scene, from the cache where it is there."""
@@ -171,7 +172,7 @@ class Baker:
         for array in (
             bank.slot_position[scene, slots],
             bank.slot_quaternion[scene, slots],
-            ground[bank.slot_category[scene, slots]] & ~around_scenes(bank)[scene, slots],
+            ground[bank.slot_category[scene, slots]] & ~self._around_scene[scene, slots],
             bank.map_origin[scene],
             bank.map_kind[scene].any(1),
             bank.map_kind[scene].any(0),
