@@ -178,6 +178,12 @@ def train(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any]:
     return {"teacher": latest_policy(folder / TEACHER), "student": result.policy}
 
 
+def given(args: argparse.Namespace) -> dict[str, pathlib.Path]:
+    """Agent -> policy folder, of the command line."""
+    named = {"teacher": args.teacher, "student": args.student}
+    return {name: path for name, path in named.items() if path is not None}
+
+
 def training_config(args: argparse.Namespace) -> "ConfigDict":
     """The preset `best` of the task's training with the sizes of the command line; `--steps` are those of the teacher,
     to which the other stages' are in the preset's proportion."""
@@ -213,8 +219,7 @@ def measure(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any
     from urbanverse_mjx.evaluation.task_agents import baseline_of, planner_of
     from urbanverse_mjx.training.policy import PolicySpec, load_policy
 
-    given = {"teacher": args.teacher, "student": args.student}
-    trained = train(args, log) if args.train else {name: path for name, path in given.items() if path is not None}
+    trained = train(args, log) if args.train else given(args)
     blind = scoring_env(args, False)
     episodes = suite_of(blind, args.episodes).episodes["validation"]
     baseline, drive = baseline_of(blind)

@@ -306,7 +306,7 @@ def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Nam
     assert cloned["imitation-100-ppo-2"].start == cloned["imitation-100-2"].out
     assert cloned["imitation-ppo-2"].start is None
     assert {args.samples for args in cloned.values()} == {8_000_000}
-    assert {tuple(args.holdout) for args in cloned.values()} == {(8,)}
+    assert {(tuple(args.holdout), args.train_scenes) for args in cloned.values()} == {((8,), 60)}
     go2 = next(args for args in parsed if args.out.name == "go2")
     assert go2.environment == "Go2Nav"
     assert go2.start.name == "finetuned"

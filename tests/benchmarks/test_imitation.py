@@ -12,7 +12,7 @@ import pytest
 from ml_collections import ConfigDict
 
 from benchmarks import imitation
-from benchmarks.lib.unseen import Log, Streets
+from benchmarks.lib.unseen import Log, Streets, load
 from tests.support.box_machine import box_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
@@ -143,3 +143,13 @@ def test_a_row_from_the_recording_to_its_scores(
     jax.tree.map(np.testing.assert_array_equal, *policies)
     assert PolicySpec.load(latest_policy(out["ppo"] / imitation.TRAINING)).ppo_config["network"]["last_action"] is False
     assert tuned["student"] == result["student"]
+
+
+def test_of_the_first_scenes_the_last_are_held_out(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "boxes" / "bank.npz"
+    path.parent.mkdir()
+    small_bank.save(path)
+    ids, log = list(small_bank.scene_ids), Log(tmp_path / "log")
+    some, everything = load([path], [], [1], 2, log, 2), load([path], [], [1], 2, log)
+    assert (some.train, set(some.suite.scenes["validation_boxes"])) == (ids[:1], {ids[1]})
+    assert (everything.train, set(everything.suite.scenes["validation_boxes"])) == (ids[:2], {ids[2]})

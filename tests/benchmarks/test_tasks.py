@@ -85,6 +85,14 @@ def test_steps_are_those_of_the_teacher(tmp_path: pathlib.Path) -> None:
     assert (config.num_envs, config.seed, config.teacher.learning_rate) == (32, 5, 0.001)
 
 
+def test_policies_that_are_there_are_scored_as_what_they_are(tmp_path: pathlib.Path) -> None:
+    words = ["--task", "CocoSocialNav", "--out", str(tmp_path)]
+    both = tasks.arguments([*words, "--student", "seeing", "--teacher", "told"])
+    assert tasks.given(both) == {"teacher": pathlib.Path("told"), "student": pathlib.Path("seeing")}
+    assert tasks.given(tasks.arguments([*words, "--student", "seeing"])) == {"student": pathlib.Path("seeing")}
+    assert not tasks.given(tasks.arguments(words))
+
+
 def test_a_command_line_without_a_task_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         tasks.arguments(["--out", "somewhere"])
