@@ -56,20 +56,25 @@ _IDENTITY = (
 PROOF = 64
 
 
-def machine() -> dict[str, Any]:
-    """Device, cores and versions."""
+def versions() -> dict[str, str]:
+    """Versions of the packages that a figure depends on."""
     found = {}
     for name in PACKAGES:
         try:
             found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:  # run from a tree that is not installed
             found[name] = "unknown"
+    return found
+
+
+def machine() -> dict[str, Any]:
+    """Device, cores and versions."""
     return {
         "device": jax.devices()[0].device_kind if jax.default_backend() != "cpu" else "cpu",
         "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
         "processor": platform.processor() or platform.machine(),
         "python": ".".join(map(str, sys.version_info[:3])),
-        "versions": found,
+        "versions": versions(),
     }
 
 

@@ -1,0 +1,1 @@
+"""Engines that one would pick for a street, driven alike: what `benchmarks.peers` measures."""
