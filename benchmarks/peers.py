@@ -45,7 +45,7 @@ CONTROL, SUBSTEPS, PRESET = 0.2, 20, "paper"
 #: Control steps of different commands, which our environment scans in one call.
 STEPS = 20
 #: MJX compiles a collision function for every distinct mesh; the cut street of `mjx-cut` has so many.
-CUT_HULLS, CUT_PRISMS = 48, 8
+CUT_HULLS, CUT_PRISMS = 12, 4
 #: Contacts that MJX solves, as many as our engine of JAX; without a limit every pair of geoms gets rows.
 MJX_CONTACTS = 12
 _TAG = '{"benchmark": "peers"'
@@ -113,7 +113,8 @@ def cases_of(args: argparse.Namespace) -> list[Case]:
 
 
 def read_rows(path: pathlib.Path) -> list[dict[str, Any]]:
-    """Returns the rows of a file, of each case the last; none if there is no file. A line cut off in writing is left out.
+    """Returns the rows of a file, of each case the last; none if there is no file. A last line cut off in writing is
+    left out.
 
     Raises:
       ValidationError: a line before the last one is no row.
@@ -158,6 +159,7 @@ class Ours:
             pixels=case.pixels,
             bank=str(self._args.bank),
             scenes=case.streets,
+            overrides={"scenes": "all"},
             measure=("step",),
             steps=STEPS,
             repeats=self._args.repeats,
@@ -276,17 +278,21 @@ def work(args: argparse.Namespace, cases: Sequence[Case]) -> None:
 # --- the process that starts the others -------------------------------------------------------------------------------
 
 
-def isolated(args: argparse.Namespace, cases: Sequence[Case], machine: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def isolated(
+    args: argparse.Namespace, cases: Sequence[Case], machine: dict[str, Any], over: float
+) -> Iterator[dict[str, Any]]:
     """Yields a row of each case, measured in a separate process. After a case that ends the process or is out of time
-    the others get a new one."""
+    the others get a new one. Ends without further rows at the monotonic time `over`."""
     rest = list(cases)
-    while rest:
+    while rest and time.monotonic() < over:
         process = _start(args, rest)
         lines: queue.Queue[str | None] = queue.Queue()
         threading.Thread(target=_read, args=(process, lines), daemon=True).start()
         try:
             while rest:
-                row, why = _next_row(process, lines, args.limit)
+                row, why = _next_row(process, lines, min(args.limit, over - time.monotonic()))
+                if row is None and time.monotonic() >= over:
+                    return
                 yield row or {"benchmark": "peers", **rest[0].to_json(), "error": why, "machine": machine}
                 del rest[0]
                 if row is None:
@@ -358,14 +364,17 @@ def measure_all(args: argparse.Namespace, cases: Sequence[Case]) -> list[dict[st
     todo = left(cases, read_rows(args.rows), args.again)
     machine = page.machine()
     for group in same_process(todo) if args.together else [[case] for case in todo]:
-        if time.monotonic() - begin > args.budget:
-            print(f"budget of {args.budget:g} s is over before {group[0].title}", file=sys.stderr)
-            break
-        for row in isolated(args, group, machine):
+        for row in isolated(args, group, machine, begin + args.budget):
             with args.rows.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(row) + "\n")
             print(f"{time.monotonic() - begin:6.1f} s  {page.brief(row)}", flush=True)
-    return read_rows(args.rows)
+    rows = read_rows(args.rows)
+    not_run = left(cases, rows, again=False)
+    if not_run:
+        print(
+            f"the budget of {args.budget:g} s is over; not run: {'; '.join(x.title for x in not_run)}", file=sys.stderr
+        )
+    return rows
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -105,7 +105,14 @@ def text(rows: Sequence[Mapping[str, str]]) -> str:
 def _table(rows: Sequence[Mapping[str, str]]) -> str:
     """Engines down, envs across, with a line for each number of streets."""
     counts = sorted({int(row["num_envs"]) for row in rows})
-    head = ["engine", "streets at once", "hulls a street", *(f"{n:,} envs" for n in counts), "compiled in", "GPU memory"]
+    head = [
+        "engine",
+        "streets at once",
+        "hulls a street",
+        *(f"{n:,} envs" for n in counts),
+        "compiled in",
+        "GPU memory",
+    ]
     lines = []
     for peer, engine in PEERS.items():
         for streets in sorted({int(row["streets"]) for row in rows if row["peer"] == peer}):

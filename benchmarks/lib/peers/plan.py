@@ -130,7 +130,6 @@ def _plan() -> list[Case]:
         ("warp-fused", none, 1, (64, 1024, 4096)),
         ("mujoco-warp", none, 1, (64, 1024, 4096)),
         ("c-mujoco", none, 1, (64, 1024, 4096)),
-        ("mjx-cut", none, 1, (1024,)),
         ("warp-fused", none, 12, (1024,)),
         ("mujoco-warp", none, 12, (1024,)),
         ("warp-fused", large, 12, (1024,)),
@@ -139,7 +138,7 @@ def _plan() -> list[Case]:
         ("warp-fused", small, 1, (4096,)),
         ("mujoco-warp", small, 1, (4096,)),
         ("warp", large, 1, (1024,)),
-        ("mjx", none, 1, (64,)),
+        ("mjx-cut", none, 1, (1024,)),
     ]
     return [Case(peer, count, streets, pixels) for peer, pixels, streets, counts in rows for count in counts]
 

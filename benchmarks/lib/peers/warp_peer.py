@@ -1,5 +1,6 @@
 """MuJoCo Warp with whole streets in its model, called without JAX; mjlab's way of calling it; its batch renderer."""
 
+import gc
 import pathlib
 from collections.abc import Callable
 from typing import Any
@@ -50,28 +51,32 @@ class MujocoWarp:
         size: tuple[int, int] | None,
         calls: str,
     ) -> None:
-        """calls: "control": one CUDA graph is a whole control step; "mjlab": one graph each for new beginnings, a physics
-        step, the forward pass after the last one, and the pictures, as mjlab launches them."""
+        """calls: "control": one CUDA graph is a whole control step; "mjlab": one graph each for new beginnings, a
+        physics step, the forward pass after the last one, and the pictures, as mjlab launches them."""
         if len(folders) > 1 and size is not None:
             raise ValidationError("MuJoCo Warp: found pictures of several streets, needed one street: not built.")
         self._drive, self._step, self.rgb = drive, 0, None
+        poses = None
         if len(folders) == 1:
             self._mj_model = with_robot(street_spec(folders[0], seen=size is not None), robot, drive.timestep, size)
             self._model = mjw.put_model(self._mj_model)
             self.hulls = hulls_of(self._mj_model)
             self.does = "one street for all envs"
         else:
-            self._mj_model, self._model, self.hulls = several_streets(folders, robot, drive.timestep)
+            self._mj_model, self._model, poses = several_streets(folders, robot, drive.timestep)
+            self.hulls = poses[0].shape[1]
             self.does = "the geoms of an env's street as fields per world"
         # mjlab leaves both rooms to MuJoCo Warp's own guess, which is too small where a robot drives into objects.
         self._data = mjw.make_data(self._mj_model, nworld=drive.count, nconmax=CONTACTS, njmax=ROWS)
+        if poses is not None:
+            _place(self._data, poses, drive.scene)
         self._start = wp.array(drive.qpos, dtype=float)
         wp.copy(self._data.qpos, self._start)
         self._begins = wp.zeros(drive.count, dtype=bool)
         self._command = wp.zeros((drive.count, drive.ctrl.shape[2]), dtype=float)
         self._masks = [wp.array(drive.begins(t), dtype=bool) for t in range(drive.episode)]
         self._ctrl = [wp.array(u, dtype=float) for u in drive.ctrl]
-        self._context = None if size is None else self._make_context(size, calls)
+        self._context = None if size is None else self._make_context(size)
         parts = self._parts(calls)
         for part, _ in parts:  # kernels are compiled outside of a capture
             part()
@@ -81,11 +86,10 @@ class MujocoWarp:
         self._launches = [(_captured(part) if wp.get_device().is_cuda else part, times) for part, times in parts]
         self.does += "; no observations, rewards or hits"
 
-    def _make_context(self, size: tuple[int, int], calls: str) -> Any:
+    def _make_context(self, size: tuple[int, int]) -> Any:
         height, width = size
         self.rgb = wp.zeros((self._drive.count, height * width, 3), dtype=wp.uint8)
-        sky = calls == "mjlab"
-        self.does += f"; textures, {'the sky' if sky else 'no sky'}, no shadows"
+        self.does += "; MuJoCo Warp's renderer, textures, sky, no shadows"
         return mjw.create_render_context(
             self._mj_model,
             nworld=self._drive.count,
@@ -95,7 +99,7 @@ class MujocoWarp:
             use_shadows=False,
             enabled_geom_groups=[SEEN],
             cam_active=[name == ROBOT + self._camera() for name in self._cameras()],
-            render_skybox=sky,
+            render_skybox=True,
         )
 
     def _cameras(self) -> list[str]:
@@ -166,19 +170,24 @@ class MujocoWarp:
 
 def _captured(call: Callable[[], None]) -> Callable[[], None]:
     """Returns the same launches as one CUDA graph."""
-    with wp.ScopedCapture() as capture:
-        call()
+    gc.disable()  # arrays freed within a capture become a part of the graph
+    try:
+        with wp.ScopedCapture() as capture:
+            call()
+    finally:
+        gc.enable()
     return lambda: wp.capture_launch(capture.graph)
 
 
 def several_streets(
     folders: list[pathlib.Path], robot: RobotSpec, timestep: float
-) -> tuple[mujoco.MjModel, Any, int]:
+) -> tuple[mujoco.MjModel, Any, tuple[np.ndarray, np.ndarray]]:
     """A model with the meshes of all streets and as many geoms as the largest has; world i gets the geoms of street i
     modulo their number by MuJoCo Warp's fields per world.
 
     Returns:
-      a model for the sizes of the data, MuJoCo Warp's model, and the most hulls of a street.
+      a model for the sizes of the data, MuJoCo Warp's model, and the geoms' places (streets, most hulls, 3) m and
+      rotations (streets, most hulls, 3, 3).
     """
     spec, models = mujoco.MjSpec(), []
     names: list[list[str]] = []
@@ -199,8 +208,14 @@ def several_streets(
     base = with_robot(spec, robot, timestep)
     number_of = {base.mesh(i).name: i for i in range(base.nmesh)}
     fields = {name: np.repeat(np.array(getattr(base, name))[None], len(models), 0) for name in _BY_WORLD}
+    places, rotations = np.zeros((len(models), most, 3)), np.tile(np.identity(3), (len(models), most, 1, 1))
     for world, model in enumerate(models):
-        count = hulls_of(model)
+        count, data = hulls_of(model), mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        places[world, :count], rotations[world, :count] = (
+            data.geom_xpos[:count],
+            data.geom_xmat[:count].reshape(-1, 3, 3),
+        )
         if (model.geom_group[:count] != HIT).any() or model.geom_bodyid[:count].any():
             raise ValidationError(f"{folders[world]}: found geoms of bodies that move, needed a street without any.")
         for name in _BY_WORLD:
@@ -213,4 +228,13 @@ def several_streets(
         array = getattr(device, name)
         shaped = value.reshape(len(models), *array.numpy().shape[1:])
         setattr(device, name, wp.array(shaped, dtype=array.dtype))
-    return base, device, most
+    return base, device, (places, rotations)
+
+
+def _place(data: Any, poses: tuple[np.ndarray, np.ndarray], scene: np.ndarray) -> None:
+    """Writes where the geoms of each env's street are: MuJoCo Warp computes those that do not move once, from the model
+    of one world."""
+    for array, value in zip((data.geom_xpos, data.geom_xmat), poses, strict=True):
+        written = array.numpy()
+        written[:, : value.shape[1]] = value[scene]
+        array.assign(written)
