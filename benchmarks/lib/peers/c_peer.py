@@ -7,7 +7,6 @@ import multiprocessing
 import multiprocessing.connection
 import os
 import pathlib
-import tempfile
 from typing import Any
 
 import mujoco
@@ -16,6 +15,7 @@ import numpy as np
 
 from benchmarks.lib.peers.street import ROBOT, SEEN, Drive, hulls_of, street_spec, with_robot
 from urbanverse_mjx.datatypes import RobotSpec
+from urbanverse_mjx.work_folder import work_folder
 
 #: State of an env between control steps; the accelerations are what the solver starts from.
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -63,6 +63,10 @@ class Rollout:
     def qpos(self) -> np.ndarray:
         return self._state[:, 1 : 1 + self._model.nq]
 
+    def picture(self, env: int) -> np.ndarray:
+        """There are none: `Processes` draws."""
+        raise NotImplementedError
+
     def close(self) -> None:
         self._pool.close()
 
@@ -100,7 +104,7 @@ class Processes:
         before = os.environ.get("MUJOCO_GL")
         os.environ["MUJOCO_GL"] = gl
         try:
-            with tempfile.TemporaryDirectory(prefix="urbanverse-peers-") as kept:
+            with work_folder("urbanverse-peers-") as kept:
                 files = []
                 for number, model in enumerate(models):
                     files.append(f"{kept}/{number}.mjb")
@@ -200,7 +204,7 @@ class _Worker:
             for own, env in enumerate(self._rows):
                 if begins[env]:
                     self._states[own] = self._first[own]
-                scene = self._drive.scene[env]
+                scene = int(self._drive.scene[env])
                 model, data = self._models[scene], self._data[scene]
                 mujoco.mj_setState(model, data, self._states[own], _STATE)
                 data.ctrl[:] = ctrl[env]
@@ -218,6 +222,6 @@ class _Worker:
         return renderer.render()
 
     def picture(self, own: int) -> np.ndarray:
-        scene = self._drive.scene[self._rows[own]]
+        scene = int(self._drive.scene[self._rows[own]])
         mujoco.mj_setState(self._models[scene], self._data[scene], self._first[own], _STATE)
         return self._draw(scene)

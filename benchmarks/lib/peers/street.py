@@ -196,4 +196,4 @@ def commands(robot: RobotSpec, steps: int, count: int, control: float, seed: int
     def command(waypoint: jax.Array) -> jax.Array:
         return robot.command(jnp.stack(robot.waypoint_to_velocity(waypoint, control)))
 
-    return np.asarray(jax.vmap(jax.vmap(command))(waypoint))
+    return np.asarray(jax.vmap(jax.vmap(command))(jnp.asarray(waypoint)))

@@ -10,6 +10,7 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
+from benchmarks.lib.peers import warp_kernels as kernels
 from benchmarks.lib.peers.street import HIT, ROBOT, SEEN, Drive, hulls_of, street_spec, with_robot
 from urbanverse_mjx.datatypes import RobotSpec, ValidationError
 
@@ -17,22 +18,6 @@ from urbanverse_mjx.datatypes import RobotSpec, ValidationError
 CONTACTS, ROWS = 64, 256
 #: Fields of MuJoCo Warp's model that differ between streets, with a leading axis of worlds.
 _BY_WORLD = ("geom_pos", "geom_quat", "geom_size", "geom_aabb", "geom_rbound", "geom_friction", "geom_dataid")
-
-
-@wp.kernel
-def _begin_again(begins: wp.array(dtype=bool), start: wp.array2d(dtype=float), qpos: wp.array2d(dtype=float)):
-    env, i = wp.tid()
-    if begins[env]:
-        qpos[env, i] = start[env, i]
-
-
-@wp.kernel
-def _channels(packed: wp.array2d(dtype=wp.uint32), rgb: wp.array3d(dtype=wp.uint8)):
-    env, pixel = wp.tid()
-    value = packed[env, pixel]
-    rgb[env, pixel, 0] = wp.uint8((value >> wp.uint32(16)) & wp.uint32(255))
-    rgb[env, pixel, 1] = wp.uint8((value >> wp.uint32(8)) & wp.uint32(255))
-    rgb[env, pixel, 2] = wp.uint8(value & wp.uint32(255))
 
 
 class MujocoWarp:
@@ -55,7 +40,8 @@ class MujocoWarp:
         physics step, the forward pass after the last one, and the pictures, as mjlab launches them."""
         if len(folders) > 1 and size is not None:
             raise ValidationError("MuJoCo Warp: found pictures of several streets, needed one street: not built.")
-        self._drive, self._step, self.rgb = drive, 0, None
+        self._drive, self._step = drive, 0
+        self.rgb: Any = None
         poses = None
         if len(folders) == 1:
             self._mj_model = with_robot(street_spec(folders[0], seen=size is not None), robot, drive.timestep, size)
@@ -76,7 +62,7 @@ class MujocoWarp:
         self._command = wp.zeros((drive.count, drive.ctrl.shape[2]), dtype=float)
         self._masks = [wp.array(drive.begins(t), dtype=bool) for t in range(drive.episode)]
         self._ctrl = [wp.array(u, dtype=float) for u in drive.ctrl]
-        self._context = None if size is None else self._make_context(size)
+        self._context: Any = None if size is None else self._make_context(size)
         parts = self._parts(calls)
         for part, _ in parts:  # kernels are compiled outside of a capture
             part()
@@ -114,7 +100,7 @@ class MujocoWarp:
 
         def begin() -> None:
             mjw.reset_data(self._model, self._data, reset=self._begins)
-            wp.launch(_begin_again, self._start.shape, [self._begins, self._start], [self._data.qpos])
+            wp.launch(kernels.begin_again, self._start.shape, [self._begins, self._start], [self._data.qpos])
             wp.copy(self._data.ctrl, self._command)  # the reset clears those of its envs
 
         def step() -> None:
@@ -130,7 +116,7 @@ class MujocoWarp:
         def draw() -> None:
             mjw.refit_bvh(self._model, self._data, self._context)
             mjw.render(self._model, self._data, self._context)
-            wp.launch(_channels, self.rgb.shape[:2], [self._context.rgb_data], [self.rgb])
+            wp.launch(kernels.channels, self.rgb.shape[:2], [self._context.rgb_data], [self.rgb])
 
         seen = self._context is not None
         if calls == "mjlab":
@@ -161,7 +147,6 @@ class MujocoWarp:
 
     def picture(self, env: int) -> np.ndarray:
         """Returns (height * width, 3) uint8: the last picture of an env."""
-        assert self.rgb is not None
         return self.rgb.numpy()[env]
 
     def close(self) -> None:
@@ -176,7 +161,8 @@ def _captured(call: Callable[[], None]) -> Callable[[], None]:
             call()
     finally:
         gc.enable()
-    return lambda: wp.capture_launch(capture.graph)
+    graph: Any = capture.graph
+    return lambda: wp.capture_launch(graph)
 
 
 def several_streets(
