@@ -80,7 +80,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     add("--save-baseline", **own, help="keep the rates of the rows as a baseline (the same default)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)
     args = cli.parse_args(argv)
-    if not args.page and args.add is None and None in (args.bank, args.scenes, args.rows) and not args.worker:
+    if not args.page and args.add is None and None in (args.bank, args.scenes, args.rows):
         cli.error("needed --bank, --scenes and --rows, or --add, or --page")
     if args.repeats < 1 or args.episode < 1 or args.seconds <= 0.0 or args.limit <= 0.0:
         cli.error("needed --repeats and --episode of at least 1, --seconds and --limit above 0")
@@ -288,6 +288,7 @@ def isolated(
         process = _start(args, rest)
         lines: queue.Queue[str | None] = queue.Queue()
         threading.Thread(target=_read, args=(process, lines), daemon=True).start()
+        patience = 0.0
         try:
             while rest:
                 row, why = _next_row(process, lines, min(args.limit, over - time.monotonic()))
@@ -297,8 +298,10 @@ def isolated(
                 del rest[0]
                 if row is None:
                     break
+            else:
+                patience = 5.0
         finally:
-            _end(process)
+            _end(process, patience)
 
 
 def _start(args: argparse.Namespace, cases: Sequence[Case]) -> "subprocess.Popen[str]":
@@ -348,10 +351,10 @@ def _next_row(
             return json.loads(line), ""
 
 
-def _end(process: "subprocess.Popen[str]") -> None:
-    """Ends a process with those that it started; one that is done ends by itself."""
+def _end(process: "subprocess.Popen[str]", patience: float) -> None:
+    """Ends a process with those that it started; one that is done gets so many seconds to end by itself."""
     with contextlib.suppress(subprocess.TimeoutExpired):
-        process.wait(3.0)
+        process.wait(patience)
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()

@@ -102,7 +102,7 @@ class Processes:
         self._processes: list[Any] = []
         context = multiprocessing.get_context("spawn")
         before = os.environ.get("MUJOCO_GL")
-        os.environ["MUJOCO_GL"] = gl
+        os.environ["MUJOCO_GL"] = "disable" if size is None else gl  # processes take it from here
         try:
             with work_folder("urbanverse-peers-") as kept:
                 files = []
