@@ -137,6 +137,7 @@ def _plan() -> list[Case]:
         ("mjlab", none, 1, (1024, 4096)),
         ("warp-fused", small, 1, (4096,)),
         ("mujoco-warp", small, 1, (4096,)),
+        ("c-mujoco", small, 1, (4096,)),
         ("warp", large, 1, (1024,)),
         ("mjx-cut", none, 1, (1024,)),
     ]
