@@ -62,7 +62,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     add("--peers", help=f"comma list of {', '.join(PEERS)}; without it the cases of the plan")
     add("--num-envs", default="64", help="comma list")
     add("--streets", default="1", help="comma list of the number of streets at once")
-    add("--pixels", default="none", metavar="HxW", help="comma list of height and width of the pictures, or none")
+    add("--pixels", default="none", metavar="HxW", help="comma list of height and width of the images, or none")
     add("--limit", type=float, default=90.0, help="s that a case may take")
     add("--budget", type=float, default=float("inf"), help="s after which no further case is started")
     add("--together", action="store_true", help="one process for cases that differ in the number of envs alone")
@@ -70,8 +70,8 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     add("--repeats", type=int, default=5, help="timed runs")
     add("--seconds", type=float, default=0.4, help="s that a timed run of a peer takes, about; 1 to 20 control steps")
     add("--episode", type=int, default=50, help="control steps after which an env of a peer begins again")
-    add("--gl", default="egl", choices=("egl", "osmesa"), help="OpenGL of C MuJoCo's pictures")
-    add("--pictures", type=pathlib.Path, help="folder for the first env's picture of each case")
+    add("--gl", default="egl", choices=("egl", "osmesa"), help="OpenGL of C MuJoCo's images")
+    add("--images", type=pathlib.Path, help="folder for the first env's image of each case")
     add("--add", type=pathlib.Path, metavar="ROWS", help="keep the rows of a file in benchmarks/scores")
     add("--page", action="store_true", help="write the table and the figure of docs/performance.md")
     own = {"type": pathlib.Path, "nargs": "?", "const": page.OWN, "metavar": "FILE"}
@@ -189,10 +189,10 @@ class Ours:
         }
 
     def _save(self, case: Case, run: Any) -> None:
-        if self._args.pictures is not None and "pixels/front" in run.state.obs:
+        if self._args.images is not None and "pixels/front" in run.state.obs:
             import numpy as np
 
-            page.save_picture(self._args.pictures, case, np.asarray(run.state.obs["pixels/front"][0]))
+            page.save_image(self._args.images, case, np.asarray(run.state.obs["pixels/front"][0]))
 
 
 def folders_of(args: argparse.Namespace, count: int) -> list[pathlib.Path]:
@@ -245,8 +245,8 @@ def peer_row(args: argparse.Namespace, case: Case, cores: int) -> dict[str, Any]
     peer, figures = timed.timed(make, case.num_envs, args.repeats, args.seconds, STEPS)
     try:
         figures["gpu_mib_all"] = memory.device_mib()
-        if args.pictures is not None and size is not None:
-            page.save_picture(args.pictures, case, peer.picture(0).reshape(*size, 3))
+        if args.images is not None and size is not None:
+            page.save_image(args.images, case, peer.image(0).reshape(*size, 3))
     finally:
         peer.close()
     return {**figures, "ended_share": 1.0 / args.episode}
@@ -288,7 +288,7 @@ def isolated(
         process = _start(args, rest)
         lines: queue.Queue[str | None] = queue.Queue()
         threading.Thread(target=_read, args=(process, lines), daemon=True).start()
-        patience = 0.0
+        grace = 0.0
         try:
             while rest:
                 row, why = _next_row(process, lines, min(args.limit, over - time.monotonic()))
@@ -299,9 +299,9 @@ def isolated(
                 if row is None:
                     break
             else:
-                patience = 5.0
+                grace = 5.0
         finally:
-            _end(process, patience)
+            _end(process, grace)
 
 
 def _start(args: argparse.Namespace, cases: Sequence[Case]) -> "subprocess.Popen[str]":
@@ -313,7 +313,7 @@ def _start(args: argparse.Namespace, cases: Sequence[Case]) -> "subprocess.Popen
         ("--seconds", args.seconds),
         ("--episode", args.episode),
         ("--gl", args.gl),
-        *([("--pictures", args.pictures)] if args.pictures else []),
+        *([("--images", args.images)] if args.images else []),
     ]
     command = [sys.executable, "-m", "benchmarks.peers", "--worker", *(str(x) for pair in options for x in pair)]
     env = {**os.environ, "XLA_PYTHON_CLIENT_PREALLOCATE": "false"}
@@ -351,10 +351,10 @@ def _next_row(
             return json.loads(line), ""
 
 
-def _end(process: "subprocess.Popen[str]", patience: float) -> None:
+def _end(process: "subprocess.Popen[str]", grace: float) -> None:
     """Ends a process with those that it started; one that is done gets so many seconds to end by itself."""
     with contextlib.suppress(subprocess.TimeoutExpired):
-        process.wait(patience)
+        process.wait(grace)
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()

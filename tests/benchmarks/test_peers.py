@@ -66,7 +66,7 @@ def drive_in(folders: list[pathlib.Path], count: int = 4, episode: int = 4) -> D
 
 
 def stepped(folders: list[pathlib.Path], drive: Drive, steps: int) -> np.ndarray:
-    """(n, nq) positions by `mj_step` alone, env by env: the truth."""
+    """(n, nq) positions by `mj_step` alone, env by env: the reference."""
     models = [with_robot(street_spec(folder, seen=False), ROBOT, drive.timestep) for folder in folders]
     found = []
     for env in range(drive.count):
@@ -115,10 +115,10 @@ def test_rollout_drives_as_mj_step(streets: list[pathlib.Path]) -> None:
     peer = Rollout(streets[0], ROBOT, drive, 2)
     peer.run(3)
     peer.run(22)
-    truth = stepped(streets[:1], drive, 25)
+    reference = stepped(streets[:1], drive, 25)
     # It begins each control step without the last accelerations, so the solver ends elsewhere within its tolerance.
-    assert np.abs(peer.qpos() - truth)[:, :3].max() < 1e-4
-    assert 1.3 < truth[0, 0] < 1.8  # at the wall, after a new beginning; its face is at 1.8 m
+    assert np.abs(peer.qpos() - reference)[:, :3].max() < 1e-4
+    assert 1.3 < reference[0, 0] < 1.8  # at the wall, after a new beginning; its face is at 1.8 m
     peer.close()
 
 
@@ -158,13 +158,13 @@ def test_mujoco_warp_drives_as_mj_step(streets: list[pathlib.Path], calls: str, 
 
 @pytest.mark.slow
 def test_mujoco_warp_draws_what_the_robot_sees(streets: list[pathlib.Path]) -> None:
-    """The wall fills the middle of the picture; the pictures of envs at other places differ."""
+    """The wall fills the middle of the image; the images of envs at other places differ."""
     from benchmarks.lib.peers.warp_peer import MujocoWarp
 
     drive = drive_in(streets[:1], count=2)
     peer = MujocoWarp(streets[:1], ROBOT, drive, (12, 16), "control")
     peer.run(1)
-    first, second = (peer.picture(env).reshape(12, 16, 3) for env in range(2))
+    first, second = (peer.image(env).reshape(12, 16, 3) for env in range(2))
     assert first[6, 8].max() > 0
     assert (first != second).any()
 
@@ -202,7 +202,7 @@ class Counted:
     def qpos(self) -> np.ndarray:
         return np.array([[3.0 * len(self.runs), 0.0, 0.3], [0.0, 0.0, 0.3 - 9.0 * len(self.runs)]])
 
-    def picture(self, env: int) -> np.ndarray:
+    def image(self, env: int) -> np.ndarray:
         raise NotImplementedError
 
     def close(self) -> None:
@@ -269,7 +269,7 @@ def test_cases_of_one_process_differ_in_envs_alone() -> None:
         (Case("warp", 1, 1, "36"), "needed HEIGHTxWIDTH"),
         (Case("mjx", 1, 2, "none"), "one street for all envs"),
         (Case("mjx", 1, 1, "8x12"), "has no renderer"),
-        (Case("mujoco-warp", 1, 2, "8x12"), "pictures of several streets are not built"),
+        (Case("mujoco-warp", 1, 2, "8x12"), "images of several streets are not built"),
     ],
 )
 def test_what_cannot_be_measured_is_a_sentence(case: Case, said: str) -> None:
@@ -362,8 +362,8 @@ def test_rows_become_the_page(tmp_path: pathlib.Path) -> None:
     text = page.text(kept)
     assert "| ours, `warp` | 1 | 797 | 1,234 (5 %) | 56,789 (5 %) | 3 s | 4.0 GiB |" in text
     assert "| stock MJX | 1 |  | none |  |  |  |" in text
-    assert "No figure: stock MJX, 64 envs, streets: 1, no pictures: no end within 5 s." in text
-    assert text.index("no pictures, env-steps/s") < text.index("pictures of 36x64")
+    assert "No figure: stock MJX, 64 envs, streets: 1, no images: no end within 5 s." in text
+    assert text.index("no images, env-steps/s") < text.index("images of 36x64")
     figure = tmp_path / "peers.png"
     page.draw(kept, figure)
     assert figure.stat().st_size < 60_000

@@ -20,7 +20,7 @@ from urbanverse_mjx.work_folder import work_folder
 #: State of an env between control steps; the accelerations are what the solver starts from.
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 #: s that a process may take for its start, and for one run.
-_PATIENCE = 300.0
+_TIMEOUT = 300.0
 
 
 def starting_states(model: mujoco.MjModel, qpos: np.ndarray, which: int) -> np.ndarray:
@@ -63,7 +63,7 @@ class Rollout:
     def qpos(self) -> np.ndarray:
         return self._state[:, 1 : 1 + self._model.nq]
 
-    def picture(self, env: int) -> np.ndarray:
+    def image(self, env: int) -> np.ndarray:
         """There are none: `Processes` draws."""
         raise NotImplementedError
 
@@ -72,7 +72,7 @@ class Rollout:
 
 
 class Processes:
-    """A process per core, each with its share of the envs, and its own OpenGL where pictures are asked for.
+    """A process per core, each with its share of the envs, and its own OpenGL where images are asked for.
 
     Attributes:
       does, hulls: see `timed.Peer`.
@@ -139,7 +139,7 @@ class Processes:
     def qpos(self) -> np.ndarray:
         return self._qpos
 
-    def picture(self, env: int) -> np.ndarray:
+    def image(self, env: int) -> np.ndarray:
         """Returns (height, width, 3) uint8: what the env's robot sees at its start."""
         number = next(i for i, rows in enumerate(self._rows) if env in rows)
         self._pipes[number].send(int(np.flatnonzero(self._rows[number] == env)[0]))
@@ -156,8 +156,8 @@ class Processes:
 
 def _answer(pipe: multiprocessing.connection.Connection) -> Any:
     """Raises RuntimeError with what a process says when it fails, or when it is silent."""
-    if not pipe.poll(_PATIENCE):
-        raise RuntimeError(f"a process gave no answer within {_PATIENCE:g} s")
+    if not pipe.poll(_TIMEOUT):
+        raise RuntimeError(f"a process gave no answer within {_TIMEOUT:g} s")
     try:
         answer = pipe.recv()
     except EOFError:
@@ -168,13 +168,13 @@ def _answer(pipe: multiprocessing.connection.Connection) -> Any:
 
 
 def _serve(pipe: Any, files: list[str], camera: str, drive: Drive, rows: np.ndarray, size: Any) -> None:
-    """Answers (first step, steps) with the positions of its envs, and the number of an env with its picture."""
+    """Answers (first step, steps) with the positions of its envs, and the number of an env with its image."""
     try:
         worker = _Worker(files, camera, drive, rows, size)
         pipe.send(np.zeros(0))
         while True:
             asked = pipe.recv()
-            pipe.send(worker.picture(asked) if isinstance(asked, int) else worker.run(*asked))
+            pipe.send(worker.image(asked) if isinstance(asked, int) else worker.run(*asked))
     except EOFError:  # the peer is closed
         return
     except Exception as error:  # each OpenGL library fails with its own
@@ -221,7 +221,7 @@ class _Worker:
         renderer.update_scene(data, camera=self._camera, scene_option=self._option)
         return renderer.render()
 
-    def picture(self, own: int) -> np.ndarray:
+    def image(self, own: int) -> np.ndarray:
         scene = int(self._drive.scene[self._rows[own]])
         mujoco.mj_setState(self._models[scene], self._data[scene], self._first[own], _STATE)
         return self._draw(scene)

@@ -49,7 +49,7 @@ class StockMjx:
     def qpos(self) -> np.ndarray:
         return np.asarray(self._state.qpos)
 
-    def picture(self, env: int) -> np.ndarray:
+    def image(self, env: int) -> np.ndarray:
         """There are none: see `plan.PEERS`."""
         raise NotImplementedError
 

@@ -53,14 +53,14 @@ def machine() -> dict[str, Any]:
 
 def brief(row: Mapping[str, Any]) -> str:
     """Returns one line on a row."""
-    name = f"{row['peer']}, {row['num_envs']} envs, {row['streets']} streets, pictures {row['pixels']}"
+    name = f"{row['peer']}, {row['num_envs']} envs, {row['streets']} streets, images {row['pixels']}"
     if row.get("error"):
         return f"{name}: {row['error']}"
     return f"{name}: {row['env_steps_per_s']:,.0f} env-steps/s, compiled in {row['compile_s']:.1f} s"
 
 
-def save_picture(folder: pathlib.Path, case: Case, pixels: np.ndarray) -> None:
-    """Writes a picture (height, width, 3 or 4) uint8 as PNG."""
+def save_image(folder: pathlib.Path, case: Case, pixels: np.ndarray) -> None:
+    """Writes a image (height, width, 3 or 4) uint8 as PNG."""
     from PIL import Image
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -85,7 +85,7 @@ def read(folder: pathlib.Path = results.SCORES) -> list[dict[str, str]]:
 
 
 def text(rows: Sequence[Mapping[str, str]]) -> str:
-    """Markdown of the part of the page between the marks: a table of each device and size of pictures."""
+    """Markdown of the part of the page between the marks: a table of each device and size of images."""
     if not rows:
         return "Not run yet: `python -m benchmarks.peers --bank BANK --scenes SCENES --rows ROWS` measures it."
     parts = ["![Env-steps per second against the number of envs, ours and other engines](peers.png)"]
@@ -93,7 +93,7 @@ def text(rows: Sequence[Mapping[str, str]]) -> str:
         mine = [row for row in rows if (row["device"], row["cores"]) == (device, cores)]
         for pixels in sorted({row["pixels"] for row in mine}, key=_area):
             some = [row for row in mine if row["pixels"] == pixels]
-            what = "no pictures" if pixels == "none" else f"pictures of {pixels}"
+            what = "no images" if pixels == "none" else f"images of {pixels}"
             parts.append(f"{device}, {cores} cores, {what}, env-steps/s (spread of the repeats):")
             parts.append(_table(some))
     failed = [row for row in rows if row["error"]]
@@ -135,7 +135,7 @@ def _rate(row: Mapping[str, str]) -> str:
 
 
 def _title(row: Mapping[str, str]) -> str:
-    what = "no pictures" if row["pixels"] == "none" else row["pixels"]
+    what = "no images" if row["pixels"] == "none" else row["pixels"]
     return f"{PEERS[row['peer']].title}, {int(row['num_envs']):,} envs, streets: {row['streets']}, {what}"
 
 
@@ -149,7 +149,7 @@ def _area(pixels: str) -> int:
 
 
 def draw(rows: Sequence[Mapping[str, str]], path: pathlib.Path) -> None:
-    """Draws env-steps/s against envs, a panel for each size of pictures; the figure is removed without rows.
+    """Draws env-steps/s against envs, a panel for each size of images; the figure is removed without rows.
 
     Of several devices the one with the most rows is drawn.
     """
@@ -181,7 +181,7 @@ def draw(rows: Sequence[Mapping[str, str]], path: pathlib.Path) -> None:
                     marker = "o" if streets == 1 else "s"
                     style = {"color": engine.colour, "linestyle": line, "marker": marker, "markersize": 4}
                     axis.plot(*zip(*points, strict=True), label=label, **style)
-        axis.set(title="no pictures" if pixels == "none" else pixels.replace("x", " x "), xlabel="envs")
+        axis.set(title="no images" if pixels == "none" else pixels.replace("x", " x "), xlabel="envs")
         axis.set_xscale("log")
         axis.set_yscale("log")
         axis.set_xticks(ticks, [f"{n:,}" for n in ticks])

@@ -16,14 +16,14 @@ class Engine(NamedTuple):
       colour: in the figure.
       uses_jax: on the GPU.
       several: it can have another street in each env.
-      pictures: it has a renderer.
+      images: it has a renderer.
     """
 
     title: str
     colour: str
     uses_jax: bool
     several: bool
-    pictures: bool
+    images: bool
 
 
 #: Name of a peer -> its engine; the order is that of the table.
@@ -60,7 +60,7 @@ class Case:
 
     @property
     def size(self) -> tuple[int, int] | None:
-        """Height and width of the pictures; None without.
+        """Height and width of the images; None without.
 
         Raises:
           ValidationError: it is neither.
@@ -81,7 +81,7 @@ class Case:
 
     @property
     def title(self) -> str:
-        return f"{self.peer}, {self.num_envs} envs, {self.streets} streets, pictures {self.pixels}"
+        return f"{self.peer}, {self.num_envs} envs, {self.streets} streets, images {self.pixels}"
 
     def known(self) -> None:
         """Raises ValidationError if a value is not valid."""
@@ -97,10 +97,10 @@ class Case:
         engine = PEERS[self.peer]
         if self.streets > 1 and not engine.several:
             raise ValidationError(f"{engine.title}: one model and so one street for all envs")
-        if self.size is not None and not engine.pictures:
+        if self.size is not None and not engine.images:
             raise ValidationError(f"{engine.title}: has no renderer")
         if self.peer == "mujoco-warp" and self.streets > 1 and self.size is not None:
-            raise ValidationError(f"{engine.title}: pictures of several streets are not built here")
+            raise ValidationError(f"{engine.title}: images of several streets are not built here")
 
     def to_json(self) -> dict[str, Any]:
         return dataclasses.asdict(self)

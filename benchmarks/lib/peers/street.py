@@ -91,7 +91,7 @@ def with_robot(
 
     Args:
       timestep: s.
-      size: height and width of the pictures; None without.
+      size: height and width of the images; None without.
       numeric: custom numbers, by which MJX takes its limits.
     """
     body = mujoco.MjSpec.from_string(robot.mjcf)

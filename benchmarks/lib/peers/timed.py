@@ -17,15 +17,15 @@ class Peer(Protocol):
     hulls: int
 
     def run(self, steps: int) -> None:
-        """Goes on by so many control steps with pictures and new beginnings; returns when all is done."""
+        """Goes on by so many control steps with images and new beginnings; returns when all is done."""
         ...
 
     def qpos(self) -> np.ndarray:
         """Returns (n, nq) positions."""
         ...
 
-    def picture(self, env: int) -> np.ndarray:
-        """Returns a picture of an env, uint8 with R, G, B last."""
+    def image(self, env: int) -> np.ndarray:
+        """Returns a image of an env, uint8 with R, G, B last."""
         ...
 
     def close(self) -> None:
@@ -77,11 +77,11 @@ def timed(make: Callable[[], Peer], count: int, repeats: int, seconds: float, mo
 
 
 def driven(start: np.ndarray, end: np.ndarray) -> dict[str, Any]:
-    """Tells whether the engine really drove: the mean way from the start, and the envs that are not on the street.
+    """Tells whether the engine really drove: the mean distance from the start, and the envs that are not on the street.
 
     Args:
       start, end: (n, nq) positions, x, y, z first.
     """
     fine = np.isfinite(end).all(1) & (np.abs(end[:, 2] - start[:, 2]) < 1.0)
-    way = np.linalg.norm(end[fine, :2] - start[fine, :2], axis=1)
-    return {"driven_m": float(way.mean()) if fine.any() else 0.0, "lost_share": float(1.0 - fine.mean())}
+    driven_m = np.linalg.norm(end[fine, :2] - start[fine, :2], axis=1)
+    return {"driven_m": float(driven_m.mean()) if fine.any() else 0.0, "lost_share": float(1.0 - fine.mean())}

@@ -1,4 +1,4 @@
-"""Kernels around MuJoCo Warp's own: episodes that begin again, and pictures as channels."""
+"""Kernels around MuJoCo Warp's own: episodes that begin again, and images as channels."""
 
 # Warp compiles these functions; their types are not Python's.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false

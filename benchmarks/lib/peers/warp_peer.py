@@ -25,7 +25,7 @@ class MujocoWarp:
 
     Attributes:
       does, hulls: see `timed.Peer`.
-      rgb: (n, height * width, 3) uint8, the last pictures on the device; None without.
+      rgb: (n, height * width, 3) uint8, the last images on the device; None without.
     """
 
     def __init__(
@@ -37,9 +37,9 @@ class MujocoWarp:
         calls: str,
     ) -> None:
         """calls: "control": one CUDA graph is a whole control step; "mjlab": one graph each for new beginnings, a
-        physics step, the forward pass after the last one, and the pictures, as mjlab launches them."""
+        physics step, the forward pass after the last one, and the images, as mjlab launches them."""
         if len(folders) > 1 and size is not None:
-            raise ValidationError("MuJoCo Warp: found pictures of several streets, needed one street: not built.")
+            raise ValidationError("MuJoCo Warp: found images of several streets, needed one street: not built.")
         self._drive, self._step = drive, 0
         self.rgb: Any = None
         poses = None
@@ -145,8 +145,8 @@ class MujocoWarp:
     def qpos(self) -> np.ndarray:
         return self._data.qpos.numpy()
 
-    def picture(self, env: int) -> np.ndarray:
-        """Returns (height * width, 3) uint8: the last picture of an env."""
+    def image(self, env: int) -> np.ndarray:
+        """Returns (height * width, 3) uint8: the last image of an env."""
         return self.rgb.numpy()[env]
 
     def close(self) -> None:
