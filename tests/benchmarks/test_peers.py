@@ -170,6 +170,22 @@ def test_mujoco_warp_draws_what_the_robot_sees(streets: list[pathlib.Path]) -> N
 
 
 @pytest.mark.slow
+def test_c_mujoco_draws_what_the_robot_sees(streets: list[pathlib.Path]) -> None:
+    """The wall is larger in the image of the env that begins nearer to it, and where there is no OpenGL it says so."""
+    drive = drive_in(streets[:1], count=2)
+    try:
+        peer = Processes(streets[:1], ROBOT, drive, (24, 32), 1, "egl")
+    except RuntimeError as error:
+        pytest.skip(f"no OpenGL: {error}")
+    try:
+        peer.run(1)
+        near, far = ((peer.image(env).max(-1) > 20).mean() for env in range(2))
+        assert 0.02 < far < near < 0.9
+    finally:
+        peer.close()
+
+
+@pytest.mark.slow
 def test_stock_mjx_drives_as_mj_step(streets: list[pathlib.Path]) -> None:
     from benchmarks.lib.peers.jax_peer import stock_mjx
 
