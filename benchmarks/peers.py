@@ -63,7 +63,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     add("--num-envs", default="64", help="comma list")
     add("--streets", default="1", help="comma list of the number of streets at once")
     add("--pixels", default="none", metavar="HxW", help="comma list of height and width of the images, or none")
-    add("--limit", type=float, default=90.0, help="s that a case may take")
+    add("--limit", type=float, default=180.0, help="s that a case may take, kernels that are not compiled yet included")
     add("--budget", type=float, default=float("inf"), help="s after which no further case is started")
     add("--together", action="store_true", help="one process for cases that differ in the number of envs alone")
     add("--again", action="store_true", help="measure cases again whose row is an error")

@@ -378,8 +378,10 @@ def test_rows_become_the_page(tmp_path: pathlib.Path) -> None:
     text = page.text(kept)
     assert "| ours, `warp` | 1 | 797 | 1,234 (5 %) | 56,789 (5 %) | 3 s | 4.0 GiB |" in text
     assert "| stock MJX | 1 |  | none |  |  |  |" in text
-    assert "No figure: stock MJX, 64 envs, streets: 1, no images: no end within 5 s." in text
+    assert "No figure: stock MJX, no images, 64 envs: no end within 5 s." in text
     assert text.index("no images, env-steps/s") < text.index("images of 36x64")
+    assert "MuJoCo Warp, 12 streets, no images (1,024 envs)" in text.split("Not run yet: ")[1]
+    assert "C MuJoCo, no images (1,024 and 4,096 envs)" in text  # the one with 64 is there
     figure = tmp_path / "peers.png"
     page.draw(kept, figure)
     assert figure.stat().st_size < 60_000

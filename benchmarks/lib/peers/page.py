@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks import results
 from benchmarks.lib import report, tables
-from benchmarks.lib.peers.plan import KEY, PEERS, Case, key_of
+from benchmarks.lib.peers.plan import KEY, PEERS, PLAN, Case, key_of, same_process
 
 TABLE = "peers.csv"
 PAGE, FIGURE = results.ROOT / "docs" / "performance.md", results.ROOT / "docs" / "peers.png"
@@ -99,7 +99,22 @@ def text(rows: Sequence[Mapping[str, str]]) -> str:
     failed = [row for row in rows if row["error"]]
     if failed:
         parts.append("No figure: " + "; ".join(f"{_title(row)}: {_one_line(row['error'])}" for row in failed) + ".")
+    missing = absent(rows)
+    if missing:
+        parts.append(f"Not run yet: {'; '.join(missing)}.")
     return "\n\n".join(parts)
+
+
+def absent(rows: Sequence[Mapping[str, str]]) -> list[str]:
+    """Returns the cases of the plan that have no row on any device, a phrase for all numbers of envs of an engine."""
+    done = {key_of(row) for row in rows}
+    groups = same_process(case for case in PLAN if case.key not in done)
+    found = []
+    for group in groups:
+        about = group[0].to_json()
+        counts = " and ".join(f"{case.num_envs:,}" for case in group)
+        found.append(f"{_setting({k: str(x) for k, x in about.items()})} ({counts} envs)")
+    return found
 
 
 def _table(rows: Sequence[Mapping[str, str]]) -> str:
@@ -135,8 +150,13 @@ def _rate(row: Mapping[str, str]) -> str:
 
 
 def _title(row: Mapping[str, str]) -> str:
+    return f"{_setting(row)}, {int(row['num_envs']):,} envs"
+
+
+def _setting(row: Mapping[str, str]) -> str:
     what = "no images" if row["pixels"] == "none" else row["pixels"]
-    return f"{PEERS[row['peer']].title}, {int(row['num_envs']):,} envs, streets: {row['streets']}, {what}"
+    streets = "" if row["streets"] == "1" else f"{row['streets']} streets, "
+    return f"{PEERS[row['peer']].title}, {streets}{what}"
 
 
 def _one_line(message: str) -> str:
