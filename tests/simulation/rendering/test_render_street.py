@@ -62,7 +62,7 @@ def test_every_item_stands_in_one_leaf_of_its_own_tree(leaf_size: int) -> None:
     lower[100:120], upper[100:120] = lower[100], upper[100]  # many in one place
     trees = build_trees(lower, upper, group, 9, leaf_size)
     front = trees.nodes[: len(trees.nodes) // 2]
-    for nodes, roots in ((trees.nodes, trees.roots), joined(front, trees)):
+    for nodes, roots in ((trees.nodes, trees.roots), joined(front, trees.nodes, trees.roots)):
         for tree in range(9):
             found = _items(trees, nodes, int(roots[tree]))
             assert sorted(i for i, _ in found) == np.flatnonzero(group == tree).tolist()

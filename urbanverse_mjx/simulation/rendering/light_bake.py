@@ -118,7 +118,8 @@ class Baker:
         self._bank, self._roots = bank, roots
         self._is_ground = wp.array(is_ground.astype(np.int32), dtype=int)
         self._street = Street()
-        for name in ("nodes", "triangles", "faces", "object_rows", "lights", "parts", "balls", "num_objects"):
+        tables = ("nodes", "triangles", "faces", "object_rows", "entries", "lights", "parts", "balls")
+        for name in (*tables, "num_objects"):
             setattr(self._street, name, getattr(street, name))
         self._zeros = wp.zeros(4, dtype=wp.vec4)
         self._views = Views()

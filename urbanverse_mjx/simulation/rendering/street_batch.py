@@ -22,10 +22,13 @@ from .settings import COVERAGE, NOWHERE, Settings
 from .street_kernels import Street, Views, place
 from .street_light import SHADE, place_shades
 from .street_shade import Skies
-from .street_tree import Trees, as_floats, build_trees, joined
+from .street_tree import LEAF, Items, Trees, as_floats, build_over, build_trees, joined, open_large
 
 #: Triangles in a leaf at most.
 _LEAF_SIZE = 4
+#: Share of the surface of the box around a scene from which an object's box is divided, see `open_large`; smaller ones
+#: divide more, at no gain (docs/decisions/renderer.md).
+_LARGE = 0.01
 #: Triangles whose rows are computed at once by a thread: 60 MB of temporary arrays.
 _PART = 1 << 16
 #: Rays of a thread whose hits are kept at once: they stay in the processor's cache.
@@ -174,10 +177,9 @@ class Streets:
         lower, upper = slot_boxes(bank)
         scene, number = np.nonzero(bank.slot_mesh >= 0)
         boxes = lower[scene, number], upper[scene, number]
-        trees = build_trees(*boxes, scene, bank.num_scenes, leaf_size=1)
-        assert trees.last.all(), "one object a leaf"
-        nodes, roots = joined(meshes.nodes, trees)
-        scene, number = scene[trees.order], number[trees.order]
+        # Neighbours are adjacent, and have the numbers by which `street_kernels.factors` tells them apart.
+        order = build_trees(*boxes, scene, bank.num_scenes, leaf_size=1).order
+        scene, number = scene[order], number[order]
         mesh = bank.slot_mesh[scene, number]
         rotation = rotations.matrix_f64(bank.slot_quaternion[scene, number])
         poses = inverse_rows(rotation, bank.slot_position[scene, number])
@@ -208,8 +210,13 @@ class Streets:
             np.concatenate([bank.material_roughness[material], roughness[geoms]]),
             np.concatenate([bank.material_metallic[material], metallic[geoms]]),
         )
-        object_roots = as_floats(meshes.roots[np.concatenate([mesh, bank.num_meshes + part])])
-        rows = np.concatenate([poses, _rows(colour, object_roots)[:, None], surfaces[:, None]], axis=1)
+        rows = np.concatenate([poses, _rows(colour, np.zeros(len(colour)))[:, None], surfaces[:, None]], axis=1)
+        places = rotation, bank.slot_position[scene, number].astype(np.float64)
+        objects = Items(np.arange(len(mesh)), meshes.roots[mesh], *(corner[order] for corner in boxes))
+        items = open_large(objects, meshes.nodes, *places, scene, _LARGE)
+        parts = poses, meshes.roots[np.concatenate([mesh, bank.num_meshes + part])]
+        nodes, roots = self._add_entries(items, scene[items.owner], bank.num_scenes, *parts)
+        nodes, roots = joined(meshes.nodes, nodes, roots)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
         self._mesh_of_object = mesh
         self.street.object_rows, self.street.num_objects = self._keep(rows), len(mesh)
@@ -220,6 +227,23 @@ class Streets:
         label = np.stack([number, bank.slot_category[scene, number]], -1)
         self.labels = wp.array(np.concatenate([label, model.labels]), dtype=wp.vec2i)
         self.textures = wp.array(textures, dtype=wp.Texture2D)
+
+    def _add_entries(
+        self, items: Items, scene: np.ndarray, num_scenes: int, poses: np.ndarray, roots: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes and roots of the trees of the scenes, whose leaves lead to entries; see `street_kernels.ENTRY`.
+
+        Args:
+          scene: of each item.
+          poses: (n, 3, 4) rows of T_object_world, roots: (n,) of the whole trees of all objects and the robot's parts.
+        """
+        part = items.root != roots[items.owner]
+        leaf = np.where(part, len(roots) + np.cumsum(part) - 1, items.owner)
+        owner = np.concatenate([np.arange(len(roots)), items.owner[part]])
+        reference = np.concatenate([roots, items.root[part]])
+        ends = _rows(as_floats(reference), as_floats(LEAF + owner), np.zeros((len(owner), 2)))
+        self.street.entries = self._keep(np.concatenate([poses[owner].astype(np.float32), ends[:, None]], axis=1))
+        return build_over(items, leaf, scene, num_scenes)
 
     def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
         mjm = model.model

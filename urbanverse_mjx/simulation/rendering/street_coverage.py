@@ -156,7 +156,7 @@ def build_count_kernel(settings: Settings, far: float) -> wp.Kernel:
                 hit = nearest(
                     street.nodes,
                     street.triangles,
-                    street.object_rows,
+                    street.entries,
                     views.poses + wp.uint64(48 * world * street.num_parts),
                     views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
                     columns.lists + wp.uint64(4 * listed),

@@ -17,9 +17,13 @@ from .street_native import BUILD_OPTIONS, Hit, as_hit, load, make_walks
 
 wp.set_module_options({"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
 
-#: Rows of an object (one of the street or a part of the robot): three of T_object_world, colour and the root of its
-#: tree, then texture, texels along its longer side, roughness and metalness.
+#: Rows of an object (one of the street or a part of the robot): three of T_object_world, colour, then texture, texels
+#: along its longer side, roughness and metalness.
 OBJECT = 5
+#: Rows of an entry, to which the leaves of a street's tree lead: three of T_object_world, then the reference at which a
+#: ray begins in the trees of the meshes, and `LEAF` + the object. Each object has one for its whole mesh, which has the
+#: object's number; those of parts of large objects follow.
+ENTRY = 4
 #: Rows of a part of the robot: centre and radius of the ball around it in its frame; reflectance and emission.
 PART = 2
 #: Rows of a face: normal and a scalar each of three corners, then the UV of the second and third corner.
@@ -61,6 +65,7 @@ class Street:
     triangles: wp.uint64
     faces: wp.uint64
     object_rows: wp.uint64
+    entries: wp.uint64
     lights: wp.uint64
     parts: wp.uint64
     balls: wp.uint64
@@ -116,7 +121,7 @@ def make_rays(moved: bool) -> tuple[Any, Any]:
         found = nearest(
             street.nodes,
             street.triangles,
-            street.object_rows,
+            street.entries,
             views.poses + wp.uint64(48 * world * street.num_parts),
             views.balls + wp.uint64(16 * first),
             views.seen + wp.uint64(4 * first),
@@ -137,7 +142,7 @@ def make_rays(moved: bool) -> tuple[Any, Any]:
         return any_hit(
             street.nodes,
             street.triangles,
-            street.object_rows,
+            street.entries,
             views.poses + wp.uint64(48 * world * street.num_parts),
             views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
             views.moved + wp.uint64(4 * world * street.num_bodies),

@@ -132,7 +132,7 @@ CUDA_CALLABLE inline bool misses(const Row& ball, const Line& w)
 
 // Tables (see street_kernels.py), and the parts of the robot to be looked at: the first `total` of a list, or all.
 struct Tables {
-    wp::uint64 nodes, triangles, object_rows, poses, balls;
+    wp::uint64 nodes, triangles, entries, poses, balls;
     const int* list;
     int objects, total;
     // Objects of the street that stand elsewhere in this world: those of the parts from `first` on, -1 = none.
@@ -173,16 +173,20 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
             }
             current = first || second ? bits(to_first ? a.w : e.w) : EMPTY;
         }
-        if (MOVED && current < EMPTY && object < 0 && has_moved(t, current - LEAF)) current = EMPTY;
-        if (current < EMPTY) {
-            if (object < 0) {
-                object = current - LEAF;
+        if (current < EMPTY && object < 0) {
+            const Row* row = from(t.entries, 4 * (current - LEAF));
+            const Row entry = load(row + 3);
+            if (MOVED && has_moved(t, bits(entry.y) - LEAF)) {
+                current = EMPTY;
+            } else {
+                object = bits(entry.y) - LEAF;
                 floor = count;
-                const Row* row = from(t.object_rows, 5 * object);
-                current = bits(load(row + 3).w);
+                current = bits(entry.x);
                 ray.set(world, row);
                 continue;
             }
+        }
+        if (current < EMPTY) {
             meet<ANY>(t.triangles, ray, current - LEAF, object, found);
             if (ANY && found.object >= 0) return;
             current = EMPTY;
@@ -204,7 +208,7 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
             if (MOVED && like < 0) continue;
             object = t.objects + part;
             floor = 0;
-            current = bits(load(from(t.object_rows, 5 * like + 3)).w);
+            current = bits(load(from(t.entries, 4 * like + 3)).x);
             ray.set(world, from(t.poses, 3 * part));
         }
         if (current == EMPTY) return;
@@ -260,7 +264,7 @@ _NEAREST = """
     const int* list = reinterpret_cast<const int*>(seen);
     urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
     urbanverse::walk<false, MOVED>(
-        { nodes, triangles, object_rows, poses, balls, list + 1, objects, list[0], gone, first, number }, root, line,
+        { nodes, triangles, entries, poses, balls, list + 1, objects, list[0], gone, first, number }, root, line,
         found
     );
     wp::vec_t<5, wp::int32> out;
@@ -273,7 +277,7 @@ _ANY_HIT = """
     const urbanverse::Row around = urbanverse::load(urbanverse::from(balls, parts));
     const int total = parts == 0 || urbanverse::misses(around, line) ? 0 : parts;
     urbanverse::walk<true, MOVED>(
-        { nodes, triangles, object_rows, poses, balls, nullptr, objects, total, gone, first, number }, root, line, found
+        { nodes, triangles, entries, poses, balls, nullptr, objects, total, gone, first, number }, root, line, found
     );
     return found.object >= 0;
 """
@@ -293,7 +297,7 @@ def make_walks(moved: bool) -> tuple[Any, Any]:
     def nearest(
         nodes: wp.uint64,
         triangles: wp.uint64,
-        object_rows: wp.uint64,
+        entries: wp.uint64,
         poses: wp.uint64,
         balls: wp.uint64,
         seen: wp.uint64,
@@ -312,7 +316,7 @@ def make_walks(moved: bool) -> tuple[Any, Any]:
     def any_hit(
         nodes: wp.uint64,
         triangles: wp.uint64,
-        object_rows: wp.uint64,
+        entries: wp.uint64,
         poses: wp.uint64,
         balls: wp.uint64,
         moved: wp.uint64,

@@ -154,17 +154,21 @@ inline void walk_all(const Tables& t, int root, const Rays& world, Nearest& foun
             }
             current = first || second ? bits(to_first ? a.w : e.w) : EMPTY;
         }
-        if (MOVED && current < EMPTY && object < 0 && has_moved(t, current - LEAF)) current = EMPTY;
-        if (current < EMPTY) {
-            if (object < 0) {
-                object = current - LEAF;
+        if (current < EMPTY && object < 0) {
+            const Row* row = from(t.entries, 4 * (current - LEAF));
+            const Row entry = load(row + 3);
+            if (MOVED && has_moved(t, bits(entry.y) - LEAF)) {
+                current = EMPTY;
+            } else {
+                object = bits(entry.y) - LEAF;
                 floor = count;
-                const Row* row = from(t.object_rows, 5 * object);
-                current = bits(load(row + 3).w);
+                current = bits(entry.x);
                 inner.set(world, row);
                 rays = &inner;
                 continue;
             }
+        }
+        if (current < EMPTY) {
             meet_all(t.triangles, *rays, current - LEAF, object, found);
             current = EMPTY;
         }
@@ -184,7 +188,7 @@ inline void walk_all(const Tables& t, int root, const Rays& world, Nearest& foun
             if (MOVED && like < 0) continue;
             object = t.objects + part;
             floor = 0;
-            current = bits(load(from(t.object_rows, 5 * like + 3)).w);
+            current = bits(load(from(t.entries, 4 * like + 3)).x);
             inner.set(world, from(t.poses, 3 * part));
             rays = &inner;
         }
@@ -232,7 +236,7 @@ _NEAREST = """
     urbanverse::Nearest found;
     const urbanverse::Rays rays = urbanverse::aim(origin, right, up, back, columns, rows, packet, far, found);
     urbanverse::walk_all<MOVED>(
-        { nodes, triangles, object_rows, poses, balls, list + 1, objects, list[0], gone, first, number }, root, rays,
+        { nodes, triangles, entries, poses, balls, list + 1, objects, list[0], gone, first, number }, root, rays,
         found
     );
     wp::int32* out = reinterpret_cast<wp::int32*>(hits);
@@ -278,7 +282,7 @@ def build_cast_kernel(moved: bool) -> wp.Kernel:
     def nearest_all(
         nodes: wp.uint64,
         triangles: wp.uint64,
-        object_rows: wp.uint64,
+        entries: wp.uint64,
         poses: wp.uint64,
         balls: wp.uint64,
         seen: wp.uint64,
@@ -322,7 +326,7 @@ def build_cast_kernel(moved: bool) -> wp.Kernel:
         nearest_all(
             street.nodes,
             street.triangles,
-            street.object_rows,
+            street.entries,
             views.poses + wp.uint64(48 * world * street.num_parts),
             views.balls + wp.uint64(16 * own),
             views.seen + wp.uint64(4 * own),
