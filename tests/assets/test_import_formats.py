@@ -17,9 +17,11 @@ from trimesh.visual.color import ColorVisuals
 from tests.assets.mesh_files import mesh_of
 from urbanverse_mjx.assets import build_mesh, imported_index
 from urbanverse_mjx.assets.importing.bake import bake
+from urbanverse_mjx.assets.importing.corruption import NO_TEXTURE, find_in_shape
 from urbanverse_mjx.assets.importing.reading import Source, read_source
 from urbanverse_mjx.assets.importing.run import mesh_files
 from urbanverse_mjx.assets.importing.screening import RefusedFileError
+from urbanverse_mjx.assets.importing.shape import Shape
 from urbanverse_mjx.cli.main import main
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
@@ -116,6 +118,26 @@ def test_vertex_colours_of_obj_and_ply_are_as_they_look(tmp_path: pathlib.Path) 
         assert source.parts[0].colors is not None
         np.testing.assert_allclose(source.parts[0].colors, RED_TO_GREEN[:, :3], atol=1.0)
         assert source.y_up is None
+
+
+@pytest.mark.parametrize(
+    ("factor", "faults"),
+    [((0.8, 0.13, 0.01), []), ((0.2, 0.2, 0.2), [NO_TEXTURE]), ((0.21, 0.2, 0.19), [NO_TEXTURE]), (None, [NO_TEXTURE])],
+)
+def test_one_colour_is_an_appearance_unless_it_is_grey(
+    factor: tuple[float, ...] | None, faults: list[str], tmp_path: pathlib.Path
+) -> None:
+    """An orange cone needs no texture; grey and white are what programs write for want of a material."""
+    for by_vertex in (False, True):
+        tree = Tree()
+        if factor and by_vertex:
+            tree.primitive["attributes"]["COLOR_0"] = tree.add(np.tile([factor], (4, 1)).astype("<f4"), 5126, "VEC3")
+        elif factor:
+            tree.primitive["material"] = 0
+            tree.body["materials"] = [{"pbrMetallicRoughness": {"baseColorFactor": [*factor, 1.0]}}]
+        source = read_source(tree.write(tmp_path / "a.glb"), tmp_path)
+        found = find_in_shape(Shape.of(source.vertices, source.faces), source, None)
+        assert [finding.name for finding in found if finding.name == NO_TEXTURE] == faults
 
 
 def test_spaces_in_uris_and_names(tmp_path: pathlib.Path) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from ..categories import ontology
 from ..categories.priors import Prior
 from .placing import misfit_of_proportions
-from .reading import Source
+from .reading import Part, Source
 from .shape import Shape
 
 BAD_MESH = "bad mesh"
@@ -62,6 +62,7 @@ class Thresholds:
       object_volume: share of the largest object's box volume that makes another object.
       alike_volume: the same from which all objects are alike.
       sliver_share: of the faces, thin triangles of trimmed surfaces.
+      chosen_color: range of the three channels (0-255) above which a colour is no grey that a program put there.
     """
 
     min_faces: int = 300
@@ -84,6 +85,7 @@ class Thresholds:
     object_volume: float = 0.2
     alike_volume: float = 0.8
     sliver_share: float = 0.35
+    chosen_color: float = 40.0
 
 
 _LIMITS = Thresholds()
@@ -233,9 +235,18 @@ def _textured(source: Source) -> bool:
 
 
 def _coloured(source: Source) -> bool:
-    """Whether there are several colours by material or vertex, which count as an appearance."""
+    """Whether there are several colours by material or vertex, or one that somebody chose: what has none is grey."""
     plain = {tuple(np.round(p.color)) for p in source.parts if p.texture is None and p.colors is None}
-    return len(plain) > 1 or any(p.colors is not None and np.ptp(p.colors, axis=0).max() > 8 for p in source.parts)
+    if len(plain) > 1 or any(p.colors is not None and np.ptp(p.colors, axis=0).max() > 8 for p in source.parts):
+        return True
+    return any(np.ptp(_mean_color(p)) > _LIMITS.chosen_color for p in source.parts)
+
+
+def _mean_color(part: Part) -> np.ndarray:
+    """(3,) sRGB 0-255."""
+    if part.texture is not None:
+        return part.texture.reshape(-1, 3).mean(0) * np.asarray(part.color) / 255.0
+    return np.asarray(part.color) if part.colors is None else part.colors.mean(0)
 
 
 def _cad(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
