@@ -16,6 +16,7 @@ from trimesh.visual.color import ColorVisuals
 
 from tests.assets.mesh_files import mesh_of
 from urbanverse_mjx.assets import build_mesh, imported_index
+from urbanverse_mjx.assets.importing import run
 from urbanverse_mjx.assets.importing.bake import bake
 from urbanverse_mjx.assets.importing.corruption import NO_TEXTURE, find_in_shape
 from urbanverse_mjx.assets.importing.reading import Source, read_source
@@ -245,6 +246,20 @@ def test_draco_is_read_where_its_decoder_is_installed(tmp_path: pathlib.Path) ->
     source = read(tmp_path / "a.glb", body)
     np.testing.assert_allclose(sorted(map(tuple, source.vertices)), sorted(map(tuple, CORNERS)), atol=1e-3)
     assert len(source.faces) == 4
+
+
+def test_a_refused_file_is_tried_again_once_its_decoder_is_there(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
+    tree = Tree()
+    tree.body["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+    path = tree.write(tmp_path / "cone.glb")
+    journal = tmp_path / "cache" / "assets" / "imported" / "journal.jsonl"
+    for installed, lines in ((False, 1), (False, 1), (True, 2)):
+        monkeypatch.setattr(run, "has_draco", lambda installed=installed: installed)
+        assert main(["assets", "import", str(path), "--licence", "CC0-1.0", "--no-pictures"]) == 2
+        assert len(journal.read_text(encoding="utf-8").splitlines()) == lines
 
 
 # Broken files and the command -----------------------------------------------------------------------------------------

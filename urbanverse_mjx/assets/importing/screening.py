@@ -163,12 +163,16 @@ def _whole(row: dict[str, Any], key: str, default: int | None, below: int, what:
     return value
 
 
+def has_draco() -> bool:
+    """Whether Draco's decoder is installed."""
+    return importlib.util.find_spec(DRACO_MODULE) is not None
+
+
 def _screen_tree(
     tree: dict[str, Any], path: pathlib.Path, folder: pathlib.Path, chunk: int | None, limits: Limits
 ) -> None:
     for name in tree.get("extensionsRequired", []):
-        decodes = name == DRACO and importlib.util.find_spec(DRACO_MODULE) is not None
-        if not decodes and not HARMLESS.fullmatch(str(name)):
+        if not (name == DRACO and has_draco()) and not HARMLESS.fullmatch(str(name)):
             how = REMEDIES.get(str(name), "export it without")
             raise RefusedFileError("unsupported", f"needs the glTF extension {str(name)[:60]!r}; {how}")
     _screen_nodes(_rows(tree, "nodes"), limits)
