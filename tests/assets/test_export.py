@@ -2,6 +2,7 @@
 appearance."""
 
 import json
+import pathlib
 from typing import Any
 
 import mujoco
@@ -12,7 +13,14 @@ from scipy.spatial import ConvexHull
 
 from urbanverse_mjx.assets import build_mesh, load_hulls, load_index
 from urbanverse_mjx.assets.collision.rigid_body import convex_surface, rigid_body
-from urbanverse_mjx.assets.exporting.export import FORMATS, export_asset, export_mjcf, export_obj, export_usd
+from urbanverse_mjx.assets.exporting.export import (
+    FORMATS,
+    export_asset,
+    export_mjcf,
+    export_obj,
+    export_usd,
+    record_to_export,
+)
 from urbanverse_mjx.assets.selection import search
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
 from urbanverse_mjx.cli.main import main
@@ -189,6 +197,22 @@ def test_a_glb_says_what_it_is(tmp_path) -> None:
 def test_an_unknown_format_is_refused(tmp_path) -> None:
     with pytest.raises(ValidationError, match="'fbx', needed one of glb, obj, mjcf, usd"):
         export_asset(RECORDS[0], tmp_path, "fbx")
+
+
+def test_base_shapes_are_listed_and_exported_as_the_catalogue_has_them(
+    objects: ObjectLibrary, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A recipe's own estimate of the mass, 7 kg for this cone of 2.9 kg, only chooses its make."""
+    uid = "traffic-cone/barriers-traffic-cone/000"
+    assert load_index().get(uid).mass == pytest.approx(7.0)
+    assert record_to_export(uid) == objects.record(uid)
+    assert main(["assets", "export", "--leaf", "traffic cone", "--out", str(tmp_path)]) == 0
+    written = {row["uid"]: row["mass"] for row in (json.loads(p.read_text()) for p in tmp_path.glob("*.json"))}
+    assert written[uid] == objects.record(uid).mass == pytest.approx(2.9, abs=0.2)
+    capsys.readouterr()
+    assert main(["assets", "list", "--leaf", "traffic cone"]) == 0
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith(uid))
+    assert " 2.9 " in line
 
 
 def test_what_search_returns_can_be_exported(objects: ObjectLibrary, tmp_path, monkeypatch, capsys) -> None:

@@ -152,8 +152,10 @@ def _print_rows(rows: Any) -> None:
 
 
 def _print_table(records: Sequence) -> None:
+    from ..assets.records.store import as_catalogued
+
     print(f"{'uid':<44} {'along x across x up, m':<22} {'mass, kg':>9}  description")
-    _print_rows(r.to_json() for r in records)
+    _print_rows(r.to_json() for r in as_catalogued(records))
 
 
 #: Commands that query the index; `assets.__main__.COMMANDS` holds those that build it.

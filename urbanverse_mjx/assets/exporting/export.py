@@ -15,6 +15,7 @@ from urbanverse_mjx.datatypes.validation import write_atomically, write_json
 from ..collision.hulls import load_hulls
 from ..meshes.glb import glb_bytes
 from ..records.index import build_mesh, full_index
+from ..records.store import as_catalogued
 from .export_mjcf import mjcf_text
 from .export_usd import write_usd
 from .obj import mtl_text, obj_text, png_bytes
@@ -56,7 +57,7 @@ def record_to_export(uid: str) -> AssetRecord:
     from ..selection.search import library
 
     index = full_index()
-    return index.get(uid) if uid in index else library().record(uid)
+    return as_catalogued([index.get(uid)])[0] if uid in index else library().record(uid)
 
 
 def export_glb(record: AssetRecord, path: Path) -> pathlib.Path:

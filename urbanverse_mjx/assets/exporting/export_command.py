@@ -22,13 +22,14 @@ def export(
       uid: only this asset; any that `urbanverse assets search` prints.
     """
     from ..records.index import full_index
+    from ..records.store import as_catalogued
     from .export import export_asset, record_to_export
 
     if uid is not None:
         records = (record_to_export(uid),)
     else:
         index = full_index()
-        records = index.records if leaf is None else index.by_leaf(leaf)
+        records = as_catalogued(index.records if leaf is None else index.by_leaf(leaf))
     for record in track(records, f"{form} files"):
         export_asset(record, out, form)
     Console().print(f"{out}: {len(records)} assets as {form}", soft_wrap=True)

@@ -24,7 +24,7 @@ from urbanverse_mjx.datatypes.array_file import discard
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root, cache_dir, imported_assets
 
-from .catalogue import SCHEMA, build_catalogue, catalogue_hash
+from .catalogue import SCHEMA, build_catalogue, build_leaf, catalogue_hash
 from .index import load_index
 from .user_store import CATALOGUE
 
@@ -147,6 +147,20 @@ def forget() -> None:
 def recorded_content(table: pa.Table) -> str:
     """The content hash stored in the table; empty if there is none."""
     return (table.schema.metadata or {}).get(_CONTENT, b"").decode()
+
+
+def as_catalogued(records: Sequence[AssetRecord]) -> list[AssetRecord]:
+    """Base shapes with the mass, materials and forces that the catalogue gives them; other records as they are.
+
+    The index of base shapes holds the estimates of their recipes, from which the catalogue only chooses the make.
+    """
+    shapes = load_index()
+    leaves = dict.fromkeys(record.leaf for record in records if record.uid in shapes)
+    found: dict[str, AssetRecord] = {}
+    for leaf in leaves:
+        rows = build_leaf(leaf, shapes, len(shapes.by_leaf(leaf))).to_pylist()
+        found |= {row["uid"]: record_of(row) for row in rows}
+    return [found.get(record.uid, record) for record in records]
 
 
 def record_of(row: Mapping[str, Any]) -> AssetRecord:
