@@ -13,6 +13,7 @@ planning (Brock, Khatib 1999).
 Optionally it includes moving agents: their discs are extrapolated at constant velocity.
 """
 
+import concurrent.futures
 import dataclasses
 import itertools
 from collections.abc import Sequence
@@ -30,6 +31,7 @@ from ..envs.navigation.clearance_maps import CELL, MAX_DISTANCE, build_clearance
 from ..geometry import rotations
 from ..robots.description import at_rest
 from ..robots.waypoint import WAYPOINT_REACH
+from ..settings import num_threads
 from .planner_options import PlannerOptions
 from .route_fields import NODE, build_route_fields
 
@@ -500,17 +502,21 @@ class _Field(NamedTuple):
     @staticmethod
     def of(field: np.ndarray, scenes: Sequence[int], origin: np.ndarray, far: float) -> "_Field":
         """Field (Z, X, Y) m of some scenes; far: its value far from everything, such as in the padding."""
-        parts: list[np.ndarray] = []
+        cut = [_without_padding(field[scene], far) for scene in scenes]
         start, shape = np.zeros(len(field), np.int32), np.ones((len(field), 2), np.int32)
         length = 0
-        for scene in scenes:
-            cells = _without_padding(field[scene], far).astype(np.float32)
-            at = [(np.arange(2 * n) + 0.5) / 2 - 0.5 for n in cells.shape]
-            fine = np.rint(1000.0 * _stretched(_stretched(cells, at[0]).T, at[1]).T).astype(np.int16)
-            start[scene], shape[scene] = length, fine.shape
-            parts.append(fine.ravel())
-            length += fine.size
-        values = np.concatenate(parts)
+        for scene, cells in zip(scenes, cut, strict=True):
+            start[scene], shape[scene] = length, (2 * cells.shape[0], 2 * cells.shape[1])
+            length += 4 * cells.size
+        # Filled in place and by several threads: the fields of 50 streets are gigabytes, and NumPy waits for memory.
+        values = np.empty(length, np.int16)
+
+        def fill(scene: int, cells: np.ndarray) -> None:
+            part = values[start[scene] : start[scene] + 4 * cells.size]
+            _fill_half_cells(cells, part.reshape(shape[scene]))
+
+        with concurrent.futures.ThreadPoolExecutor(num_threads()) as pool:
+            list(pool.map(fill, scenes, cut))
         return _Field(jnp.asarray(values), jnp.asarray(start), jnp.asarray(shape), jnp.asarray(origin, jnp.float32))
 
     def at(self, scene: Any, x: Any, y: Any) -> Any:
@@ -529,11 +535,27 @@ def _without_padding(field: np.ndarray, far: float) -> np.ndarray:
     return field[: sizes[0], : sizes[1]]
 
 
-def _stretched(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Linear interpolation of rows at fractional indices."""
-    low = np.clip(np.floor(at).astype(int), 0, len(rows) - 2)
-    share = np.clip(at - low, 0.0, 1.0)[:, None].astype(np.float32)
-    return rows[low] * (1.0 - share) + rows[low + 1] * share
+#: Rows of cells that are interpolated together: few enough that they stay in the processor's cache.
+_ROWS = 32
+
+
+def _fill_half_cells(cells: np.ndarray, fine: np.ndarray) -> None:
+    """Fills (2 X, 2 Y) i16 with the millimetres of cells (X, Y) m, interpolated at the centres of their quarters."""
+    for first in range(0, len(cells), _ROWS):
+        last = min(first + _ROWS, len(cells))
+        # With the rows before and after, which the outermost fine rows lie between.
+        low, high = max(first - 1, 0), min(last + 1, len(cells))
+        rows = _halved(cells[low:high].astype(np.float32))[2 * (first - low) : 2 * (last - low)]
+        fine[2 * first : 2 * last] = np.rint(np.float32(1000.0) * _halved(rows.T).T)
+
+
+def _halved(rows: np.ndarray) -> np.ndarray:
+    """Linear interpolation of rows (n, m) f32 at the centres of their halves, (2 n, m); the outer ones are the rows."""
+    fine = np.empty((2 * len(rows), *rows.shape[1:]), rows.dtype)
+    fine[0], fine[-1] = rows[0], rows[-1]
+    fine[1:-1:2] = rows[:-1] * np.float32(0.75) + rows[1:] * np.float32(0.25)
+    fine[2::2] = rows[:-1] * np.float32(0.25) + rows[1:] * np.float32(0.75)
+    return fine
 
 
 def bilinear(field: Any, cell: Any, layer: Any = 0) -> Any:
