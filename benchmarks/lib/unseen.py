@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+from benchmarks.lib.banks import first_scenes
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.datatypes import validation as v
@@ -56,9 +57,11 @@ def load(
     with concurrent.futures.ThreadPoolExecutor() as pool:  # unpacking runs in several threads
         banks = list(pool.map(SceneBank.load, [*train, *test]))
     trained, tests = banks[: len(train)], banks[len(train) :]
+    if first is not None:  # every scene that is there costs memory, whether it is trained on or not
+        trained = [first_scenes(bank, min(first, bank.num_scenes)) for bank in trained]
     by_name = dict(zip((path.parent.name for path in test), tests, strict=True))
     bank = bank_join.join([*trained, *by_name.values()]) if len(trained) + len(by_name) > 1 else trained[0]
-    own = [part.scene_ids[:first] for part in trained]
+    own = [part.scene_ids for part in trained]
     ids = [name for part in own for name in part]
     held = {
         f"validation_{path.parent.name}": list(part)[-count:]

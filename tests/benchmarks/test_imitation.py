@@ -152,4 +152,5 @@ def test_of_the_first_scenes_the_last_are_held_out(small_bank: SceneBank, tmp_pa
     ids, log = list(small_bank.scene_ids), Log(tmp_path / "log")
     some, everything = load([path], [], [1], 2, log, 2), load([path], [], [1], 2, log)
     assert (some.train, set(some.suite.scenes["validation_boxes"])) == (ids[:1], {ids[1]})
+    assert list(some.bank.scene_ids) == ids[:2], "other scenes stay in memory"
     assert (everything.train, set(everything.suite.scenes["validation_boxes"])) == (ids[:2], {ids[2]})
