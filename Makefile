@@ -103,7 +103,7 @@ doctor: setup ## say what this machine has and how to fix what is missing
 docs: setup-docs ## build the documentation site into build/docs, without network; a dead link or a page left out fails
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --clean $(ARGS) # --quiet would drop the warnings that --strict counts
 
-docs-media: setup ## film every shipped policy, every scene of CraftBench and the tasks into build/media (ARGS="--only coco_best")
+docs-media: setup ## film every shipped policy, the tasks and every scene of the benchmarks into build/media (ARGS="--only coco_best")
 	@$(BIN)/python -m benchmarks.films $(ARGS)
 
 lock: ## resolve the locks anew, keeping versions that still fit (needs uv; ARGS=--upgrade takes the newest)

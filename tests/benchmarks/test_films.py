@@ -1,4 +1,4 @@
-"""Films: one of every shipped policy, of every scene of the benchmark and of every task, each made once."""
+"""Films: one of every shipped policy, of every scene of the benchmarks and of every task, each made once."""
 
 import json
 import pathlib
@@ -12,7 +12,7 @@ from benchmarks import films
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.pipeline.playing import PlayOptions, _finest_step, _steps_held
+from urbanverse_mjx.pipeline.playing import PlayOptions, _finest_step, _steps_held, _to_show
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -32,16 +32,31 @@ def played(monkeypatch: pytest.MonkeyPatch) -> list[PlayOptions]:
     return found
 
 
-def test_there_is_a_film_of_every_policy_and_scene() -> None:
+def test_there_is_a_film_of_every_policy_task_and_scene() -> None:
     names = [film.name for film in films.films()]
     policies = sorted(path.name for path in (ROOT / "benchmarks/policies").iterdir() if path.is_dir())
-    body = json.loads((ROOT / "benchmarks/protocols/craftbench.json").read_text())
-    assert names == [*policies, *(f"craftbench-{scene['id']}" for scene in body["scenes"]), *films.TASKS]
-    assert len(set(names)) == len(names)
+    scenes = []
+    for benchmark in films.BENCHMARKS:
+        body = json.loads((ROOT / f"benchmarks/protocols/{benchmark}.json").read_text())
+        scenes += [f"{benchmark}-{scene['id']}" for scene in body["scenes"]]
+    assert names == [*policies, *films.TASKS, *scenes]
+    assert (len(scenes), len(set(names))) == (44, len(names))
     for film in films.films():
         assert film.options.policy is not None
         if film.name not in films.TASKS:
             PolicySpec.load(latest_policy(pathlib.Path(film.options.policy)))
+
+
+def test_a_scene_is_filmed_in_its_own_bank_under_the_conditions_of_its_benchmark() -> None:
+    for film in films.films():
+        if not film.benchmark:
+            assert film.options.bank is None
+            continue
+        assert film.options.bank is not None
+        assert film.options.bank.parts[-2:] == (film.benchmark, "bank.npz")
+        assert film.name == f"{film.benchmark}-{film.options.scenes}"
+        friction = "materials" if film.benchmark.endswith("_v2") else "uniform"
+        assert film.options.env_overrides == {"friction": friction}
 
 
 def test_there_is_a_film_of_every_task_that_has_a_page() -> None:
@@ -64,6 +79,16 @@ def test_the_page_of_films_names_those_in_the_repository_and_their_length() -> N
         assert (meta["codec"], meta["duration"]) == ("h264", pytest.approx(float(seconds), abs=0.06))
 
 
+def test_the_page_of_films_says_how_many_there_are_of_what() -> None:
+    text, every = PAGE.read_text(), films.films()
+    assert f"lists all {len(every)}." in text
+    for benchmark in films.BENCHMARKS:
+        number = sum(film.benchmark == benchmark for film in every)
+        assert re.search(rf"^\| .*`{benchmark}-\.\.\.`.* \| {number} each \| ", text, re.MULTILINE)
+    for film in every:
+        assert film.benchmark or f"`{film.name}`" in text
+
+
 def test_films_have_a_rate_at_which_every_robot_can_be_drawn() -> None:
     """The time between two images is a whole number of a gait's steps of 0.02 s."""
     coco, go2 = (registry.get_default_config(name) for name in ("CocoNav", "Go2Nav"))
@@ -81,7 +106,7 @@ def test_a_film_that_exists_is_kept_and_an_interrupted_one_made_again(
 ) -> None:
     chosen = films.films()[:3]
     first = films.make(chosen[:1], tmp_path)
-    assert first == {chosen[0].name: 4}
+    assert first == ({chosen[0].name: 4}, [])
 
     def interrupted(out: pathlib.Path, _: PlayOptions) -> None:
         out.write_bytes(b"half")
@@ -92,7 +117,7 @@ def test_a_film_that_exists_is_kept_and_an_interrupted_one_made_again(
         with pytest.raises(KeyboardInterrupt):
             films.make(chosen, tmp_path)
     assert not (tmp_path / f"{chosen[1].name}.mp4").exists()
-    sizes = films.make(chosen, tmp_path)
+    sizes, _ = films.make(chosen, tmp_path)
     assert sizes == {chosen[0].name: 4, chosen[1].name: 8, chosen[2].name: 12}
     assert [options.policy for options in played] == [film.options.policy for film in chosen]
     page = (tmp_path / "index.html").read_text()
@@ -100,18 +125,39 @@ def test_a_film_that_exists_is_kept_and_an_interrupted_one_made_again(
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".html", ".mp4", ".mp4", ".mp4"]
 
 
-def test_missing_scenes_of_the_benchmark_are_one_sentence(
+def test_films_of_scenes_that_are_not_built_are_left_out_and_named_in_one_sentence(
     played: list[PlayOptions],
     tmp_path: pathlib.Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
-    scene = next(film.name for film in films.films() if film.options.bank is not None)
-    assert films.main(["--out", str(tmp_path / "media"), "--only", "coco_best", scene]) == 2
+    bank = tmp_path / "cache/library/autobench/bank.npz"
+    bank.parent.mkdir(parents=True)
+    bank.touch()
+    chosen = ["--out", str(tmp_path / "media"), "--only", "craftbench", "autobench_v2", "coco_best", "autobench"]
+    assert films.main(chosen) == 2
     said = capsys.readouterr()
-    assert "urbanverse scene library craftbench" in said.err.splitlines()[-1]
-    assert (tmp_path / "media/coco_best.mp4").is_file()
-    assert len(played) == 1
-    assert films.main(["--out", str(tmp_path / "media"), "--only", "coco_best"]) == 0
-    assert json.loads(capsys.readouterr().out.splitlines()[-1]) == {"coco_best": 4}
+    last = said.err.splitlines()[-1]
+    assert "no scenes of craftbench and autobench_v2, needed them for 22 films; run `urbanverse scene library" in last
+    sizes = json.loads(said.out.splitlines()[-1])
+    assert len(played) == len(sizes) == 11  # coco_best and the ten scenes of AutoBench
+    assert all((tmp_path / f"media/{name}.mp4").stat().st_size == size for name, size in sizes.items())
+    assert films.main(["--out", str(tmp_path / "media"), "--only", "coco_best", "autobench"]) == 0
+    assert json.loads(capsys.readouterr().out.splitlines()[-1]) == sizes
+    assert len(played) == 11
+
+
+def test_a_film_that_there_is_not_is_one_sentence(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert films.main(["--out", str(tmp_path), "--only", "coco_worst"]) == 2
+    assert "--only: found 'coco_worst', needed some of craftbench_v2, " in capsys.readouterr().err
+
+
+def test_episodes_that_reach_their_goal_are_preferred_and_not_required() -> None:
+    every, only, prefer = PlayOptions(), PlayOptions(only_successes=True), PlayOptions(prefer_successes=True)
+    for options, some, none in ((every, [0, 1, 2], [0, 1]), (only, [1], None), (prefer, [1], [0, 1])):
+        assert _to_show([False, True, False], options) == some
+        if none is not None:
+            assert _to_show([False, False], options) == none
+    with pytest.raises(ValidationError, match="--only-successes: found none among 2 episodes"):
+        _to_show([False, False], only)

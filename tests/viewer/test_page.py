@@ -15,11 +15,14 @@ from PIL import Image
 from tests.support.box_machine import box_machine
 from tests.support.browser import browser
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes
+from urbanverse_mjx.pipeline.playing import _write_html
 from urbanverse_mjx.viewer.page import Page
 from urbanverse_mjx.viewer.recording import html_recording, start_server
 from urbanverse_mjx.viewer.session import Machine, Session
 from urbanverse_mjx.viewer.street import StreetMeshes
 from urbanverse_mjx.viewer.teleop import Inputs
+from urbanverse_mjx.viz.video import CAPTIONS
 
 
 @pytest.fixture(scope="module")
@@ -223,6 +226,56 @@ def test_a_scene_is_opened_from_elsewhere(tab: Any, served: tuple[Page, Streets,
     wait(lambda: page.session.scene == 0)
 
 
+def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    page, streets, _ = served
+    session = page.session
+    tab.get_by_role("button", name="Begin again").click()
+    wait(lambda: page.session is not session)
+
+    def choose(control: str, option: str) -> None:
+        tab.get_by_role("textbox", name=control, exact=True).click()
+        tab.get_by_role("option", name=option, exact=True).click()
+
+    def camera() -> np.ndarray:
+        (client,) = page._server.get_clients().values()
+        return np.asarray(client.camera.position)
+
+    def above() -> float:
+        return float(camera()[2] - np.asarray(page.session.frames[0].nav.sim.xpos)[page._robot(), 1, 2])
+
+    choose("view", "from above")
+    wait(lambda: above() > 25.0)
+    choose("view", "behind the robot")
+    wait(lambda: above() < 3.0)
+    choose("speed", "as fast as possible")
+    wait(lambda: page._speed.value == "as fast as possible")
+    shown = tab.get_by_label("shown", exact=True)
+    for visible in (False, True):
+        shown.evaluate("box => box.click()")
+        wait(lambda visible=visible: page._image.visible == visible)
+    after = tab.get_by_label("give back after", exact=True)
+    after.fill("7")
+    after.press("Enter")
+    wait(lambda: page._teleop.give_back_after == 7.0)
+
+    def slide(control: str, by: str) -> None:
+        tab.get_by_role("slider", name=control, exact=True).press(by)
+
+    was = camera()
+    slide("robot shown", "ArrowRight")
+    wait(lambda: page._robot() == 1 and bool(np.linalg.norm(camera() - was) > 0.5))
+    slide("episode", "ArrowRight")
+    wait(lambda: page.session.rows == (1, 2))
+    slide("robots", "ArrowLeft")
+    people = tab.get_by_label("people", exact=True)
+    people.last.evaluate("box => box.click()")
+    session = page.session
+    tab.get_by_role("button", name="Open").click()
+    wait(lambda: page.session is not session)
+    assert streets.opened[-1][3] is (not page._first[3])
+    assert (page.session.num_robots, page._robot(), page._which.disabled) == (1, 0, True)
+
+
 def test_layers_are_switched(tab: Any, served: tuple[Page, Streets, str]) -> None:
     page = served[0]
     for layer, node in page.stage._robots[0].lines.items():
@@ -273,6 +326,19 @@ def test_a_recording_holds_every_frame(machine: Machine) -> None:
     for _ in range(5):
         session.step()
     assert len(html_recording(session, street)) > still
+
+
+def test_play_writes_an_episode_as_a_page_that_needs_no_server(machine: Machine, tmp_path: pathlib.Path) -> None:
+    episodes = fixed_episodes(machine.env, 2, 0)
+    path, agent = tmp_path / "episode.html", machine.policy.agent
+    _write_html(path, machine.env, "go_to_goal", agent, episodes, 1)
+    (outcome,) = (r.outcome for r in Rollout(machine.env).run({"go_to_goal": agent}, episodes)[0][1:])
+    with browser() as chromium:
+        tab = chromium.new_page(viewport={"width": 900, "height": 700})
+        tab.goto(path.as_uri())
+        wait(lambda: bool(screenshot(tab).std() > 20.0))
+        # The label of the goal says at the end how the episode ended.
+        tab.get_by_text(CAPTIONS[outcome]).first.wait_for(timeout=120_000)
 
 
 def test_a_taken_port_is_refused() -> None:

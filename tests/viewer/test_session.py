@@ -1,5 +1,7 @@
 """A session's states are those of stepping the environment; actions of a person, and failures."""
 
+import types
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -162,6 +164,42 @@ def test_hulls_in_reach_are_the_nearest_ones(machine: Machine, small_bank: Scene
             np.testing.assert_allclose(np.sort(found.reshape(-1, 3), axis=0), flat, atol=1e-4)
         seen += len(near)
     assert seen > 5
+
+
+def test_the_hulls_of_a_touched_object_lie_where_it_is(machine: Machine, small_bank: SceneBank) -> None:
+    """Each corner of the object's hulls is the end of an edge, also where the object was pushed and turned."""
+    frame = Session(machine, 0, [0, 1]).frames[0]
+    slot = int(small_bank.inst_object[0, 0])
+    corners = []
+    for i in np.flatnonzero(small_bank.inst_object[0] == slot):
+        hull = int(small_bank.inst_hull[0, i])
+        own = small_bank.hull_vertices[hull, : small_bank.hull_num_vertices[hull]].astype(np.float64)
+        corners.append(own @ small_bank.inst_rotation[0, i].T + small_bank.inst_position[0, i])
+    home, centre = np.concatenate(corners), small_bank.slot_position[0, slot]
+
+    def edges(hit: bool, touched: int, bodies: object = None) -> np.ndarray:
+        contacts = frame.nav.sim.contacts._replace(hit=np.array([False, hit]), hit_object=np.array([-1, touched]))
+        sim = frame.nav.sim._replace(contacts=contacts, bodies=bodies)
+        found = frame._replace(nav=frame.nav._replace(sim=sim))
+        assert layers.touched(small_bank, 0, found, 0).shape == (0, 2, 3)
+        return layers.touched(small_bank, 0, found, 1)
+
+    assert edges(False, slot).shape == edges(True, -1).shape == (0, 2, 3)
+    assert small_bank.slot_quaternion[0, slot, 0] ** 2 + small_bank.slot_quaternion[0, slot, 3] ** 2 == pytest.approx(1)
+    half = np.sqrt(0.5)
+    upright = small_bank.slot_quaternion[0, slot]
+    turned = half * np.array([upright[0] - upright[3], 0.0, 0.0, upright[0] + upright[3]])  # a quarter to the left
+    bodies = types.SimpleNamespace(
+        object_index=np.array([[-1, -1], [-1, slot]]),
+        position=np.tile(centre + [0.0, 0.0, 1.0], (2, 2, 1)),
+        quaternion=np.tile(turned, (2, 2, 1)),
+    )
+    away = home - centre
+    quarter = np.stack([-away[:, 1], away[:, 0], away[:, 2] + 1.0], axis=1) + centre
+    for wanted, found in ((home, edges(True, slot)), (quarter, edges(True, slot, bodies))):
+        between = np.linalg.norm(wanted[:, None] - found.reshape(1, -1, 3), axis=-1)
+        assert between.min(axis=1).max() < 1e-4
+        assert between.min(axis=0).max() < 1e-4
 
 
 def test_edges_of_a_box_are_twelve(small_bank: SceneBank) -> None:

@@ -133,6 +133,26 @@ def test_a_key_that_was_forgotten_with_the_focus_drives_when_it_repeats(
     tab.keyboard.up("w")
 
 
+def test_it_is_shown_and_driven_in_a_frame_of_another_page_as_in_a_notebook(driven: DrivenPage) -> None:
+    """`IPython.display.IFrame` writes such a frame into a page of another origin."""
+    page, teleop, front, tab = driven
+    steps = len(page.session)
+    address = front.address.replace("127.0.0.1", "localhost")
+    other_page = tab.context.new_page()
+    try:
+        other_page.set_content(f'<h1>a notebook</h1><iframe width="900" height="600" src="{address}"></iframe>')
+        frame = other_page.frame_locator("iframe").first
+        frame.frame_locator("#viser").get_by_role("button", name="Play").wait_for(timeout=120_000)
+        frame.locator("#bar").click()
+        other_page.keyboard.down("w")
+        wait(lambda: teleop.held and len(page.session) > steps + 2)
+        frame.get_by_text("you drive").wait_for(timeout=60_000)
+        other_page.keyboard.up("w")
+        wait(lambda: not teleop.held)
+    finally:
+        other_page.close()
+
+
 def test_letters_in_a_text_field_are_letters(driven: DrivenPage) -> None:
     teleop, tab = driven[1], driven[3]
     frame = tab.frame_locator("#viser")

@@ -3,7 +3,7 @@
 import dataclasses
 import os
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..datatypes import ValidationError
@@ -42,6 +42,8 @@ class PlayOptions:
     """Number of episodes; all are in the video except with --only-successes and --shown."""
     only_successes: bool = False
     """Leave episodes that did not reach their goal out of the video."""
+    prefer_successes: bool = False
+    """Leave them out where at least one reached it."""
     shown: int | None = None
     """Largest number of episodes in the video, drawn at random with --seed."""
     seed: int = 0
@@ -94,11 +96,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     with Progress(options.quiet) as progress:
         report = progress.task("driving", len(episodes), unit="episodes", note=COMPILING)
         results, poses = Rollout(env, hold=hold).run({who: agent}, episodes, lambda ended, _: report(ended, note=""))
-    shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
-    if not shown:
-        raise ValidationError(
-            f"--only-successes: found none among {v.counted(len(results), 'episodes')}, needed one; drive more."
-        )
+    shown = _to_show([bool(r.success) for r in results], options)
     shown = random_draw(shown, options.shown, options.seed)
     style = {"size": options.size, "samples": options.samples, "quality": options.quality}
     with Progress(options.quiet) as progress:
@@ -107,6 +105,22 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     if options.html is not None:
         _write_html(options.html, env, who, agent, episodes, shown[0])
     return {"video": str(out), "results": [r.to_json() for r in results]}
+
+
+def _to_show(reached: Sequence[bool], options: PlayOptions) -> list[int]:
+    """The numbers of the episodes that may be in the video; reached: whether each reached its goal.
+
+    Raises:
+      ValidationError: none.
+    """
+    at_goal = [i for i, reached_it in enumerate(reached) if reached_it]
+    if options.only_successes:
+        if not at_goal:
+            raise ValidationError(
+                f"--only-successes: found none among {v.counted(len(reached), 'episodes')}, needed one; drive more."
+            )
+        return at_goal
+    return at_goal if options.prefer_successes and at_goal else list(range(len(reached)))
 
 
 def _write_html(path: pathlib.Path, env: "NavEnv", name: str, agent: Any, episodes: "EpisodeSet", shown: int) -> None:

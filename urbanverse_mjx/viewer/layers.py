@@ -75,8 +75,7 @@ class HullsInReach:
 
 
 def touched(bank: SceneBank, scene: int, frame: Frame, robot: int) -> np.ndarray:
-    """Returns (n, 2, 3) edges of the hulls of the object that a robot touched in its last step, at its pose in the
-    bank."""
+    """Returns (n, 2, 3) edges of the hulls of the object that a robot touched in its last step, where it is now."""
     contacts = frame.nav.sim.contacts
     slot = int(np.asarray(contacts.hit_object)[robot])
     if slot < 0 or not bool(np.asarray(contacts.hit)[robot]):
