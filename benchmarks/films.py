@@ -59,7 +59,8 @@ class Film:
 
 def films() -> list[Film]:
     """All films: of the policies, of the tasks, and of the benchmarks' scenes."""
-    style = {"quality": 3.5, "samples": 2, "quiet": True}
+    # A sixth smaller than the preset medium with quality 3.5, at the same structural similarity.
+    style = {"quality": 3.3, "encoder": "veryslow", "samples": 2, "quiet": True}
     found = [
         Film(
             path.parent.name,

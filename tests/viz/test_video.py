@@ -31,6 +31,24 @@ def test_cameras_look_at_their_target_with_the_horizon_level() -> None:
     assert (rotation.apply([0.0, 1.0, 0.0])[:, 2] > 0).all()
 
 
+def test_a_slower_encoder_writes_a_smaller_file_of_the_same_frames(tmp_path: pathlib.Path) -> None:
+    """A pattern that moves, drawn anew for each frame as a rotated wave."""
+    x, y = np.meshgrid(np.arange(96), np.arange(64))
+    waves = [127 + 100 * np.sin(0.4 * x + 0.1 * y * np.cos(0.2 * t) + t) for t in range(12)]
+    sizes, errors = {}, {}
+    for encoder in ("ultrafast", "veryslow"):
+        path = tmp_path / f"{encoder}.mp4"
+        write_video(path, [np.repeat(w.astype(np.uint8)[..., None], 3, -1) for w in waves], 5, encoder=encoder)
+        reader: Any
+        with imageio.get_reader(path) as reader:
+            seen = np.stack([np.asarray(frame)[..., 0] for frame in reader])
+        sizes[encoder], errors[encoder] = path.stat().st_size, np.abs(seen - np.stack(waves)).mean()
+    assert sizes["veryslow"] < 0.8 * sizes["ultrafast"]
+    assert errors["veryslow"] < 6.0
+    with pytest.raises(ValidationError, match=r"video\.encoder: found 'slowest', needed one of ultrafast"):
+        write_video(tmp_path / "no.mp4", [np.zeros((64, 96, 3), np.uint8)], 5, encoder="slowest")
+
+
 @pytest.mark.parametrize("rate", [5.0, 25.0])
 @pytest.mark.parametrize("steps", [1, 3, 40])
 def test_following_camera_stays_behind_and_above(steps: int, rate: float) -> None:

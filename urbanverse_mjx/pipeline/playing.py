@@ -55,6 +55,8 @@ class PlayOptions:
     """Rays per pixel along each side."""
     quality: float = 7.0
     """Quality of the video, 0 to 10."""
+    encoder: str = "medium"
+    """Effort for small files: ultrafast, fast, medium, slow or veryslow, the presets of x264."""
     html: pathlib.Path | None = None
     """Also write the first episode of the video as one interactive HTML file; not with --fps."""
     quiet: bool = False
@@ -75,12 +77,14 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     from ..evaluation import Rollout, fixed_episodes
     from ..evaluation.task_agents import planner_of
     from ..progress import COMPILING, Progress
+    from ..viz.video import ENCODER_PRESETS
     from .banks import chosen_bank
     from .rollout_video import random_draw, write_episodes
 
     options = options or PlayOptions()
     if options.shown is not None:
         v.integer(options.shown, "--shown", 1)
+    v.choice(options.encoder, "--encoder", ENCODER_PRESETS)
     who = _named(options)
     agent, name, config = _chosen(who, options)
     config = registry.with_overrides(config, options.env_overrides)
@@ -98,7 +102,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
         results, poses = Rollout(env, hold=hold).run({who: agent}, episodes, lambda ended, _: report(ended, note=""))
     shown = _to_show([bool(r.success) for r in results], options)
     shown = random_draw(shown, options.shown, options.seed)
-    style = {"size": options.size, "samples": options.samples, "quality": options.quality}
+    style = {name: getattr(options, name) for name in ("size", "samples", "quality", "encoder")}
     with Progress(options.quiet) as progress:
         report = progress.task("drawing", len(shown), unit="episodes")
         write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, on_progress=report, **style)

@@ -69,14 +69,27 @@ def caption(
     return f"{scene}   {seconds:4.1f} s   {goal_name} {goal_distance:4.1f} m{f'   {note}' if note else ''}{end}"
 
 
+#: Presets of x264, from large files to small ones.
+ENCODER_PRESETS = ("ultrafast", "fast", "medium", "slow", "veryslow")
+
+
 def write_video(
-    path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_second: float, quality: float = 7.0
+    path: pathlib.Path,
+    frames: Sequence[np.ndarray],
+    frames_per_second: float,
+    quality: float = 7.0,
+    encoder: str = "medium",
 ) -> None:
-    """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play; quality: imageio's, 0 to 10.
+    """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play.
+
+    Args:
+      quality: imageio's, 0 to 10.
+      encoder: of `ENCODER_PRESETS`.
 
     Raises:
-      ValidationError: no frames, or sizes that differ or are odd.
+      ValidationError: no frames, sizes that differ or are odd, or no such preset.
     """
+    v.choice(encoder, "video.encoder", ENCODER_PRESETS)
     shapes = {f.shape for f in frames}
     if len(shapes) != 1 or any(n % 2 for n in next(iter(shapes))[:2]):
         raise v.fail("video", f"frames of shapes {sorted(shapes)}", "at least one frame, all of one even size")
@@ -91,6 +104,7 @@ def write_video(
             pixelformat="yuv420p",
             quality=quality,
             macro_block_size=2,
+            ffmpeg_params=["-preset", encoder],
         ) as writer:
             for frame in frames:
                 writer.append_data(frame)
@@ -115,6 +129,7 @@ def write_rollout_video(
     size: tuple[int, int] = (HEIGHT, WIDTH),
     samples: int = 1,
     quality: float = 7.0,
+    encoder: str = "medium",
     on_progress: Callable[[int], None] | None = None,
     goal_names: Sequence[str] = (),
     note: Callable[[int, int], str] = lambda column, step: "",
@@ -134,7 +149,7 @@ def write_rollout_video(
       appearances: row of the bank's agents for each moving agent of the trajectory.
       size: height and width of each of the two images.
       samples: rays per pixel along each side.
-      quality: see `write_video`.
+      quality, encoder: see `write_video`.
       on_progress: called with the number of rendered envs.
       goal_names: words for the goals of these episodes in captions; default: "goal".
       note: function (env of the trajectory, step) -> addition to a caption.
@@ -174,4 +189,4 @@ def write_rollout_video(
             frames.append(_caption(both, text))
         if on_progress is not None:
             on_progress(done)
-    write_video(path, frames, frames_per_second, quality)
+    write_video(path, frames, frames_per_second, quality, encoder)
