@@ -76,6 +76,8 @@ def test_scenes_by_name_file_folder_and_bank(
     assert [scenes.cousins(x) for x in ("corner", "alley", "alley_Cousin_02", first)] == [64, 2, 1, 1]
     bank, row = scenes.open(f"boxes/{small_bank.scene_ids[2]}")
     assert bank.scene_ids[row] == small_bank.scene_ids[2]
+    # The programs of a bank's machine are compiled once for all its scenes.
+    assert scenes.open(first)[0] is bank
     small_bank.save(tmp_path / "many.bank")
     scenes = ViewScenes([str(tmp_path / "many.bank")])
     assert scenes.first == [f"many/{small_bank.scene_ids[0]}"]
@@ -102,6 +104,8 @@ def test_a_cousin_of_a_graph_is_compiled_once(
     # The first cousin is the one that the bank of the shipped streets holds.
     found, row = scenes.open("construction_narrow")
     assert (found.scene_ids, row) == (bank.scene_ids, bank.scene_ids.index("construction_narrow"))
+    assert scenes.open("park_edge") == (found, bank.scene_ids.index("park_edge"))
+    assert scenes.open("park_edge")[0] is found
     assert asked == [("construction_narrow", 1)]
 
 

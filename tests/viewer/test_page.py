@@ -3,6 +3,7 @@
 import errno
 import io
 import pathlib
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -15,14 +16,13 @@ from PIL import Image
 from tests.support.box_machine import box_machine
 from tests.support.browser import browser
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.evaluation import Rollout, fixed_episodes
+from urbanverse_mjx.evaluation import fixed_episodes
 from urbanverse_mjx.pipeline.playing import _write_html
 from urbanverse_mjx.viewer.page import Page
 from urbanverse_mjx.viewer.recording import html_recording, start_server
 from urbanverse_mjx.viewer.session import Machine, Session
 from urbanverse_mjx.viewer.street import StreetMeshes
 from urbanverse_mjx.viewer.teleop import Inputs
-from urbanverse_mjx.viz.video import CAPTIONS
 
 
 @pytest.fixture(scope="module")
@@ -233,7 +233,7 @@ def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page,
     wait(lambda: page.session is not session)
 
     def choose(control: str, option: str) -> None:
-        tab.get_by_role("textbox", name=control, exact=True).click()
+        tab.get_by_role("combobox", name=control, exact=True).click()
         tab.get_by_role("option", name=option, exact=True).click()
 
     def camera() -> np.ndarray:
@@ -258,21 +258,25 @@ def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page,
     after.press("Enter")
     wait(lambda: page._teleop.give_back_after == 7.0)
 
-    def slide(control: str, by: str) -> None:
-        tab.get_by_role("slider", name=control, exact=True).press(by)
+    def enter(slider: str, number: int) -> None:
+        """Into the field beside a slider, which has its name in a paragraph before it."""
+        row = tab.locator("p", has_text=re.compile(f"^{slider}$")).locator("xpath=ancestor::div[.//input][1]")
+        field = row.get_by_role("textbox")
+        field.fill(str(number))
+        field.press("Enter")
 
     was = camera()
-    slide("robot shown", "ArrowRight")
+    enter("robot shown", 2)
     wait(lambda: page._robot() == 1 and bool(np.linalg.norm(camera() - was) > 0.5))
-    slide("episode", "ArrowRight")
+    enter("episode", 1)
     wait(lambda: page.session.rows == (1, 2))
-    slide("robots", "ArrowLeft")
-    people = tab.get_by_label("people", exact=True)
-    people.last.evaluate("box => box.click()")
+    enter("robots", 1)
+    tab.get_by_label("people", exact=True).first.evaluate("box => box.click()")
+    wait(lambda: page._people.value and page._robots.value == 1)
     session = page.session
     tab.get_by_role("button", name="Open").click()
     wait(lambda: page.session is not session)
-    assert streets.opened[-1][3] is (not page._first[3])
+    assert streets.opened[-1] == (streets.scenes[0], 0, "go_to_goal", True)
     assert (page.session.num_robots, page._robot(), page._which.disabled) == (1, 0, True)
 
 
@@ -328,17 +332,22 @@ def test_a_recording_holds_every_frame(machine: Machine) -> None:
     assert len(html_recording(session, street)) > still
 
 
-def test_play_writes_an_episode_as_a_page_that_needs_no_server(machine: Machine, tmp_path: pathlib.Path) -> None:
+def test_play_writes_an_episode_as_a_page_that_needs_no_server(
+    machine: Machine, tab: Any, tmp_path: pathlib.Path
+) -> None:
+    """All its frames; the episode is that of the number."""
     episodes = fixed_episodes(machine.env, 2, 0)
-    path, agent = tmp_path / "episode.html", machine.policy.agent
-    _write_html(path, machine.env, "go_to_goal", agent, episodes, 1)
-    (outcome,) = (r.outcome for r in Rollout(machine.env).run({"go_to_goal": agent}, episodes)[0][1:])
-    with browser() as chromium:
-        tab = chromium.new_page(viewport={"width": 900, "height": 700})
-        tab.goto(path.as_uri())
-        wait(lambda: bool(screenshot(tab).std() > 20.0))
-        # The label of the goal says at the end how the episode ended.
-        tab.get_by_text(CAPTIONS[outcome]).first.wait_for(timeout=120_000)
+    path = tmp_path / "episode.html"
+    _write_html(path, machine.env, "go_to_goal", machine.policy.agent, episodes, 1)
+    session = Session(machine, int(episodes.scenes[1]), [int(episodes.episodes[1])], keys=episodes.keys()[1:])
+    while not session.over:
+        session.step()
+    wanted = html_recording(session, StreetMeshes(machine.env.bank, session.scene))
+    assert len(path.read_text(encoding="utf-8")) == pytest.approx(len(wanted), rel=1e-3)
+    with_no_server = tab.context.browser.new_page(viewport={"width": 900, "height": 700})
+    with_no_server.goto(path.as_uri())
+    wait(lambda: bool(screenshot(with_no_server).std() > 20.0))
+    with_no_server.close()
 
 
 def test_a_taken_port_is_refused() -> None:

@@ -34,6 +34,8 @@ class ViewScenes:
         self._folders = _built_folders()
         self._banks: dict[str, tuple[pathlib.Path, str]] = {}
         self._opened: dict[tuple[str, int], tuple[SceneBank, int]] = {}
+        #: Banks of several scenes by file, None for the shipped streets; scenes of one bank share compiled programs.
+        self._whole: dict[pathlib.Path | None, SceneBank] = {}
         self.first: list[str] = []
         self.first += [self._add(text) for text in given]
 
@@ -74,8 +76,9 @@ class ViewScenes:
             if path.is_dir():
                 shards = BankShards(path)
                 return SceneBank.take(shards, shards.rows_of([scene])), 0
-            bank = SceneBank.load(path)
-            return bank, bank.scene_ids.index(scene)
+            if path not in self._whole:
+                self._whole[path] = SceneBank.load(path)
+            return self._whole[path], self._whole[path].scene_ids.index(scene)
         if name in self._folders:
             return pack_bank([self._folders[name][cousin]], ["test"]), 0
         # A graph of the user may have the name of a shipped street.
@@ -83,8 +86,9 @@ class ViewScenes:
         if cousin == 0 and shipped and settings.chosen_bank_path() is None:
             from .banks import ensure_default_bank
 
-            bank = ensure_default_bank()
-            return bank, bank.scene_ids.index(name)
+            if None not in self._whole:
+                self._whole[None] = ensure_default_bank()
+            return self._whole[None], self._whole[None].scene_ids.index(name)
         return _compiled(self._graphs[name], cousin), 0
 
     def _unknown(self, text: str) -> str:

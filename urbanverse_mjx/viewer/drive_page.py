@@ -155,7 +155,7 @@ class DrivePage:
         policy = "nobody" if name == NOBODY else name
         who, note = f"{policy} drives", ""
         if session.over:
-            who, note = "the episode has ended", ""
+            who, note = "the episode has ended", f"{self._restart.label} repeats it"
         elif not self.playing:
             who, note = "paused", "W drives" if name == NOBODY else f"W takes over from {policy}"
         if self._teleop.ignores_key and not session.over:
