@@ -138,7 +138,7 @@ def test_it_is_shown_and_driven_in_a_frame_of_another_page_as_in_a_notebook(driv
     page, teleop, front, tab = driven
     steps = len(page.session)
     address = front.address.replace("127.0.0.1", "localhost")
-    other_page = tab.context.new_page()
+    other_page = tab.context.browser.new_page()
     try:
         other_page.set_content(f'<h1>a notebook</h1><iframe width="900" height="600" src="{address}"></iframe>')
         frame = other_page.frame_locator("iframe").first
