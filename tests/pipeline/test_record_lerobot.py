@@ -74,5 +74,7 @@ def test_lerobot_shows_the_images_of_the_rows(read: tuple[pathlib.Path, dict[str
     off = np.abs(255.0 * found[FRONT].transpose(0, 2, 3, 1) - np.stack(frames))
     assert off.mean() < 2.0
     for name in (DEPTH, INSTANCE):
-        stored = np.stack([cv2.imdecode(np.frombuffer(x["bytes"], np.uint8), cv2.IMREAD_UNCHANGED) for x in rows[name]])
+        stored = np.stack(
+            [np.asarray(cv2.imdecode(np.frombuffer(x["bytes"], np.uint8), cv2.IMREAD_UNCHANGED)) for x in rows[name]]
+        )
         np.testing.assert_array_equal(found[name].reshape(stored.shape).astype(np.int64) % 65536, stored)
