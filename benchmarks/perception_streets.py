@@ -6,11 +6,15 @@
 The two splits share no layout, no asset (the last variant of every leaf that has three or more is the test's), no sky
 and, where a kind of ground has four materials or more, no material of it. The training streets also contain their
 variants in further sizes, proportions and paints, as in the catalogue. Streets are shorter than the benchmark's and
-more varied, with parks, front yards, lane markings, junctions, and all objects of the shipped streets. Prints one JSON
-line. The same options give the same content hash, whatever the number of processes.
+more varied, with parks, front yards, lane markings, junctions, and all objects of the shipped streets. With `--kin`,
+half of the objects of the training streets are of other leaves of the same group of the network's classes (a concrete
+mixer for a truck), so that a class has more shapes; the frequencies of the classes stay. Prints one JSON line. The same
+options give the same content hash, whatever the number of processes; with `--within` the streets that are made in that
+time are kept.
 """
 
 import argparse
+import contextlib
 import dataclasses
 import functools
 import itertools
@@ -18,7 +22,7 @@ import json
 import pathlib
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from typing import Any
 
 import numpy as np
@@ -62,6 +66,8 @@ OBJECTS = {"train": (90, 140), "test": (70, 120)}
 INSTANCES = 24
 _ENDS: tuple[section.End, section.End] = ("court", "junction")
 MAX_TEXTURE = 256
+#: Share of the leaves of a training street that are replaced by `_kin`.
+KIN_SHARE = 0.5
 #: Share of the training instances that are made of two shapes.
 JOINED = 0.45
 MAP_CELL = 0.25  # m; the map only gives camera positions
@@ -89,14 +95,16 @@ _MORE = {
 }
 
 
-def of_split(split: str, index: AssetIndex) -> AssetIndex:
+def of_split(split: str, index: AssetIndex, kin: bool = False) -> AssetIndex:
     """Returns the records of a split; the last variant of every leaf with three or more belongs to the test split.
 
     Leaves with fewer are in both, so that the test's streets hold the same kinds of objects. In training every leaf
-    of the streets has `INSTANCES` of its variants besides.
+    of the streets has `INSTANCES` of its variants besides; `kin`: the streets have leaves of `_kin`, too.
     """
     kept: list[AssetRecord] = []
     shown = shown_leaves()
+    if kin:
+        shown |= {leaf for name in shown for leaf in _kin(name)}
     for leaf in index.leaves:
         records = index.by_leaf(leaf)
         if len(records) >= 3:
@@ -130,10 +138,28 @@ def _leaves() -> dict[str, tuple[str, ...]]:
     return {band: (*names, *_MORE[band].split("|")) for band, names in streets.Stock().leaves.items()}
 
 
-def stock(split: str) -> streets.Stock:
-    """Objects of the streets of a split."""
+@functools.cache
+def _kin(leaf: str) -> tuple[str, ...]:
+    """The other leaves of a leaf's group that have shapes and are in no street of either split."""
+    group = next((leaves for leaves in groups().values() if leaf in leaves), ())
+    known, shown = frozenset(load_index().leaves), shown_leaves()
+    return tuple(name for name in group if name in known and name not in shown)
+
+
+def stock(split: str, kin: int | None = None) -> streets.Stock:
+    """Objects of the streets of a split; `kin`: of the street of that number, where half of the leaves are replaced by
+    one of their `_kin`."""
     skies = tuple(s for s in sky_ids() if (s in TEST_SKIES) == (split == "test"))
-    return streets.Stock(HOUSES, _leaves(), variants=INSTANCES + 8, skies=skies)
+    rng = np.random.default_rng([SEEDS[split], 3, kin or 0])
+
+    def drawn(leaf: str) -> str:
+        others = _kin(leaf) if kin is not None else ()
+        return str(rng.choice(others)) if others and rng.random() < KIN_SHARE else leaf
+
+    houses, leaves = HOUSES, _leaves()
+    houses, *bands = (tuple(drawn(leaf) for leaf in names) for names in (houses, *leaves.values()))
+    by_band = dict(zip(leaves, bands, strict=True))
+    return streets.Stock(houses, by_band, variants=INSTANCES + 8, skies=skies)
 
 
 def materials_of(split: str, kind: str) -> tuple[str, ...]:
@@ -182,7 +208,7 @@ def _point_hull(_: AssetRecord) -> HullSet:
     return HullSet((np.concatenate([np.zeros((1, 3)), np.eye(3)]).astype(np.float32) * 1e-3,))
 
 
-def _train_mesh(record: AssetRecord) -> AssetMesh:
+def _train_mesh(record: AssetRecord, kin: bool = False) -> AssetMesh:
     """The mesh of a record with a texture of moderate size. An instance is deformed, and a share of them have the upper
     part of another training shape of their leaf, or of their class where the leaf has one alone."""
     mesh = _with_small_texture(build_mesh(record))
@@ -191,7 +217,7 @@ def _train_mesh(record: AssetRecord) -> AssetMesh:
     rng = shape_variation.seeded(record)
     if class_of_leaf(record.leaf) == HOUSE:
         return shape_variation.deformed(mesh, rng, shape_variation.STRAIGHT)
-    others = _others(record.leaf, str(record.params[KEY]["base"]))
+    others = _others(record.leaf, str(record.params[KEY]["base"]), kin)
     if others and rng.random() < JOINED:
         other = _with_small_texture(build_mesh(others[int(rng.integers(len(others)))]))
         mesh = shape_variation.joined(mesh, other, float(rng.uniform(0.3, 0.75)))
@@ -200,11 +226,11 @@ def _train_mesh(record: AssetRecord) -> AssetMesh:
 
 
 @functools.cache
-def _others(leaf: str, base: str) -> tuple[AssetRecord, ...]:
+def _others(leaf: str, base: str, kin: bool) -> tuple[AssetRecord, ...]:
     """Training instances of a leaf with other base shapes; without any, those of the leaves of its class."""
 
     def found(leaves: tuple[str, ...]) -> tuple[AssetRecord, ...]:
-        records = [r for name in leaves for r in _records("train").by_leaf(name) if KEY in r.params]
+        records = [r for name in leaves for r in _records("train", kin).by_leaf(name) if KEY in r.params]
         return tuple(r for r in records if r.params[KEY]["base"] != base)
 
     group = next((leaves for leaves in groups().values() if leaf in leaves), ())
@@ -220,15 +246,16 @@ def _with_small_texture(mesh: AssetMesh) -> AssetMesh:
     return dataclasses.replace(mesh, texture=np.asarray(image.reduce(2)))
 
 
-def source(split: str) -> AssetSource:
+def source(split: str, kin: bool = False) -> AssetSource:
     """Makes the meshes of a split; those of training instances are deformed."""
-    return AssetSource(_train_mesh if split == "train" else build_mesh, _point_hull)
+    return AssetSource(functools.partial(_train_mesh, kin=kin) if split == "train" else build_mesh, _point_hull)
 
 
-def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout, SceneGeometry]:
+def make_street(split: str, number: int, index: AssetIndex, kin: bool = False) -> tuple[SceneLayout, SceneGeometry]:
     """Street `number` of a split, as a layout and as arrays; `index` holds the split's records."""
-    layout = streets.make_layout(SEEDS[split], number, index, OBJECTS[split], stock(split), make_ground(split, number))
-    geometry = scene_geometry(layout, index, source(split))
+    objects = stock(split, number if kin else None)
+    layout = streets.make_layout(SEEDS[split], number, index, OBJECTS[split], objects, make_ground(split, number))
+    geometry = scene_geometry(layout, index, source(split, kin))
     walk = _walk(make_ground(split, number).section)
     return layout, dataclasses.replace(geometry, map=coarser(geometry.map, map_stride(MAP_CELL)), episodes=walk)
 
@@ -251,41 +278,51 @@ def build(
     processes: int = 1,
     first: int = 0,
     folders: Sequence[pathlib.Path] = (),
+    kin: bool = False,
+    within: float | None = None,
 ) -> SceneBank:
     """Returns the bank of a split's streets from `first` on, and then those of the library's `folders`; `progress` is
-    called with (streets done, total)."""
+    called with (streets done, total). After `within` s no further street is waited for."""
+    begin = time.monotonic()
     scenes, hashes, total = [], {}, layouts + len(folders)
-    for geometry, name, content in _made(split, [*range(first, first + layouts), *folders], processes):
-        scenes.append(geometry)
-        hashes[name] = content
-        if progress is not None:
-            progress(len(scenes), total)
+    with contextlib.closing(_made(split, [*range(first, first + layouts), *folders], processes, kin)) as streets_made:
+        for geometry, name, content in streets_made:
+            scenes.append(geometry)
+            hashes[name] = content
+            if progress is not None:
+                progress(len(scenes), total)
+            if within is not None and time.monotonic() - begin > within:
+                break
     hashes["bank"] = content_hash({"split": split, "layouts": dict(hashes)})
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
-    return pack(scenes, [split] * total, skies, hashes)
+    return pack(scenes, [split] * len(scenes), skies, hashes)
 
 
 def _made(
-    split: str, streets_of: Sequence[int | pathlib.Path], processes: int
-) -> Iterator[tuple[SceneGeometry, str, str]]:
+    split: str, streets_of: Sequence[int | pathlib.Path], processes: int, kin: bool = False
+) -> Generator[tuple[SceneGeometry, str, str]]:
     """Streets in their order, each with its name and content hash."""
+    make = functools.partial(_make, split, kin)
     if processes == 1:
-        yield from map(functools.partial(_make, split), streets_of)
+        yield from map(make, streets_of)
         return
     with worker_pool(processes) as pool:
-        yield from pool.map(functools.partial(_make, split), streets_of, chunksize=4)
+        try:
+            yield from pool.map(make, streets_of)
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _make(split: str, street: int | pathlib.Path) -> tuple[SceneGeometry, str, str]:
+def _make(split: str, kin: bool, street: int | pathlib.Path) -> tuple[SceneGeometry, str, str]:
     if isinstance(street, pathlib.Path):
         return perception_library.make(street, _records(split), source(split))
-    layout, geometry = make_street(split, street, _records(split))
+    layout, geometry = make_street(split, street, _records(split, kin), kin)
     return geometry, layout.id, layout.content_hash()
 
 
 @functools.cache
-def _records(split: str) -> AssetIndex:
-    return of_split(split, load_index())
+def _records(split: str, kin: bool = False) -> AssetIndex:
+    return of_split(split, load_index(), kin)
 
 
 def _folders(wanted: str) -> list[pathlib.Path]:
@@ -313,16 +350,28 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--processes", type=int, default=1, help="streets made at a time")
     more = "SET:COUNT,...: streets of the scene library to add, as built in the cache; for training alone"
     parser.add_argument("--library", default="", metavar="SETS", help=more)
+    parser.add_argument("--kin", action="store_true", help="more leaves for each class; for training alone")
+    within = "keep what is made after so much time, which is no exact bound: a street more may be waited for"
+    parser.add_argument("--within", type=float, metavar="SECONDS", help=within)
     arguments = parser.parse_args(argv)
     if arguments.library and arguments.split != "train":
         parser.error("--library needs --split train: its streets contain shapes of both splits")
+    if arguments.kin and arguments.split != "train":
+        parser.error("--kin needs --split train: the test streets stay as they are")
     if min(arguments.layouts, arguments.processes) < 1 or arguments.first < 0:
         parser.error("--layouts and --processes must be at least 1, --first at least 0")
     begin = time.monotonic()
     try:
         say = functools.partial(_say, begin)
         bank = build(
-            arguments.split, arguments.layouts, say, arguments.processes, arguments.first, _folders(arguments.library)
+            arguments.split,
+            arguments.layouts,
+            say,
+            arguments.processes,
+            arguments.first,
+            _folders(arguments.library),
+            arguments.kin,
+            arguments.within,
         )
         bank.save(arguments.out)
     except ValidationError as error:

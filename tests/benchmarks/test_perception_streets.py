@@ -1,6 +1,8 @@
 """The training streets of the perception model: separate splits, equal for any number of processes."""
 
+import itertools
 import pathlib
+import types
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from urbanverse_mjx.assets import AssetIndex, load_index
 from urbanverse_mjx.assets.meshes.instances import KEY
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.distillation.perception_model.classes import class_of_leaf
 from urbanverse_mjx.scene.compiler import AssetSource
 
 
@@ -30,6 +33,47 @@ def test_the_splits_share_no_shape_of_a_leaf_with_three(splits: dict[str, AssetI
         assert train | test == {r.uid for r in index.by_leaf(leaf)}
         if len(index.by_leaf(leaf)) >= 3:
             assert not train & test
+
+
+def test_kin_gives_a_class_more_leaves_and_keeps_its_frequency():
+    plain, shown = perception_streets.stock("train"), perception_streets.shown_leaves()
+    drawn = [perception_streets.stock("train", kin=k) for k in range(8)]
+    more: set[str] = set()
+    for street in drawn:
+        bands = zip((plain.houses, *plain.leaves.values()), (street.houses, *street.leaves.values()), strict=True)
+        for names, others in bands:
+            assert [class_of_leaf(x) for x in names] == [class_of_leaf(x) for x in others]
+        more |= {x for names in (street.houses, *street.leaves.values()) for x in names} - shown
+    assert len(more) > 50
+    assert {class_of_leaf(leaf) for leaf in ("dirt bike", "trolleybus", "barn")} <= {class_of_leaf(x) for x in more}
+    assert drawn[0] != drawn[1]
+    assert plain == perception_streets.stock("train")
+    index = load_index()
+    records = perception_streets.of_split("train", index, kin=True)
+    assert all(any(KEY in r.params for r in records.by_leaf(leaf)) for leaf in more)
+    # What the test shows stays unseen.
+    test = {r.uid for r in perception_streets.of_split("test", index).records}
+    for leaf in shown:
+        if len(index.by_leaf(leaf)) >= 3:
+            assert not {r.params[KEY]["base"] if KEY in r.params else r.uid for r in records.by_leaf(leaf)} & test
+
+
+def test_streets_that_are_made_in_the_given_time_are_kept(monkeypatch: pytest.MonkeyPatch):
+    ended: list[bool] = []
+
+    def made(*_: object):
+        try:
+            for number in range(9):
+                yield types.SimpleNamespace(sky="overcast_grey"), f"street_{number}", "hash"
+        finally:
+            ended.append(True)
+
+    clock = itertools.count(0.0, 10.0)
+    monkeypatch.setattr(perception_streets, "_made", made)
+    monkeypatch.setattr(perception_streets.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(perception_streets, "pack", lambda scenes, splits, *_: (len(scenes), len(splits)))
+    assert perception_streets.build("train", 9, within=25.0) == (3, 3)
+    assert ended == [True]
 
 
 def test_training_instances_are_built_in_the_size_that_their_record_tells(splits: dict[str, AssetIndex]):

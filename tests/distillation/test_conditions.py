@@ -8,7 +8,15 @@ import pytest
 from urbanverse_mjx.distillation.perception_model import classes, conditions
 from urbanverse_mjx.distillation.perception_model.augment import blur, recolour
 from urbanverse_mjx.distillation.perception_model.network import Seen
-from urbanverse_mjx.distillation.perception_model.targets import GroundTruth, _object_loss, loss, without
+from urbanverse_mjx.distillation.perception_model.targets import (
+    _SLOTS,
+    GroundTruth,
+    _at,
+    _object_loss,
+    _object_means,
+    loss,
+    without,
+)
 
 CAR = classes.names().index("car")
 
@@ -103,6 +111,36 @@ def test_the_mean_over_objects_counts_a_small_one_as_much_as_a_large_one():
     expected = -(np.log(0.1) + np.log(0.9)) / 2.0
     assert cost(0) == pytest.approx(expected, abs=1e-4)
     assert cost(1) == pytest.approx(expected, abs=1e-4)
+
+
+def test_means_of_objects_and_their_gradient_are_those_of_floats_without_a_scatter_of_floats():
+    """A scatter of floats in the loss or its gradient makes XLA sort where it has to be deterministic."""
+    rng = np.random.default_rng(3)
+    number = jnp.asarray(rng.choice([0, 1, 5, _SLOTS], 4000, p=[0.6, 0.01, 0.2, 0.19]), jnp.int32)
+    p, kinds = jnp.asarray(rng.random(4000), jnp.float32), jnp.asarray(rng.integers(0, 7, 4000))
+    size = jnp.asarray(np.bincount(number, minlength=_SLOTS + 1)[:-1], jnp.float32)
+
+    def floats(x: jax.Array) -> jax.Array:
+        return jax.ops.segment_sum(x, number, _SLOTS + 1)[:-1] / jnp.maximum(size, 1.0)
+
+    def cost(means, x: jax.Array) -> jax.Array:
+        return -jnp.log(jnp.maximum(means(x), 0.3)).sum()
+
+    found, slope = jax.value_and_grad(lambda x: cost(lambda y: _object_means(y, number, size), x))(p)
+    wanted, true_slope = jax.value_and_grad(lambda x: cost(floats, x))(p)
+    assert found == pytest.approx(float(wanted), rel=1e-4)
+    np.testing.assert_allclose(slope, true_slope, rtol=1e-3)
+    values = jnp.asarray(rng.normal(size=(4000, 7)), jnp.float32)
+    np.testing.assert_array_equal(_at(values, kinds), np.asarray(values)[np.arange(4000), kinds])
+
+    def both(x: jax.Array) -> jax.Array:
+        return cost(lambda y: _object_means(y, number, size), jax.nn.sigmoid(_at(x, kinds)))
+
+    text = jax.jit(jax.grad(both)).lower(values).as_text()
+    scatters = [line for line in text.splitlines() if "stablehlo.scatter" in line]
+    assert len(scatters) == 1
+    assert text.count("stablehlo.add") >= 1
+    assert "tensor<1025xi32>" in text
 
 
 def _spread(right: jax.Array, kinds: jax.Array) -> jax.Array:

@@ -52,6 +52,22 @@ def test_a_pause_needs_a_place_to_keep_the_run(capsys: pytest.CaptureFixture[str
     assert "--state" in capsys.readouterr().err
 
 
+def test_a_kept_size_needs_weights_whose_size_it_keeps(capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit):
+        train_perception.parse(["--train", "a", "--test", "b", "--out", "c", "--keep-size"])
+    assert "--init" in capsys.readouterr().err
+
+
+def test_without_trials_xla_takes_the_first_suggested_algorithm_of_programs_with_convolutions():
+    options = train_perception.convolution_options(0)
+    assert train_perception.convolution_options(1) is None
+    image, kernel = np.ones((1, 8, 8, 3), np.float32), np.ones((3, 3, 3, 4), np.float32)
+    # XLA refuses options that it does not know.
+    program = jax.jit(lambda x, k: jax.lax.conv(x.transpose(0, 3, 1, 2), k.transpose(3, 2, 0, 1), (1, 1), "SAME"))
+    compiled = program.lower(image, kernel).compile(compiler_options=options)
+    assert float(compiled(image, kernel)[0, 0, 4, 4]) == 27.0
+
+
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """Options of a network of a few channels with as many levels as the real one."""

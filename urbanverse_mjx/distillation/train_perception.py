@@ -7,7 +7,8 @@
 
 Frames are rendered during training, each from a random position with a random lens, appearance, condition (night,
 rain, a bonnet, ...) and camera fault; none is used twice. `--init` may be weights of a network with fewer blocks. The
-learning rate is a function of the elapsed time, so that it ends at zero on any machine. Prints one JSON line per
+learning rate is a function of the elapsed time, so that it ends at zero on any machine. `--within` bounds the wall time
+of the whole command but for the final scoring, so that it fits into a lent machine's time. Prints one JSON line per
 progress report and a table at the end. Weights are written every minute and at the end; with `--state` also the rest of
 the training state: the same command after a killed or a paused (`--pause-after`) run continues it.
 """
@@ -130,24 +131,31 @@ class Step:
     union: the graphs are optimised as a whole, in one thread.
     """
 
-    def __init__(self, model: Any, views: Views, batch: int) -> None:
+    def __init__(self, model: Any, views: Views, batch: int, options: dict[str, Any] | None = None) -> None:
+        """Makes the programs, which are compiled by `compile` or by the first call.
+
+        Args:
+          options: of XLA for the program with the convolutions, see `convolution_options`.
+        """
         self._programs: dict[str, Any] = {
             "draw": jax.jit(functools.partial(_drawn, views, batch)),
             "vary": jax.jit(_varied),
-            "slopes": jax.jit(functools.partial(_slopes, model, views.balance)),
+            "slopes": jax.jit(functools.partial(_slopes, model), compiler_options=options),
             "update": jax.jit(_updated, donate_argnums=0),
         }
+        self._balance = views.balance  # an argument, not a constant: the program is the same for all streets
 
     def compile(self, learner: Learner, key: jax.Array, say: Callable[[str, float], None]) -> None:
         """Compiles the programs in as many threads; `say` is called with a program's name and its time in s."""
         view_key, change_key = jax.random.split(key)
         images, wanted, counts = jax.eval_shape(self._programs["draw"], view_key)
         inputs, wanted = jax.eval_shape(self._programs["vary"], change_key, images, wanted)
-        slopes, _, statistics = jax.eval_shape(self._programs["slopes"], learner.variables, inputs, wanted, counts)
+        of_slopes = (learner.variables, inputs, wanted, counts, self._balance)
+        slopes, _, statistics = jax.eval_shape(self._programs["slopes"], *of_slopes)
         arguments = {
             "draw": (view_key,),
             "vary": (change_key, images, wanted),
-            "slopes": (learner.variables, inputs, wanted, counts),
+            "slopes": of_slopes,
             "update": (learner, slopes, statistics, jnp.asarray(0.0)),
         }
 
@@ -165,7 +173,7 @@ class Step:
         view_key, change_key = jax.random.split(key)
         images, wanted, counts = self._programs["draw"](view_key)
         inputs, wanted = self._programs["vary"](change_key, images, wanted)
-        slopes, parts, statistics = self._programs["slopes"](learner.variables, inputs, wanted, counts)
+        slopes, parts, statistics = self._programs["slopes"](learner.variables, inputs, wanted, counts, self._balance)
         return self._programs["update"](learner, slopes, statistics, rate), parts
 
 
@@ -182,7 +190,7 @@ def _varied(key: jax.Array, images: jax.Array, wanted: GroundTruth) -> tuple[jax
 
 
 def _slopes(
-    model: Any, balance: jax.Array | None, variables: Any, inputs: jax.Array, wanted: GroundTruth, counts: jax.Array
+    model: Any, variables: Any, inputs: jax.Array, wanted: GroundTruth, counts: jax.Array, balance: jax.Array | None
 ) -> tuple[Any, dict[str, jax.Array], Any]:
     """Gradient of the loss, its parts, and the updated statistics of the normalisation."""
 
@@ -212,6 +220,15 @@ def rate_at(progress: float, peak: float) -> float:
     return peak * 0.5 * (1.0 + float(np.cos(np.pi * fallen)))
 
 
+def convolution_options(autotune: int) -> dict[str, Any] | None:
+    """Options of XLA for programs with convolutions: with 0, cuDNN's first suggestion is taken for each.
+
+    Without trials XLA otherwise leaves a convolution's algorithm open and cuDNN's default serves, which can be slow;
+    where it has to be deterministic, it takes the first suggested one (XLA's `select_first_config`).
+    """
+    return {"xla_gpu_autotune_level": 1, "xla_gpu_deterministic_ops": True} if autotune == 0 else None
+
+
 class Frame(NamedTuple):
     """Prediction and ground truth of one frame: (h, w) classes, owner (-1 = none), depth m (0 = unknown), leaf."""
 
@@ -228,9 +245,12 @@ def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, s
     return make_predict(model, views)(variables, frames, batch, seed)
 
 
-def make_predict(model: Any, views: Views) -> Callable[[Any, int, int, int], Iterator[Frame]]:
-    """`predict` as a function of (variables, frames, batch, seed) that is compiled once."""
-    apply = jax.jit(functools.partial(model.apply, train=False))
+def make_predict(
+    model: Any, views: Views, options: dict[str, Any] | None = None
+) -> Callable[[Any, int, int, int], Iterator[Frame]]:
+    """`predict` as a function of (variables, frames, batch, seed) that is compiled once, the network with options of
+    XLA."""
+    apply = jax.jit(functools.partial(model.apply, train=False), compiler_options=options)
     draw = jax.jit(lambda keys: views(keys, dye=False))
     fault = jax.jit(jax.vmap(augment))
 
@@ -265,7 +285,6 @@ def evaluate(frames: Iterable[Frame], cut: float = 0.0) -> dict[str, Any]:
 def train(arguments: argparse.Namespace) -> dict[str, Any]:
     """Trains the network, writes the weights, and returns the table of the test streets."""
     started = time.monotonic()
-    model = weights.network(jnp.dtype(arguments.dtype), scanned=True)
     size = arguments.height, arguments.width
     views = Views.of(
         SceneBank.load(arguments.train),
@@ -278,22 +297,36 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     test = Views.of(SceneBank.load(arguments.test), *size, appearance=0.0, samples=arguments.samples)
     key = jax.random.key(arguments.seed)
-    variables = begin(jax.random.fold_in(key, 0), arguments.height, arguments.width)
     record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}
-    if arguments.init is not None:
-        given, before = weights.load(None if arguments.init == SHIPPED else arguments.init)
-        variables = network.grown(given, variables)
-        record["before"] = {name: x for name, x in before.items() if name != "score"}
-    predicted, seeded = make_predict(model, test), (arguments.test_batch, arguments.seed + 1)
+    if arguments.init is None:
+        variables = begin(jax.random.fold_in(key, 0), arguments.height, arguments.width)
+    else:
+        variables, given = weights.load(None if arguments.init == SHIPPED else arguments.init)
+        if not arguments.keep_size:
+            fresh = begin(jax.random.fold_in(key, 0), arguments.height, arguments.width)
+            variables = network.grown(variables, fresh)
+        record["before"] = {name: x for name, x in given.items() if name != "score"}
+    options = convolution_options(arguments.autotune)
+    model = weights.network(jnp.dtype(arguments.dtype), network.blocks_of(variables), scanned=True)
+    predicted, seeded = make_predict(model, test, options), (arguments.test_batch, arguments.seed + 1)
     learner, progress = learner_of(variables), Progress()
     if arguments.state is not None and arguments.state.is_file():
         learner, progress = _read_state(arguments.state, learner)
     if arguments.minutes > 0:
-        step = Step(model, views, arguments.batch)
+        step = Step(model, views, arguments.batch, options)
         _say({"event": "read", "seconds": round(time.monotonic() - started, 1)})
-        step.compile(
-            learner, key, lambda name, took: _say({"event": "program", "name": name, "seconds": round(took, 1)})
-        )
+
+        def validate(average: Any) -> None:
+            _validate(list(predicted(average, arguments.validation_frames, *seeded)), progress)
+
+        # The initial weights are scored while the programs of a step compile; validation is then compiled as well.
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            before = pool.submit(validate, learner.average) if arguments.validate_every > 0 else None
+            step.compile(
+                learner, key, lambda name, took: _say({"event": "program", "name": name, "seconds": round(took, 1)})
+            )
+            if before is not None:
+                before.result()
         learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
         jax.block_until_ready(learner)
         ready = time.monotonic() - started
@@ -302,10 +335,6 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
             arguments.minutes = min(
                 arguments.minutes, progress.seconds / 60.0 + max(arguments.within - ready / 60.0, 0.0)
             )
-
-        def validate(average: Any) -> None:
-            _validate(list(predicted(average, arguments.validation_frames, *seeded)), progress)
-
         learner = _run(step, learner, key, arguments, record, progress, validate)
     record = _keep(arguments, learner, progress, record)
     if progress.seconds < 60.0 * arguments.minutes:
@@ -326,7 +355,10 @@ def _run(
     done: Progress,
     validate: Callable[[Any], None],
 ) -> Learner:
-    """Runs steps until the time is over or a pause is due, and updates `done`. Validation takes none of the time."""
+    """Runs steps until the time is over or a pause is due, and updates `done`.
+
+    Validation takes none of the time, unless the wall time is bounded.
+    """
     before, begin = done.seconds, time.monotonic()
     said = saved = validated = begin
     length = arguments.minutes * 60.0
@@ -349,7 +381,8 @@ def _run(
             stopped = time.monotonic()
             validate(learner.average)
             validated = time.monotonic()
-            begin, said, saved = (x + validated - stopped for x in (begin, said, saved))
+            if arguments.within is None:
+                begin, said, saved = (x + validated - stopped for x in (begin, said, saved))
         if done.steps % 8 == 0:  # a bounded queue: the clock then measures work that is done
             jax.block_until_ready(parts)
     return learner
@@ -412,14 +445,18 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     init = f"initial weights, '{SHIPPED}' for those of the package; default: random ones"
     parser.add_argument("--init", help=init)
     parser.add_argument("--minutes", type=float, default=16.0, help="of training in all; 0 only scores --init")
-    within = "wall time of the whole command without scoring: shortens --minutes by what reading and compiling take"
+    within = "wall time of the whole command but for the final scoring, compiling and validation included"
     parser.add_argument("--within", type=float, metavar="MINUTES", help=within)
     parser.add_argument("--state", type=pathlib.Path, help="file with the state of the run, from which it continues")
     parser.add_argument("--pause-after", type=float, metavar="MINUTES", help="stop after so many and keep --state")
     every = "print the score of --validation-frames frames after so many minutes of training; 0: never"
     parser.add_argument("--validate-every", type=float, default=0.0, metavar="MINUTES", help=every)
     parser.add_argument("--validation-frames", type=int, default=64)
-    tuned = "0: XLA takes the convolutions' usual algorithms, which compiles soonest; to 4: tries more of them (GPU)"
+    same = "keep the number of residual blocks of --init (a file of the same size); default: today's network"
+    parser.add_argument("--keep-size", action="store_true", help=same)
+    tuned = (
+        "0: XLA takes cuDNN's first suggestion for each convolution; 1 to 4: measures several, which takes long (GPU)"
+    )
     parser.add_argument("--autotune", type=int, choices=range(5), default=0, help=tuned)
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
@@ -437,6 +474,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
         parser.error(f"--height and --width must be multiples of {network.STRIDE}, --minutes 0 or more")
     if arguments.pause_after is not None and arguments.state is None:
         parser.error("--pause-after needs --state, or what was learnt is lost")
+    if arguments.keep_size and arguments.init is None:
+        parser.error("--keep-size needs --init, whose size it keeps")
     return arguments
 
 

@@ -163,7 +163,7 @@ def loss(
     weight = counts[:, None, None] * jnp.ones_like(seen.centre)
     total = jnp.maximum(weight.sum(), 1.0)
     log_p = jax.nn.log_softmax(seen.classes)
-    miss = -jnp.take_along_axis(log_p, wanted.classes[..., None], -1)[..., 0]
+    miss = -_at(log_p, wanted.classes)
     heavier = wanted.weight * weight
     # Focal weighting (Lin et al., 2017) with exponent 1 reduces the weight of large uniform areas.
     focal = jax.lax.stop_gradient(1.0 - jnp.exp(-miss))
@@ -180,17 +180,55 @@ def loss(
 
 #: Slots of objects that `_object_loss` distinguishes; the numbers of others are taken modulo it.
 _SLOTS = 1024
+#: Integers per unit of probability in `_object_means`: sums over an image of 65,000 output pixels are below 2^31.
+_LEVELS = 2**15
+
+
+def _at(values: jax.Array, number: jax.Array) -> jax.Array:
+    """(...), of values (..., C) those at the numbers (...) i32 in [0, C).
+
+    A sum over C: the gradient of an index is a scatter of floats, which compiles to a sort where XLA has to choose
+    convolutions without trials (`train_perception`).
+    """
+    return jnp.where(number[..., None] == jnp.arange(values.shape[-1]), values, 0.0).sum(-1)
+
+
+@jax.custom_vjp
+def _object_means(p: jax.Array, number: jax.Array, size: jax.Array) -> jax.Array:
+    """(_SLOTS,) mean of probabilities p (N,) over the pixels of each object.
+
+    Args:
+      number: (N,) i32 object of each pixel, `_SLOTS` for none.
+      size: (_SLOTS,) number of pixels.
+    """
+    # Integers have the same sum in any order, see `_at`; rounding changes a mean by less than 1 / (2 `_LEVELS`).
+    total = jax.ops.segment_sum(jnp.round(p * _LEVELS).astype(jnp.int32), number, _SLOTS + 1)[:-1]
+    return total / (_LEVELS * jnp.maximum(size, 1.0))
+
+
+def _object_means_forward(
+    p: jax.Array, number: jax.Array, size: jax.Array
+) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+    return _object_means(p, number, size), (number, size)
+
+
+def _object_means_backward(kept: tuple[jax.Array, jax.Array], slope: jax.Array) -> tuple[jax.Array, None, None]:
+    number, size = kept
+    return jnp.append(slope / jnp.maximum(size, 1.0), 0.0)[number], None, None
+
+
+_object_means.defvjp(_object_means_forward, _object_means_backward)
 
 
 def _object_loss(log_p: jax.Array, wanted: GroundTruth, counts: jax.Array, balance: jax.Array) -> jax.Array:
     """(), mean over objects, weighted by class, of -log of the mean probability of the right class over the object's
     pixels: objects are decoded by that mean."""
-    right = jnp.exp(jnp.take_along_axis(log_p, wanted.classes[..., None], -1)[..., 0])
+    right = jnp.exp(_at(log_p, wanted.classes))
 
     def one(p: jax.Array, owner: jax.Array, kinds: jax.Array, applies: jax.Array) -> tuple[jax.Array, jax.Array]:
         number = jnp.where((owner >= 0) & applies, owner % _SLOTS, _SLOTS).ravel()
-        size = jax.ops.segment_sum(jnp.ones_like(p).ravel(), number, _SLOTS + 1)[:-1]
-        mean = jax.ops.segment_sum(p.ravel(), number, _SLOTS + 1)[:-1] / jnp.maximum(size, 1.0)
+        size = jax.ops.segment_sum(jnp.ones_like(number), number, _SLOTS + 1)[:-1].astype(p.dtype)
+        mean = _object_means(p.ravel(), number, size)
         # The largest class number of its pixels: all pixels of an object have the same.
         kind = jnp.maximum(jax.ops.segment_max(kinds.ravel(), number, _SLOTS + 1)[:-1], 0)
         counted = (size >= MIN_PIXELS) * balance[kind]
@@ -207,7 +245,7 @@ def _leaf_loss(logits: jax.Array, wanted: GroundTruth, weight: jax.Array) -> jax
     )
     of_class = jnp.asarray(classes.leaf_classes()) == kind[..., None]
     log_p = jax.nn.log_softmax(jnp.where(of_class, logits, -30.0))
-    miss = -jnp.take_along_axis(log_p, jnp.maximum(leaf, 0)[..., None], -1)[..., 0]
+    miss = -_at(log_p, jnp.maximum(leaf, 0))
     return _mean(miss, weight * (leaf >= 0))
 
 
