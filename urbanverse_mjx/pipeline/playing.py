@@ -115,7 +115,7 @@ def _to_show(reached: Sequence[bool], options: PlayOptions) -> list[int]:
     """The numbers of the episodes that may be in the video; reached: whether each reached its goal.
 
     Raises:
-      ValidationError: none.
+      ValidationError: only successes are asked for, and there is none.
     """
     at_goal = [i for i, reached_it in enumerate(reached) if reached_it]
     if options.only_successes:

@@ -14,7 +14,7 @@ from benchmarks.lib.peers import warp_kernels as kernels
 from benchmarks.lib.peers.street import HIT, ROBOT, SEEN, Drive, hulls_of, street_spec, with_robot
 from urbanverse_mjx.datatypes import RobotSpec, ValidationError
 
-#: Room for contacts and constraint rows per world. The robot has 12 spheres; more contacts than this were never seen.
+#: Contacts and constraint rows that are allocated per world. The robot has 12 spheres; more contacts than this were never seen.
 CONTACTS, ROWS = 64, 256
 #: Fields of MuJoCo Warp's model that differ between streets, with a leading axis of worlds.
 _BY_WORLD = ("geom_pos", "geom_quat", "geom_size", "geom_aabb", "geom_rbound", "geom_friction", "geom_dataid")
@@ -52,7 +52,7 @@ class MujocoWarp:
             self._mj_model, self._model, poses = several_streets(folders, robot, drive.timestep)
             self.hulls = poses[0].shape[1]
             self.does = "the geoms of an env's street as fields per world"
-        # mjlab leaves both rooms to MuJoCo Warp's own guess, which is too small where a robot drives into objects.
+        # mjlab leaves both numbers to MuJoCo Warp's own guess, which is too small where a robot drives into objects.
         self._data = mjw.make_data(self._mj_model, nworld=drive.count, nconmax=CONTACTS, njmax=ROWS)
         if poses is not None:
             _place(self._data, poses, drive.scene)

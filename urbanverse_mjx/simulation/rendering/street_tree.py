@@ -26,7 +26,7 @@ from .pbr_private import BUILD_OPTIONS
 NODE, LEAF, EMPTY = 1 << 29, 1 << 30, (1 << 30) + (1 << 29)
 #: Boxes grow by this, m: rays meet them in float32, whose step 200 m from the origin is 1.5e-5 m.
 SLACK = 1.0e-4
-#: Nodes on the path to a leaf at most, as in Warp's trees: the stack of a ray has room for two such paths.
+#: Nodes on the path to a leaf at most, as in Warp's trees: the stack of a ray holds two such paths.
 _MAX_DEPTH = 32
 
 
