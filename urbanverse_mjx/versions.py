@@ -94,7 +94,7 @@ CODE: Mapping[str, Code] = {
         ("scenes",),
     ),
     "scenes": Code(
-        3,
+        4,
         (
             *("scene", "robots", "pipeline.scenes", "pipeline.generation.compiling"),
             *("assets.collision", "assets.exporting.usd_parts", "assets.meshes.agents"),

@@ -1,11 +1,17 @@
+import os
+import pathlib
+import subprocess
+import sys
+
 import mujoco
 import numpy as np
 import pytest
 
 from tests.support.box_bank import box_scene, box_skies
+from urbanverse_mjx import srgb
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene.geometry import SceneGeometry
-from urbanverse_mjx.scene.mjcf import TIMESTEP, _sky_face, scene_mjcf, scene_spec
+from urbanverse_mjx.scene.mjcf import _SKY_FACES, TIMESTEP, _sky_face, png_bytes, scene_mjcf, scene_spec
 
 
 @pytest.fixture(scope="module")
@@ -120,16 +126,60 @@ def test_texture_is_the_right_way_up(scene: SceneGeometry) -> None:
     np.testing.assert_allclose(uv[:, 1], 1.0 - mesh.uv[:, 1], atol=1e-6)
 
 
-def test_sky_faces_show_the_sky_where_it_is() -> None:
-    """A radiance that is bright in one direction alone must light the face that MuJoCo shows there."""
+def test_mujoco_shows_the_sky_where_it_is(tmp_path: pathlib.Path) -> None:
+    """Each direction of the sky has a colour of its own; MuJoCo's images of it are decoded to directions, in views all
+    around, up and down. A process of its own, because MuJoCo chooses its OpenGL when it is imported."""
+    polar, azimuth = (np.arange(64) + 0.5) / 64 * np.pi, (np.arange(128) + 0.5) / 128 * 2 * np.pi - np.pi
+    around = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(128)], -1)
+    radiance = (0.5 + 0.5 * (np.sin(polar)[:, None, None] * around + np.cos(polar)[:, None, None] * [0, 0, 1])) ** 2
+    names = {}
+    for face, axes in _SKY_FACES.items():
+        names[f"file{face}"] = str(tmp_path / f"{face}.png")
+        (tmp_path / f"{face}.png").write_bytes(png_bytes(_sky_face(radiance, 0.0, axes)))
+    forward = np.array([(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0.6, 0, 0.8), (0, 0.6, 0.8), (0.6, 0, -0.8)])
+    right = np.cross(forward, [0, 0, 1]) / np.linalg.norm(np.cross(forward, [0, 0, 1]), axis=-1, keepdims=True)
+    axes = np.concatenate([right, np.cross(right, forward)], -1)
+    cameras = "".join(f'<camera fovy="60" xyaxes="{" ".join(map(str, row))}"/>' for row in axes)
+    files = " ".join(f'{name}="{path}"' for name, path in names.items())
+    (tmp_path / "sky.xml").write_text(
+        f'<mujoco><asset><texture name="sky" type="skybox" {files}/></asset><worldbody>{cameras}</worldbody></mujoco>'
+    )
+    code = (
+        "import sys, mujoco, numpy as np\n"
+        "model = mujoco.MjModel.from_xml_path(sys.argv[1] + '/sky.xml')\n"
+        "data = mujoco.MjData(model)\n"
+        "mujoco.mj_forward(model, data)\n"
+        "try:\n    renderer = mujoco.Renderer(model, 24, 24)\n"
+        "except Exception as error:\n    sys.exit(f'no OpenGL: {error}')\n"
+        "images = [(renderer.update_scene(data, i), renderer.render())[1] for i in range(model.ncam)]\n"
+        "np.save(sys.argv[1] + '/images.npy', images)\n"
+    )
+    env = {"MUJOCO_GL": "egl", **os.environ}
+    ran = subprocess.run([sys.executable, "-c", code, str(tmp_path)], env=env, capture_output=True, text=True)
+    if "no OpenGL" in ran.stderr:
+        pytest.skip(f"needs off-screen OpenGL: {ran.stderr.strip()[-200:]}")
+    assert ran.returncode == 0, ran.stderr
+    shown = 2.0 * np.sqrt(np.clip(srgb.linear(np.load(tmp_path / "images.npy") / 255.0), 0.0, 1.0)) - 1.0
+    step = ((np.arange(24) + 0.5) / 12 - 1) * np.tan(np.radians(30))
+    rays = (
+        forward[:, None, None]
+        + step[None, None, :, None] * axes[:, None, None, :3]
+        - step[None, :, None, None] * axes[:, None, None, 3:]
+    )
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    np.testing.assert_allclose(shown, rays, atol=0.1)
+    assert np.abs(shown - rays).mean() < 0.03
+
+
+def test_a_turned_sky_turns_its_faces() -> None:
     radiance = np.zeros((32, 64, 3), np.float32)
-    radiance[14:18, 46:50] = 1.0  # azimuth +pi/2 (column 48 of 64 from -pi), level: +y
-    front = _sky_face(radiance, 0.0, ((0, 1, 0), (1, 0, 0), (0, 0, -1)))
-    right = _sky_face(radiance, 0.0, ((1, 0, 0), (0, -1, 0), (0, 0, -1)))
-    turned = _sky_face(radiance, -np.pi / 2, ((1, 0, 0), (0, -1, 0), (0, 0, -1)))
-    assert front[32, 32].min() == 255
-    assert right.max() == 0
-    assert turned[32, 32].min() == 255
+    radiance[14:18, 46:50] = 1.0  # azimuth +pi/2 (column 48 of 64 from -pi), level: +y, which MuJoCo calls "back"
+    bright = {
+        (name, yaw): int(_sky_face(radiance, yaw, axes)[32, 32].min())
+        for name, axes in _SKY_FACES.items()
+        for yaw in (0.0, -np.pi / 2)
+    }
+    assert {key for key, value in bright.items() if value} == {("back", 0.0), ("right", -np.pi / 2)}
 
 
 def test_geometry_file_round_trip(tmp_path, scene: SceneGeometry) -> None:

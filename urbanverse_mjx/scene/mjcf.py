@@ -29,15 +29,15 @@ _NEAR = 0.02
 #: The sun's distance from the scene's centre over the scene's extent. MuJoCo draws the shadows of a directional light
 #: within one extent of the line through its position, and of nothing behind it.
 _SUN_DISTANCE = 1.5
-#: Face of MuJoCo's skybox file -> directions of its centre, of the image's right side and of its lower side (z-up
-#: world).
+#: Face of MuJoCo's skybox -> directions in the world (z-up) of its centre, of the image's right and of its lower side.
+#: As MuJoCo shows them: the faces around are seen from outside, mirrored, and "front" is at -y.
 _SKY_FACES = {
-    "right": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
-    "left": ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+    "right": ((1, 0, 0), (0, 1, 0), (0, 0, -1)),
+    "left": ((-1, 0, 0), (0, -1, 0), (0, 0, -1)),
     "up": ((0, 0, 1), (1, 0, 0), (0, -1, 0)),
     "down": ((0, 0, -1), (1, 0, 0), (0, 1, 0)),
-    "front": ((0, 1, 0), (1, 0, 0), (0, 0, -1)),
-    "back": ((0, -1, 0), (-1, 0, 0), (0, 0, -1)),
+    "front": ((0, -1, 0), (1, 0, 0), (0, 0, -1)),
+    "back": ((0, 1, 0), (-1, 0, 0), (0, 0, -1)),
 }
 
 
