@@ -188,11 +188,14 @@ def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Street
     field = tab.locator("label", has_text="or a file").locator("xpath=ancestor::div[.//input][1]//input")
     field.fill("no/such/policy")
     field.press("Enter")
+    wait(lambda: page._path.value == "no/such/policy")
     tab.get_by_role("button", name="Open").click()
     tab.get_by_text("--policy: found 'no/such/policy', needed go_to_goal.").wait_for(timeout=120_000)
     assert page.session is session
     field.fill("")
     field.press("Enter")
+    # What is typed travels some tens of ms later than a click.
+    wait(lambda: page._path.value == "")
     tab.get_by_role("button", name="Open").click()
     wait(lambda: page.session is not session)
     assert served[1].opened[-1] == (served[1].scenes[0], 0, "go_to_goal", False)
