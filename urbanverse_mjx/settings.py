@@ -52,6 +52,12 @@ def use_compilation_cache() -> pathlib.Path:
     return pathlib.Path(os.environ["JAX_COMPILATION_CACHE_DIR"])
 
 
+def use_blas_kernel(name: str) -> None:
+    """Lets OpenBLAS take the kernel of this name in processes that begin after it, whatever their processor is; the
+    environment variable `OPENBLAS_CORETYPE` has priority."""
+    os.environ.setdefault("OPENBLAS_CORETYPE", name)
+
+
 def set_xla_flags(flags: Mapping[str, str]) -> None:
     """Sets options of XLA that `XLA_FLAGS` does not have yet; XLA reads them when JAX first uses a device."""
     words = os.environ.get("XLA_FLAGS", "").split()

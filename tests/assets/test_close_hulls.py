@@ -1,7 +1,11 @@
 """Closer collision hulls: they keep out of where a robot can be, cover the surface, and are made again bit-equal."""
 
 import dataclasses
+import json
+import os
 import pathlib
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -133,10 +137,20 @@ def most_in_reach(extent: tuple[float, float, float], hulls: tuple[np.ndarray, .
 
 @pytest.mark.parametrize("leaf", always(LEAVES)[:4])
 def test_the_store_is_made_again_bit_equal(leaf: str) -> None:
-    record = next(r for r in CLOSER.values() if r.leaf == leaf)
-    key, hulls = c.closer(record)
-    assert key == hull_key(record)
-    assert [h.tolist() for h in hulls] == [h.tolist() for h in STORE[key]]
+    """In a process that begins as the workers of `build_close` do, with the same kernels on any processor."""
+    uid = next(r.uid for r in CLOSER.values() if r.leaf == leaf)
+    code = (
+        "import json, sys\n"
+        "from urbanverse_mjx.assets import load_index\n"
+        "from urbanverse_mjx.assets.collision.close_hulls import closer\n"
+        "key, hulls = closer(load_index().get(sys.argv[1]))\n"
+        "print(json.dumps([key, [h.tolist() for h in hulls]]))\n"
+    )
+    env = {**os.environ, "OPENBLAS_CORETYPE": c.KERNEL}
+    ran = subprocess.run([sys.executable, "-c", code, uid], env=env, capture_output=True, text=True, check=True)
+    key, hulls = json.loads(ran.stdout)
+    assert key == hull_key(CLOSER[uid])
+    assert hulls == [h.tolist() for h in STORE[key]]
 
 
 def test_hulls_that_end_above_the_ground_are_for_what_never_moves() -> None:

@@ -9,7 +9,8 @@ inside, and that boxes along the axes are grown too; of many, those are chosen g
 that is not yet covered, and pairs whose union holds no forbidden point are joined. First hulls without forbidden points
 are kept; of the others, only what is above `CloseOptions.top`. If too many hulls are needed, the next limit is tried.
 
-Sums are over whole millimetres and products over coordinates one by one, so that results do not depend on BLAS.
+Sums are over whole millimetres and products over coordinates one by one. What `decompose` adds has products whose last
+bits depend on the processor's BLAS and may decide between two hulls, so the store is made with one of its kernels.
 """
 
 import dataclasses
@@ -24,6 +25,7 @@ from urbanverse_mjx.datatypes import SceneLayout
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh, AssetRecord
 from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.progress import Progress
+from urbanverse_mjx.settings import use_blas_kernel
 
 from ..categories.priors import prior
 from ..recipes.building.regional.styles import DRESSINGS
@@ -35,6 +37,8 @@ from .hulls import MILLIMETRE, HullStore, close_store_path, hull_key, load_hulls
 from .overshoot import HEIGHTS, LIMIT, ROBOT_RADIUS, disc_reach, mesh_cut, overshoot, raster
 from .within_reach import shape_of, shapes_of
 
+#: Kernel of OpenBLAS with which the store is made on x86 (its variable OPENBLAS_CORETYPE): any with AVX2 has it.
+KERNEL = "Haswell"
 #: m, of the cuts, and of the surface points that are to be covered, so that a thin hull between two cuts gains nothing:
 #: those of the measurement, and some in between.
 LEVELS = tuple(
@@ -595,6 +599,7 @@ def build_close(
     if keep_first:
         found |= {hull_key(r): () for r in waiting}
         waiting = []
+    use_blas_kernel(KERNEL)  # in the worker processes
     with Progress() as progress:
         report_done, done = progress.task("closer hulls", len(waiting)), 0
         for first in range(0, len(waiting), FIRST.batch):
