@@ -59,7 +59,7 @@ class Film:
 
 def films() -> list[Film]:
     """All films: of the policies, of the tasks, and of the benchmarks' scenes."""
-    # A sixth smaller than the preset medium with quality 3.5, at the same structural similarity.
+    # Six seconds of coco_best: 8 % smaller than by the preset medium at the same quality, and closer to the original.
     style = {"quality": 3.3, "encoder": "veryslow", "samples": 2, "quiet": True}
     found = [
         Film(
@@ -148,7 +148,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     print(json.dumps(sizes))
     if missing:
-        left = len(chosen) - len(sizes)
         names, left = " ".join(missing), v.counted(len(chosen) - len(sizes), "films")
         print(
             f"Found no scenes of {' and '.join(missing)}, needed them for {left}; run "

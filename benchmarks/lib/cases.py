@@ -14,6 +14,26 @@ from urbanverse_mjx.datatypes import validation as v
 MEASURES = ("step", "parts", "refit", "active", "policy", "learn")
 
 
+def image_size(text: str, name: str) -> tuple[int, int] | None:
+    """Height and width of "HxW"; None of "none".
+
+    Args:
+      name: of the option, for the error.
+
+    Raises:
+      ValidationError: it is neither.
+    """
+    if text == "none":
+        return None
+    try:
+        height, width = (int(part) for part in text.split("x"))
+    except ValueError:
+        height = width = 0
+    if min(height, width) < 1:
+        raise ValidationError(f"{name}: found {text!r}, needed HEIGHTxWIDTH such as 36x64, or none.")
+    return height, width
+
+
 @dataclasses.dataclass(frozen=True)
 class Case:
     """One configuration. Fields that are None keep the preset's values.
@@ -69,15 +89,7 @@ class Case:
     @property
     def size(self) -> tuple[int, int] | None:
         """Height and width of the frame; None without camera."""
-        if self.pixels == "none":
-            return None
-        try:
-            height, width = (int(part) for part in self.pixels.split("x"))
-        except ValueError:
-            height = width = 0
-        if min(height, width) < 1:
-            raise ValidationError(f"pixels: found {self.pixels!r}, needed HEIGHTxWIDTH such as 36x64, or none.")
-        return height, width
+        return image_size(self.pixels, "pixels")
 
     def config_overrides(self, ctrl_dt: float) -> dict[str, Any]:
         """Overrides of the env's config; `ctrl_dt` (s) is the preset's control step."""

@@ -67,11 +67,16 @@ def versions() -> dict[str, str]:
     return found
 
 
+def cores() -> int | None:
+    """Number of processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+
+
 def machine() -> dict[str, Any]:
     """Device, cores and versions."""
     return {
         "device": jax.devices()[0].device_kind if jax.default_backend() != "cpu" else "cpu",
-        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "cores": cores(),
         "processor": platform.processor() or platform.machine(),
         "python": ".".join(map(str, sys.version_info[:3])),
         "versions": versions(),

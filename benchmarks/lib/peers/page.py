@@ -38,17 +38,15 @@ COLUMNS = ("device", "cores", *KEY, *FIGURES)
 
 def machine() -> dict[str, Any]:
     """Device, cores and versions; the device by nvidia-smi, so that asking takes no memory of it."""
-    import os
     import subprocess
 
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     command = ["nvidia-smi", "--query-gpu=name", "--format=csv,noheader"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20)
         device = done.stdout.splitlines()[0].strip()
     except (OSError, subprocess.SubprocessError, IndexError):
         device = "cpu"
-    return {"device": device, "cores": cores, "versions": report.versions()}
+    return {"device": device, "cores": report.cores(), "versions": report.versions()}
 
 
 def brief(row: Mapping[str, Any]) -> str:
@@ -60,7 +58,7 @@ def brief(row: Mapping[str, Any]) -> str:
 
 
 def save_image(folder: pathlib.Path, case: Case, pixels: np.ndarray) -> None:
-    """Writes a image (height, width, 3 or 4) uint8 as PNG."""
+    """Writes an image (height, width, 3 or 4) uint8 as PNG."""
     from PIL import Image
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+from benchmarks.lib.cases import image_size
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
 
@@ -65,15 +66,7 @@ class Case:
         Raises:
           ValidationError: it is neither.
         """
-        if self.pixels == "none":
-            return None
-        try:
-            height, width = (int(part) for part in self.pixels.split("x"))
-        except ValueError:
-            height = width = 0
-        if min(height, width) < 1:
-            raise ValidationError(f"--pixels: found {self.pixels!r}, needed HEIGHTxWIDTH such as 36x64, or none.")
-        return height, width
+        return image_size(self.pixels, "--pixels")
 
     @property
     def key(self) -> tuple[str, int, int, str]:

@@ -25,7 +25,7 @@ class Peer(Protocol):
         ...
 
     def image(self, env: int) -> np.ndarray:
-        """Returns a image of an env, uint8 with R, G, B last."""
+        """Returns an image of an env, uint8 with R, G, B last."""
         ...
 
     def close(self) -> None:

@@ -14,7 +14,7 @@ from benchmarks.lib.peers import warp_kernels as kernels
 from benchmarks.lib.peers.street import HIT, ROBOT, SEEN, Drive, hulls_of, street_spec, with_robot
 from urbanverse_mjx.datatypes import RobotSpec, ValidationError
 
-#: Contacts and constraint rows that are allocated per world. The robot has 12 spheres; more contacts than this were never seen.
+#: Contacts and constraint rows that are allocated per world. The robot has 12 spheres; more contacts were never seen.
 CONTACTS, ROWS = 64, 256
 #: Fields of MuJoCo Warp's model that differ between streets, with a leading axis of worlds.
 _BY_WORLD = ("geom_pos", "geom_quat", "geom_size", "geom_aabb", "geom_rbound", "geom_friction", "geom_dataid")

@@ -147,6 +147,22 @@ CUDA_CALLABLE inline bool has_moved(const Tables& t, int object)
     return false;
 }
 
+// Goes on from the entry that `current` names to its object's tree, and returns the rows of the object's pose; null if
+// the object stands elsewhere. MOVED: some objects of the street may.
+template <bool MOVED>
+CUDA_CALLABLE inline const Row* enter_object(const Tables& t, int& current, int& object)
+{
+    const Row* row = from(t.entries, 4 * (current - LEAF));
+    const Row entry = load(row + 3);
+    if (MOVED && has_moved(t, bits(entry.y) - LEAF)) {
+        current = EMPTY;
+        return nullptr;
+    }
+    object = bits(entry.y) - LEAF;
+    current = bits(entry.x);
+    return row;
+}
+
 // The nearest triangle (ANY: some triangle) of the street below `root`, then of the listed parts of the robot.
 // MOVED: some objects of the street may stand elsewhere.
 template <bool ANY, bool MOVED>
@@ -174,14 +190,8 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
             current = first || second ? bits(to_first ? a.w : e.w) : EMPTY;
         }
         if (current < EMPTY && object < 0) {
-            const Row* row = from(t.entries, 4 * (current - LEAF));
-            const Row entry = load(row + 3);
-            if (MOVED && has_moved(t, bits(entry.y) - LEAF)) {
-                current = EMPTY;
-            } else {
-                object = bits(entry.y) - LEAF;
+            if (const Row* row = enter_object<MOVED>(t, current, object)) {
                 floor = count;
-                current = bits(entry.x);
                 ray.set(world, row);
                 continue;
             }

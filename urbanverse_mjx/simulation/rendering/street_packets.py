@@ -155,14 +155,8 @@ inline void walk_all(const Tables& t, int root, const Rays& world, Nearest& foun
             current = first || second ? bits(to_first ? a.w : e.w) : EMPTY;
         }
         if (current < EMPTY && object < 0) {
-            const Row* row = from(t.entries, 4 * (current - LEAF));
-            const Row entry = load(row + 3);
-            if (MOVED && has_moved(t, bits(entry.y) - LEAF)) {
-                current = EMPTY;
-            } else {
-                object = bits(entry.y) - LEAF;
+            if (const Row* row = enter_object<MOVED>(t, current, object)) {
                 floor = count;
-                current = bits(entry.x);
                 inner.set(world, row);
                 rays = &inner;
                 continue;
