@@ -153,6 +153,21 @@ def test_the_store_is_made_again_bit_equal(leaf: str) -> None:
     assert hulls == [h.tolist() for h in STORE[key]]
 
 
+def test_the_workers_begin_with_the_named_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    kernels = []
+
+    def pool(*_: object, **__: object) -> None:
+        kernels.append(os.environ.get("OPENBLAS_CORETYPE"))
+        raise InterruptedError
+
+    monkeypatch.setenv("OPENBLAS_CORETYPE", "")
+    monkeypatch.delenv("OPENBLAS_CORETYPE")
+    monkeypatch.setattr(c, "worker_pool", pool)
+    with pytest.raises(InterruptedError):
+        c.build_close(LEAVES[0], again=True)
+    assert kernels == [c.KERNEL]
+
+
 def test_hulls_that_end_above_the_ground_are_for_what_never_moves() -> None:
     """A bin would fall by 2 cm, and over."""
     bin_, tree = (INDEX.by_leaf(leaf)[0] for leaf in ("trash bin", "tree"))

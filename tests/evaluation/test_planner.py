@@ -16,11 +16,13 @@ from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.planner import (
+    _ROWS,
     MOTIONS,
     Planner,
     RouteField,
     _Field,
     _field_at,
+    _fill_half_cells,
     footprint,
     placed,
     waypoint_of,
@@ -301,6 +303,18 @@ def test_a_field_without_its_padding_has_the_same_values_everywhere() -> None:
         assert (found >= around.min(0) - 1e-3).all()
         assert (found <= around.max(0) + 1e-3).all()
         assert seen.sum() > 400
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (3, 70), (70, 3), (2 * _ROWS + 1, 5)])
+def test_a_field_is_interpolated_linearly_at_the_centres_of_quarter_cells(shape: tuple[int, int]) -> None:
+    """Against NumPy's interpolation along each axis, also where rows are interpolated in several parts."""
+    cells = np.random.default_rng(0).uniform(-1.0, 1.0, shape).astype(np.float16)
+    fine = np.empty((2 * shape[0], 2 * shape[1]), np.int16)
+    _fill_half_cells(cells, fine)
+    at = [(np.arange(2 * n) + 0.5) / 2 - 0.5 for n in shape]
+    rows = np.stack([np.interp(at[0], np.arange(shape[0]), column) for column in cells.T.astype(float)], 1)
+    both = np.stack([np.interp(at[1], np.arange(shape[1]), row) for row in rows])
+    np.testing.assert_allclose(fine, 1000.0 * both, atol=0.51)
 
 
 def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
