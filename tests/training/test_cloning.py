@@ -10,7 +10,7 @@ import pytest
 from ml_collections import ConfigDict
 
 from tests.training.test_student import LAYERS, seeing_env
-from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.training import imitation, iterative, sequences
 from urbanverse_mjx.training.cloning import Cloning, Demonstrations
@@ -50,6 +50,12 @@ def trained(data: Demonstrations, config: ConfigDict, iterations: int) -> np.nda
     begins = jnp.asarray(data.begins)[:, None]
     action = jax.jit(learner.student.apply)(state.params, obs, learner.student.first_memory(1), begins)[0]  # type: ignore[index]
     return np.abs(np.asarray(action[:, 0]) - data.action).mean(0)
+
+
+def test_readers_that_do_not_divide_into_the_minibatches_are_refused() -> None:
+    config = small_config(num_envs=6, minibatches=4)
+    with pytest.raises(ValidationError, match=r"num_envs: found 6, needed a multiple .* take --num-envs"):
+        Cloning(demonstrations((3, 4)), config)
 
 
 def test_readers_go_on_through_the_episodes_and_every_second_one_sees_a_mirror() -> None:

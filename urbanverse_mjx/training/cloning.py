@@ -13,6 +13,7 @@ import optax
 from ml_collections import ConfigDict
 
 from .dagger import make_student
+from .devices import ALONE
 from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_view, relit
 from .student import SEEN, initial_student
@@ -75,9 +76,13 @@ class Cloning:
       config: see `dagger.default_dagger_config`; `num_envs` is the number of readers, `unroll_length` the steps
         that each reads in an iteration, `epochs` the passes over these. `teacher_share`, `warm_up`, `noise` and
         `auxiliary` are not used.
+
+    Raises:
+      ValidationError: the readers do not divide into the minibatches.
     """
 
     def __init__(self, demonstrations: Demonstrations, config: ConfigDict) -> None:
+        ALONE.check_shares(int(config.num_envs), {"ppo.minibatches": int(config.minibatches)})
         self.config = config
         self._data = jax.tree.map(jnp.asarray, demonstrations)
         self._count = int(demonstrations.begins.shape[0])
