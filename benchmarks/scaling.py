@@ -313,10 +313,10 @@ def draw(rows: Rows, path: pathlib.Path) -> None:
             found = fit(points)
             if found is not None:
                 n = np.geomspace(min(points), max(points), 100)
-                law = f"{title}: 100 - {found.a:.1f} n^-{found.b:.2f}"
+                law = f"{title}: $100 - {found.a:.1f}\\, n^{{{-found.b:.2f}}}$"
                 axis.plot(n, 100.0 - found.a * n**-found.b, color=colour, label=law)
         if axis.get_legend_handles_labels()[0]:
-            axis.legend(loc="lower right", fontsize="small")
+            axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize="small", frameon=False)
         axis.set_xscale("log")
         axis.set_xticks(list(VARIED[name]), [str(n) for n in VARIED[name]])
         axis.minorticks_off()
