@@ -33,6 +33,7 @@ Rows, of which `--rows` names patterns:
     image-streets-ARM-SEED  teachers on cousins of ten streets, distilled with exact inputs and from images alone (see
                             benchmarks.image_streets)
     gpus-NUMBER-SEED        the preset `best` on one or two GPUs that run nothing else (see benchmarks.several_gpus)
+    imitation-recorded-KIND-SEED  demonstrations of the planner, with noise or plain, recorded on the processor
     imitation-NUMBER-SEED   the student of `best` fitted to demonstrations of the planner (see benchmarks.imitation)
     imitation-NUMBER-ppo-SEED  PPO from there; imitation-ppo-SEED from random weights, with equally many samples
     imitation-1000-VARIANT-SEED  without noise in the demonstrations, and with a student that sees its last action
@@ -447,16 +448,35 @@ def _imitated(
     return _job(args, f"imitation-{name}-{seed}", words, (*IMITATED, "validation"), memory, rows, *needs)
 
 
+def _recorded(args: argparse.Namespace, noisy: bool, seed: int) -> Job:
+    """The demonstrations of a seed, recorded on the processor."""
+    name = f"imitation-recorded-{'noise' if noisy else 'plain'}-{seed}"
+    words: list[object] = ["benchmarks.imitation", "record", "--demonstrations", max(imitation.COUNTS)]
+    words += [] if noisy else ["--noise", 0.0]
+    words += ["--train", *_banks(IMITATED), "--holdout", *IMITATED.values(), "--train-scenes", IMITATED_STREETS]
+    words += ["--seed", seed, "--env", *_conditions()]
+    return _job(args, name, words, (*IMITATED,), 0, ())
+
+
+def _cloned(
+    args: argparse.Namespace, recorded: Job, name: str, arm: str, seed: int, count: int, *options: object
+) -> Job:
+    """Behaviour cloning of the first `count` demonstrations that a job records."""
+    own = ["clone", "--recorded", recorded.gives.parent, "--demonstrations", count, *options]
+    return _imitated(args, name, arm, seed, own, recorded.gives)
+
+
 def _imitation(args: argparse.Namespace) -> Iterator[Job]:
-    """Behaviour cloning, and PPO after it and without it."""
+    """Demonstrations, behaviour cloning, and PPO after it and without it."""
     most = max(imitation.COUNTS)
     for seed in args.seeds:
+        recorded = {noisy: _recorded(args, noisy, seed) for noisy in (True, False)}
+        yield from recorded.values()
         for count in imitation.COUNTS:
-            own = ["clone", "--demonstrations", count]
-            yield _imitated(args, f"{count}", f"BC, {count} demonstrations", seed, own)
-        for name, (options, called) in imitation.VARIANTS.items():
-            own = ["clone", "--demonstrations", most, *options]
-            yield _imitated(args, f"{most}-{name}", f"BC, {most} demonstrations, {called}", seed, own)
+            yield _cloned(args, recorded[True], f"{count}", f"BC, {count} demonstrations", seed, count)
+        for name, (noisy, options, called) in imitation.VARIANTS.items():
+            arm = f"BC, {most} demonstrations, {called}"
+            yield _cloned(args, recorded[noisy], f"{most}-{name}", arm, seed, most, *options)
         for count in imitation.COUNTS:
             start = args.out / f"imitation-{count}-{seed}"
             own = ["ppo", "--start", start, "--samples", args.samples]

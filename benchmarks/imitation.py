@@ -1,16 +1,19 @@
 """Behaviour cloning from recorded demonstrations of the planner, and PPO from there, against PPO alone.
 
-    python -m benchmarks.imitation clone --train procedural/bank.npz places/bank.npz --holdout 8 9 \
-        --test validation/bank.npz --demonstrations 100 --seed 0 --out runs/imitation-100-0
+    python -m benchmarks.imitation record --train procedural/bank.npz places/bank.npz --holdout 8 9 \
+        --demonstrations 1000 --seed 0 --out runs/recorded-0
+    python -m benchmarks.imitation clone --recorded runs/recorded-0 --demonstrations 100 ... \
+        --test validation/bank.npz --out runs/imitation-100-0
     python -m benchmarks.imitation ppo --start runs/imitation-100-0 ... --out runs/imitation-100-ppo-0
     python -m benchmarks.campaign --out OUT --gpus 2 --rows "imitation-*"
     python -m benchmarks.campaign --out OUT --add
 
-`clone` records with `urbanverse record` so many episodes in which the planner reaches its goal on the streets to train
-on, and fits the student of the preset `best` to them. `ppo` trains the same network by PPO: from the policy of a folder
-of `clone`, or from random weights. `--samples` counts the env-steps of a row, those of its demonstrations included, so
-every row of PPO has equally many. Both score the final parameters on the validation streets, also with the camera
-covered, and write result.json; killed and started again they go on.
+`record` records with `urbanverse record` so many episodes in which the planner reaches its goal on the streets to train
+on; the campaign runs it on the processor, because XLA compiles the planner with a recording for minutes on a GPU.
+`clone` fits the student of the preset `best` to the first of them. `ppo` trains the same network by PPO: from the
+policy of a folder of `clone`, or from random weights. `--samples` counts the env-steps of a row, those of its
+demonstrations included, so every row of PPO has equally many. Both of these score the final parameters on the
+validation streets, also with the camera covered, and write result.json; killed and started again all three go on.
 """
 
 import argparse
@@ -29,11 +32,11 @@ if TYPE_CHECKING:
 ENVIRONMENT, PRESET = "CocoNav", "best"
 #: Numbers of demonstrations of the table.
 COUNTS = (10, 100, 1000)
-#: Name in the campaign -> what differs from the other rows of `clone`, and its name in the table.
+#: Name in the campaign -> whether the demonstrations have noise, options of `clone`, and its name in the table.
 VARIANTS = {
-    "plain": (("--noise", 0.0, "--last-action"), "without noise, sees its last action"),
-    "noise": (("--last-action",), "sees its last action"),
-    "blind": (("--noise", 0.0), "without noise"),
+    "plain": (False, ("--last-action",), "without noise, sees its last action"),
+    "noise": (True, ("--last-action",), "sees its last action"),
+    "blind": (False, (), "without noise"),
 }
 #: Of PPO from random weights, whose actions must differ more than those of a student that drives already.
 ALONE = ("noise=0.5", "learning_rate=0.0003", "critic_only=0")
@@ -90,7 +93,7 @@ def cloning(args: argparse.Namespace) -> "ConfigDict":
 
     config = cloning_config(default_ppo_config(PRESET))
     config.update({"num_envs": args.readers, "num_timesteps": args.cloning_steps, "num_checkpoints": 1})
-    config.update({"epochs": 1, "seed": args.seed, "demonstrations": str(args.out / DEMONSTRATIONS)})
+    config.update({"epochs": 1, "seed": args.seed, "demonstrations": str(args.recorded / DEMONSTRATIONS)})
     config.network.last_action = args.last_action
     config.update_from_flattened_dict(parsed_options(args.set))
     return config
@@ -142,16 +145,17 @@ def fitted(
     return latest_policy(folder / "checkpoints")
 
 
-def clone(args: argparse.Namespace, streets: Streets, env: Any, log: Log) -> tuple[pathlib.Path, dict[str, Any]]:
-    """Records and clones; returns the policy, and what result.json says of it."""
+def clone(args: argparse.Namespace, env: Any) -> tuple[pathlib.Path, dict[str, Any]]:
+    """Clones the first recorded episodes; returns the policy, and what result.json says of it."""
     from urbanverse_mjx.pipeline.demonstrations import load_demonstrations
     from urbanverse_mjx.training.cloning import Cloning
 
-    recorded, config = record(args, streets, env, log), cloning(args)
-    learner = Cloning(load_demonstrations(args.out / DEMONSTRATIONS, env), config)
-    policy = fitted(env, config, args.out / TRAINING, learner)
-    about = {"noise": args.noise, "last_action": args.last_action, "cloning_steps": int(config.num_timesteps)}
-    return policy, {"steps": recorded["frames"], DEMONSTRATIONS: recorded, **about}
+    recorded = v.read_json(args.recorded / "result.json", "result of `record`")
+    data, config = load_demonstrations(args.recorded / DEMONSTRATIONS, env, args.demonstrations), cloning(args)
+    policy = fitted(env, config, args.out / TRAINING, Cloning(data, config))
+    frames = len(data.begins)
+    about = {"last_action": args.last_action, "cloning_steps": int(config.num_timesteps), "noise": recorded["noise"]}
+    return policy, {"steps": frames, DEMONSTRATIONS: {"episodes": args.demonstrations, "frames": frames}, **about}
 
 
 def tune(args: argparse.Namespace, env: Any) -> tuple[pathlib.Path, dict[str, Any]]:
@@ -176,12 +180,13 @@ def tune(args: argparse.Namespace, env: Any) -> tuple[pathlib.Path, dict[str, An
 def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     """The command line; argv: that of this process by default."""
     cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    cli.add_argument("role", choices=("clone", "ppo"))
+    cli.add_argument("role", choices=("record", "clone", "ppo"))
     cli.add_argument("--train", nargs="+", type=pathlib.Path, required=True, help="banks to train on")
     cli.add_argument("--holdout", nargs="+", type=int, default=[0], help="last scenes of each that are validation's")
     cli.add_argument("--train-scenes", type=int, help="only the first ones of each bank to train on; default: all")
     cli.add_argument("--test", nargs="*", type=pathlib.Path, default=[], help="banks to drive, such as validation's")
     cli.add_argument("--out", type=pathlib.Path, required=True)
+    cli.add_argument("--recorded", type=pathlib.Path, help="the folder of `record` whose first episodes are cloned")
     cli.add_argument("--demonstrations", type=int, default=100, help="episodes that reach their goal")
     cli.add_argument("--noise", type=float, default=0.2, help="on the planner's actions, see urbanverse record")
     cli.add_argument("--noise-seconds", type=float, default=0.5)
@@ -200,6 +205,8 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     args = cli.parse_args(argv)
     if args.demonstrations < 1:
         cli.error(f"--demonstrations: found {args.demonstrations}, needed at least 1")
+    if args.role == "clone" and args.recorded is None:
+        cli.error("clone: found no --recorded, needed a folder of `record`")
     return args
 
 
@@ -216,8 +223,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     log = Log(args.out)
     streets = load(args.train, args.test, args.holdout, args.episodes, log, args.train_scenes)
     env = environment(args, streets)
+    if args.role == "record":
+        found = record(args, streets, env, log)
+        save_result(args.out, {DEMONSTRATIONS: found, "noise": args.noise})
+        print(json.dumps(found))
+        return 0
     streets.suite.check(env)
-    policy, result = clone(args, streets, env, log) if args.role == "clone" else tune(args, env)
+    policy, result = clone(args, env) if args.role == "clone" else tune(args, env)
     log(policy=policy.name, **{k: x for k, x in result.items() if k != DEMONSTRATIONS})
     agent = load_policy(policy)[0]
     for name, driver in (("student", agent), ("covered", blank_image(agent))):

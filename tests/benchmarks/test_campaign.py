@@ -275,7 +275,7 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
 
 
 def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
-    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (2 * 12 + 2) + 10 + 2 + 2 * len(tasks.TASKS)
+    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (2 * 12 + 2) + 12 + 2 + 2 * len(tasks.TASKS)
     assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2 + 1
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
@@ -300,9 +300,13 @@ def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Nam
     cloned = {args.out.name: args for args in parsed if args.out.name.startswith("imitation-")}
     assert {args.demonstrations for name, args in cloned.items() if args.role == "clone"} == {10, 100, 1000}
     seen = [
-        (x.noise, x.last_action) for x in (cloned[f"imitation-1000{k}-1"] for k in ("", "-plain", "-noise", "-blind"))
+        (cloned[x.recorded.name].noise, x.last_action)
+        for x in (cloned[f"imitation-1000{k}-1"] for k in ("", "-plain", "-noise", "-blind"))
     ]
     assert seen == [(0.2, False), (0.0, True), (0.2, True), (0.0, False)]
+    recorded = [x for x in cloned.values() if x.role == "record"]
+    assert {(x.demonstrations, x.seed) for x in recorded} == {(1000, seed) for seed in (0, 1, 2)}
+    assert all(cloned[x.recorded.name].seed == x.seed for x in cloned.values() if x.role == "clone")
     assert cloned["imitation-100-ppo-2"].start == cloned["imitation-100-2"].out
     assert cloned["imitation-ppo-2"].start is None
     assert {args.samples for args in cloned.values()} == {8_000_000}

@@ -28,7 +28,7 @@ EASY = {"terminate_off_traversable": False}
 
 def args_of(out: pathlib.Path, role: str, *words: str) -> argparse.Namespace:
     given = ("--train", "bank.npz", "--out", str(out), "--num-envs", "4", "--readers", "4", "--record-envs", "2")
-    return imitation.arguments([role, *given, *words])
+    return imitation.arguments([role, *given, "--recorded", str(out / "recorded"), *words])
 
 
 def drive_by(bank: SceneBank, monkeypatch: pytest.MonkeyPatch, **overrides: Any) -> list[str]:
@@ -52,7 +52,7 @@ def test_as_many_episodes_reach_their_goal_as_are_asked_for(
     asked = drive_by(small_bank, monkeypatch, episode_length=steps)
     streets = Streets(small_bank, list(small_bank.scene_ids), Suite(small_bank, {}, {}))
     env, log = box_env(small_bank, "best"), Log(tmp_path / "log")
-    args = args_of(tmp_path, "clone", "--demonstrations", "4", "--noise", "0.1")
+    args = args_of(tmp_path, "record", "--demonstrations", "4", "--noise", "0.1")
     found = imitation.record(args, streets, env, log)
     assert found["episodes"] == 4
     assert found["driven"] > 4
@@ -107,7 +107,17 @@ def test_a_row_from_the_recording_to_its_scores(
     short = {**EASY, "episode_length": 30}
     monkeypatch.setattr(imitation, "environment", lambda args, streets: box_env(small_bank, "best", short))
     small = ("network.layers=[[4,4,4],[4,2,2]]", "network.hidden=16", "network.memory=8", "unroll_length=4")
-    words = ("--demonstrations", "2", "--cloning-steps", "64", "--set", *small, "minibatches=2")
+    words = (
+        "--demonstrations",
+        "2",
+        "--recorded",
+        str(tmp_path / "recorded"),
+        "--cloning-steps",
+        "64",
+        "--set",
+        *small,
+    )
+    words = (*words, "minibatches=2")
     save, states = snapshot.save_state, list[pathlib.Path]()
 
     def killed(*given: Any) -> pathlib.Path:
@@ -121,6 +131,8 @@ def test_a_row_from_the_recording_to_its_scores(
     commands = {role: vars(args_of(out[role], role)) for role in out}
     assert commands["clone"]["readers"] == 4
     given = ["--train", "bank.npz", "--num-envs", "4", "--readers", "4", "--record-envs", "2"]
+    recording = ["record", *given, "--out", str(tmp_path / "recorded"), "--demonstrations", "3"]
+    assert imitation.main(recording) == 0
     with pytest.raises(KeyboardInterrupt):
         imitation.main(["clone", *given, "--out", str(out["clone"]), *words])
     assert not (out["clone"] / "result.json").exists()
@@ -128,6 +140,8 @@ def test_a_row_from_the_recording_to_its_scores(
     result = json.loads((out["clone"] / "result.json").read_text())
     frames = result["demonstrations"]["frames"]
     assert (result["demonstrations"]["episodes"], result["steps"]) == (2, frames)
+    every = json.loads((tmp_path / "recorded" / "result.json").read_text())["demonstrations"]
+    assert (every["episodes"], frames < every["frames"]) == (3, True)
     for name in ("student", "covered"):
         scores = result[name]["validation_composed"]["by_scene"]
         assert set(scores) == set(ids[2:])

@@ -50,6 +50,11 @@ def test_steps_and_images_are_those_of_the_dataset(recorded: tuple[pathlib.Path,
     half = load_demonstrations(folder, wanting(env, SIZE[0] // 2, SIZE[1] // 2))
     means = frames.reshape(len(frames), SIZE[0] // 2, 2, SIZE[1] // 2, 2, 3).mean((2, 4))
     assert np.abs(half.obs[PIXELS] - means).mean() < 3.0
+    first = load_demonstrations(folder, wanting(env), 2)
+    np.testing.assert_array_equal(first.obs[PIXELS], data.obs[PIXELS][: 2 * STEPS])
+    np.testing.assert_array_equal(first.action, data.action[: 2 * STEPS])
+    with pytest.raises(ValidationError, match="found 3 episodes, needed at least 4; record more"):
+        load_demonstrations(folder, wanting(env), 4)
 
 
 @pytest.mark.parametrize(

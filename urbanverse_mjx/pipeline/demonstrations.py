@@ -1,6 +1,7 @@
 """Recorded episodes of `urbanverse record` as demonstrations for behaviour cloning."""
 
 import collections
+import dataclasses
 import pathlib
 from typing import TYPE_CHECKING, Any
 
@@ -18,13 +19,17 @@ _MEANING = ("action_mode", "goal_mode", "goal_observation_limit", "ctrl_dt", "dr
 _STATE, _GOAL, _ACTION = "observation.state", "observation.environment_state", "action"
 
 
-def load_demonstrations(folder: pathlib.Path, env: "NavEnv") -> "Demonstrations":
-    """All episodes of a dataset as an environment's robot would see them.
+def load_demonstrations(folder: pathlib.Path, env: "NavEnv", first: int | None = None) -> "Demonstrations":
+    """Episodes of a dataset as an environment's robot would see them.
 
     Images of another size than the environment's are averaged to it by area.
 
+    Args:
+      first: number of episodes, the first ones of the dataset; default: all.
+
     Raises:
-      ValidationError: no dataset, none of this robot, task and rate, no episode, or files that cannot be read.
+      ValidationError: no dataset, none of this robot, task and rate, no episode or fewer than `first`, or files that
+        cannot be read.
     """
     from ..datasets import StoredDataset
     from ..training.cloning import Demonstrations
@@ -32,6 +37,9 @@ def load_demonstrations(folder: pathlib.Path, env: "NavEnv") -> "Demonstrations"
 
     stored = StoredDataset.open(folder)
     _check(stored, env)
+    if first is not None and len(stored.episodes) < first:
+        raise v.fail(str(folder), v.counted(len(stored.episodes), "episodes"), f"at least {first}", "record more")
+    stored = dataclasses.replace(stored, episodes=stored.episodes[:first])
     height, width, _ = env.observation_size[PIXELS]
     rows = _rows(stored)
     pixels = _images(stored, int(height), int(width))
