@@ -16,7 +16,7 @@ PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 # What `make train` trains: CocoNav, Go2Nav, Go2Joystick
 ENV ?= CocoNav
 
-.PHONY: help setup setup-dev train test test-slow test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock licences advisories wheel clean distclean
+.PHONY: help setup setup-dev setup-torch train test test-slow test-torch test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock licences advisories wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -33,6 +33,12 @@ $(VENV)/.stamp-main: pyproject.toml requirements.lock requirements-cuda.lock .ci
 $(VENV)/.stamp-dev: requirements-dev.lock $(VENV)/.stamp-main
 	@.ci/setup dev >&2
 
+setup-torch: $(VENV)/.stamp-torch
+	@:
+
+$(VENV)/.stamp-torch: requirements-torch.lock $(VENV)/.stamp-dev
+	@.ci/setup torch >&2
+
 setup-docs: $(VENV)/.stamp-docs
 	@:
 
@@ -47,6 +53,9 @@ test: setup-dev ## run the tests
 
 test-slow: setup-dev ## run the tests that take minutes
 	@$(BIN)/python $(PYTEST) -m "slow and not gpu" $(ARGS)
+
+test-torch: setup-torch ## run the tests that need PyTorch, which the others skip (installs 5 GB of its packages into .venv/torch)
+	@JAX_PLATFORMS=cpu CUDA_VISIBLE_DEVICES= PYTHONPATH=$(VENV)/torch $(BIN)/python $(PYTEST) -m "torch and not slow and not gpu" $(ARGS)
 
 test-gpu: setup-dev ## run the tests that need a CUDA device
 	@$(BIN)/python -m pytest -q -m gpu $(ARGS)

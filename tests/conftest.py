@@ -2,6 +2,7 @@
 
 import fcntl
 import gc
+import importlib.util
 import os
 import pathlib
 import random
@@ -101,6 +102,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for folder in folders.values():
         min(parts, key=len).extend(folder)
     items[:] = [item for part in parts for item in part]
+
+
+@pytest.hookimpl(tryfirst=True)  # before fixtures, which may import the packages
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skips a test marked `torch` where its packages are missing; fails it where such tests were asked for."""
+    needed = {name for mark in item.iter_markers("torch") for name in ("torch", *mark.args)}
+    missing = sorted(name for name in needed if importlib.util.find_spec(name) is None)
+    if missing:
+        said = f"found no package {', '.join(missing)}; `make test-torch` installs it"
+        if "not torch" not in item.config.option.markexpr and "torch" in item.config.option.markexpr:
+            pytest.fail(said, pytrace=False)
+        pytest.skip(said)
 
 
 @pytest.hookimpl(trylast=True)

@@ -145,9 +145,12 @@ def test_neural_embeddings_say_what_they_need(load, tmp_path) -> None:
         load(str(tmp_path))
 
 
+@pytest.mark.torch("transformers")
 def test_dinov2_embeds_pictures(tmp_path) -> None:
     """A DINOv2 of a few numbers, saved and loaded as the real one is."""
-    torch, transformers = pytest.importorskip("torch"), pytest.importorskip("transformers")
+    import torch  # pyright: ignore[reportMissingImports]
+    import transformers  # pyright: ignore[reportMissingImports]
+
     torch.manual_seed(0)
     config = transformers.Dinov2Config(hidden_size=16, num_hidden_layers=1, num_attention_heads=2, image_size=56)
     transformers.Dinov2Model(config).save_pretrained(tmp_path)

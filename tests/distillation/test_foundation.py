@@ -1,5 +1,5 @@
 """Foundation models behind `Predictor`. Real weights are not at hand: models of the real architectures with a few
-random numbers are run where torch and transformers are installed, and skipped elsewhere."""
+random numbers are run where torch and transformers are installed."""
 
 import base64
 import io
@@ -101,9 +101,11 @@ def calls_of(module: Any) -> list[int]:
     return calls
 
 
+@small_models.needed
 def test_owlv2_gives_what_its_own_forward_pass_gives(models: pathlib.Path) -> None:
     """The encoders are called one by one here, words 64 at a time; the whole model gives the same to the same words."""
-    torch = pytest.importorskip("torch")
+    import torch  # pyright: ignore[reportMissingImports]
+
     found = detectors.Owlv2Detector.load(LABELS, models)
     image = Image.fromarray(RGB)
     texts = [[f"a photo of a {label}" for label in LABELS]]
@@ -117,6 +119,7 @@ def test_owlv2_gives_what_its_own_forward_pass_gives(models: pathlib.Path) -> No
     np.testing.assert_allclose(corners, answer.pred_boxes[0].numpy(), atol=1e-5)
 
 
+@small_models.needed
 @pytest.mark.usefixtures("every_score")
 def test_each_image_is_encoded_once_for_all_labels(models: pathlib.Path) -> None:
     owl = detectors.Owlv2Detector.load(LABELS, models)
@@ -131,9 +134,11 @@ def test_each_image_is_encoded_once_for_all_labels(models: pathlib.Path) -> None
     assert [len(c) for c in texts] == [0, 0]
 
 
+@small_models.needed
 @pytest.mark.usefixtures("every_score")
 def test_sam3_finds_what_its_own_forward_pass_finds(models: pathlib.Path) -> None:
-    torch = pytest.importorskip("torch")
+    import torch  # pyright: ignore[reportMissingImports]
+
     found = detectors.Sam3Detector.load(["car"], models)
     image = Image.fromarray(RGB)
     inputs = found.sam3.processor(images=image, text="car", return_tensors="pt")
@@ -151,6 +156,7 @@ def test_sam3_finds_what_its_own_forward_pass_finds(models: pathlib.Path) -> Non
         assert (mask == all_masks[row]).all()
 
 
+@small_models.needed
 @pytest.mark.usefixtures("every_score")
 @pytest.mark.parametrize("detector", ["owlv2", "sam3"])
 def test_all_models_make_an_observation_that_a_recording_holds(

@@ -97,7 +97,8 @@ def test_the_gaits_training_is_that_of_its_page() -> None:
     text = page.partition("PPO by Brax: ")[2].partition(": the settings of projects")[0]
     ppo = registry.get_ppo_config("Go2Joystick", "fast")
     minibatches = ppo.num_envs * ppo.unroll_length / ppo.minibatch
-    expected = [ppo.num_envs, ppo.unroll_length, ppo.num_updates_per_batch, minibatches, ppo.desired_kl]
+    expected = [ppo.num_envs, ppo.unroll_length, ppo.num_updates_per_batch, minibatches]
+    expected += [ppo.learning_rate, ppo.max_learning_rate, ppo.desired_kl]
     expected += [ppo.discounting, ppo.gae_lambda, ppo.clipping_epsilon, ppo.entropy_cost]
     assert numbers(text) == pytest.approx(expected)
     networks = re.search(r"Actor 225-([\d-]+)-12 .*?critic ([\d-]+) on", page)
@@ -106,6 +107,12 @@ def test_the_gaits_training_is_that_of_its_page() -> None:
         ppo.network.actor_hidden,
         ppo.network.critic_hidden,
     ]
+
+
+def test_social_streets_hold_twice_as_many_pedestrians_as_others() -> None:
+    social, others = (registry.get_default_config(name).crowd for name in ("SocialNav", "CocoNav"))
+    assert social.slots.pedestrian == 2 * others.slots.pedestrian > 0
+    assert set(social.filled.values()) == {1.0}
 
 
 @pytest.mark.parametrize(("column", "preset"), [(1, "paper"), (2, "urbansim_v0_1"), (3, "cpu")])

@@ -165,8 +165,10 @@ def test_outputs_are_arrays_of_the_library_asked_for(name: str) -> None:
     assert "final_obs" not in vector(name, output="jax", autoreset_mode="SameStep", final_obs=False).reset()[1]
 
 
+@pytest.mark.torch
 def test_torch_shares_the_memory(name: str) -> None:
-    torch = pytest.importorskip("torch")
+    import torch  # pyright: ignore[reportMissingImports]
+
     envs, other = vector(name, output="torch", autoreset_mode="SameStep"), vector(name, autoreset_mode="SameStep")
     obs, _ = envs.reset(seed=2)
     other.reset(seed=2)

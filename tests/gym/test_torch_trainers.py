@@ -1,4 +1,4 @@
-"""Trainers of PyTorch on our envs: skipped where rsl_rl or Stable-Baselines3 is not installed."""
+"""Trainers of PyTorch on our envs."""
 
 import pathlib
 from typing import Any
@@ -24,9 +24,9 @@ def default_bank(small_bank: Any, tmp_path: pathlib.Path, monkeypatch: pytest.Mo
     monkeypatch.setenv("URBANVERSE_BANK", str(tmp_path / "bank.npz"))
 
 
+@pytest.mark.torch("rsl_rl")
 @pytest.mark.usefixtures("default_bank")
 def test_the_pages_rsl_rl_example_trains() -> None:
-    pytest.importorskip("rsl_rl")
     space = run_block("OnPolicyRunner(", gymnasium=gymnasium)
     runner, vec_env = space["runner"], space["vec_env"]
     assert runner.current_learning_iteration == 3
@@ -36,23 +36,23 @@ def test_the_pages_rsl_rl_example_trains() -> None:
     assert vec_env.cfg["preset"] == "cpu"
 
 
+@pytest.mark.torch("stable_baselines3")
 @pytest.mark.usefixtures("default_bank")
 def test_the_pages_stable_baselines_example_trains() -> None:
-    pytest.importorskip("stable_baselines3")
     model = run_block("stable_baselines3", gymnasium=gymnasium)["model"]
     assert model.num_timesteps == 512
     assert len(model.ep_info_buffer) == 0 or model.ep_info_buffer[0]["l"] > 0
 
 
+@pytest.mark.torch("rsl_rl")
 def test_rsl_rl_learns_and_is_told_of_ends(unicycle_id: str, tmp_path: pathlib.Path) -> None:
     """A robot without inertia, rewarded for driving towards the goal: in 2,560 steps it closes half of the gap to 40,
     the largest return of an episode."""
-    pytest.importorskip("rsl_rl")
+    import torch  # pyright: ignore[reportMissingImports]
     from rsl_rl.runners import OnPolicyRunner  # pyright: ignore[reportMissingImports]
 
     from urbanverse_mjx.gym.rsl_rl import RslRlVecEnv
 
-    torch = pytest.importorskip("torch")
     torch.manual_seed(0)
     envs = gymnasium.make_vec(unicycle_id, 16, observations=["state", "pixels/front"], **TORCH)
     vec_env = RslRlVecEnv(envs)
@@ -87,22 +87,23 @@ def test_rsl_rl_learns_and_is_told_of_ends(unicycle_id: str, tmp_path: pathlib.P
     assert 40.0 - after < 0.5 * (40.0 - before)
 
 
+@pytest.mark.torch("rsl_rl")
 @pytest.mark.parametrize(
     ("options", "match"), [({"output": "numpy"}, 'output="torch"'), ({"autoreset_mode": "NextStep"}, '"SameStep"')]
 )
 def test_rsl_rl_needs_tensors_and_episodes_that_begin_at_once(
     unicycle_id: str, options: dict[str, Any], match: str
 ) -> None:
-    pytest.importorskip("rsl_rl")
     from urbanverse_mjx.gym.rsl_rl import RslRlVecEnv
 
     with pytest.raises(ValidationError, match=match):
         RslRlVecEnv(gymnasium.make_vec(unicycle_id, 2, **(TORCH | options)))
 
 
+@pytest.mark.torch("tensordict")
 def test_playgrounds_own_wrapper_for_rsl_rl_runs_unchanged(small_bank: SceneBank) -> None:
-    torch = pytest.importorskip("torch")
-    pytest.importorskip("tensordict")
+    import torch  # pyright: ignore[reportMissingImports]
+
     env = unicycle_env(small_bank, {"episode_length": LENGTH})
     wrapped = wrapper_torch.RSLRLBraxWrapper(env, 3, seed=0, episode_length=LENGTH, action_repeat=1)
     assert tuple(wrapped.reset()["privileged_state"].shape) == (3, 43)

@@ -55,6 +55,7 @@ def save_crop(folder: pathlib.Path, name: str, image: np.ndarray) -> None:
     Image.fromarray(np.concatenate([image, alpha], 2), "RGBA").save(folder / f"{name}_0.png")
 
 
+@small_models.needed
 def test_clip_ranks_leaves(models: str, tmp_path: pathlib.Path) -> None:
     text = load_embeddings("neural", models, GRAPH, tmp_path).text
     assert text is not None
@@ -75,6 +76,7 @@ def test_clip_ranks_leaves(models: str, tmp_path: pathlib.Path) -> None:
     np.testing.assert_allclose([near[leaves.index(leaf)] for leaf, _ in ranked], [s for _, s in ranked], atol=1e-5)
 
 
+@small_models.needed
 def test_the_asset_that_looks_like_the_crop_becomes_cousin_0(models: str, tmp_path: pathlib.Path) -> None:
     """The crop is the thumbnail of one asset of the shortlist: that one is chosen, and by nothing but its image."""
     objects = library()
@@ -94,6 +96,7 @@ def test_the_asset_that_looks_like_the_crop_becomes_cousin_0(models: str, tmp_pa
     assert cousin.chosen[BENCH.id].match.uid == wanted
 
 
+@small_models.needed
 def test_a_thumbnail_is_encoded_once(models: str, tmp_path: pathlib.Path) -> None:
     save_crop(tmp_path / "crops", BENCH.id, np.full((30, 40, 3), 90, np.uint8))
     embeddings = load_embeddings("neural", models, GRAPH, tmp_path / "crops")
@@ -109,6 +112,7 @@ def test_a_thumbnail_is_encoded_once(models: str, tmp_path: pathlib.Path) -> Non
     assert [c.match for c in first] == [c.match for c in second]
 
 
+@small_models.needed
 def test_crops_lie_on_the_background_of_thumbnails(models: str, tmp_path: pathlib.Path) -> None:
     (tmp_path / "crops").mkdir()
     image = np.zeros((4, 6, 4), np.uint8)

@@ -31,10 +31,10 @@ def script(path: pathlib.Path, body: str) -> None:
     path.chmod(0o755)
 
 
-def setup(clone: pathlib.Path) -> subprocess.CompletedProcess[str]:
+def setup(clone: pathlib.Path, what: str = "main") -> subprocess.CompletedProcess[str]:
     environment = {"PATH": str(clone / "bin"), "HOME": str(clone), "PYENV_ROOT": str(clone / "pyenv")}
     return subprocess.run(
-        [str(clone / ".ci" / "setup"), "main"],
+        [str(clone / ".ci" / "setup"), what],
         capture_output=True,
         text=True,
         check=False,
@@ -86,3 +86,20 @@ esac""",
     calls = (clone / "calls").read_text()
     assert "pip install --python .venv/bin/python --no-deps --require-hashes -r requirements.lock" in calls
     assert not (clone / ".venv" / ".stamp-main").exists()
+
+
+@pytest.mark.parametrize("status", [0, 1])
+def test_pytorch_is_put_beside_the_other_packages(status: int, clone: pathlib.Path) -> None:
+    """Into a folder that only its own tests have on their path; nothing unpacked is left, nor an old version."""
+    (clone / "bin" / "mkdir").symlink_to(str(shutil.which("mkdir")))
+    body = f'[ "$1" = -m ] && echo "$TMPDIR" "$@" >>"{clone}/calls" && exit {status}; [ "$1" = -c ]'
+    script(clone / ".venv" / "bin" / "python", body)
+    (clone / ".venv" / "torch" / "old").mkdir(parents=True)
+    done = setup(clone, "torch")
+    assert done.returncode == status
+    (call,) = (clone / "calls").read_text().splitlines()
+    assert call.startswith(f"{clone}/.venv/unpacked -m pip install --no-deps ")
+    assert call.endswith("--target .venv/torch --require-hashes -r requirements-torch.lock")
+    assert not (clone / ".venv" / "torch" / "old").exists()
+    assert not (clone / ".venv" / "unpacked").exists()
+    assert (clone / ".venv" / ".stamp-torch").exists() is (status == 0)

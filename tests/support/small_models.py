@@ -11,12 +11,17 @@ MAX_DEPTH = 80
 _SIDE = 56
 
 
+#: Marks tests that use these models.
+needed = pytest.mark.torch("torchvision", "transformers")
+
+
 def packages() -> Any:
-    """The transformers library; the test is skipped where it or torch is missing."""
-    torch = pytest.importorskip("torch", reason="needs torch")
-    pytest.importorskip("torchvision", reason="needs torchvision")
+    """The transformers library."""
+    import torch  # pyright: ignore[reportMissingImports]
+    import transformers  # pyright: ignore[reportMissingImports]
+
     torch.manual_seed(0)
-    return pytest.importorskip("transformers", reason="needs transformers")
+    return transformers
 
 
 def tokenizer(library: Any) -> Any:
