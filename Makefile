@@ -55,7 +55,7 @@ test-slow: setup-dev ## run the tests that take minutes
 	@$(BIN)/python $(PYTEST) -m "slow and not gpu" $(ARGS)
 
 test-torch: setup-torch ## run the tests that need PyTorch, which the others skip (installs 5 GB of its packages into .venv/torch)
-	@JAX_PLATFORMS=cpu CUDA_VISIBLE_DEVICES= PYTHONPATH=$(VENV)/torch $(BIN)/python $(PYTEST) -m "torch and not slow and not gpu" $(ARGS)
+	@JAX_PLATFORMS=cpu CUDA_VISIBLE_DEVICES= OMP_NUM_THREADS=1 PYTHONPATH=$(VENV)/torch $(BIN)/python $(PYTEST) -m "torch and not slow and not gpu" $(ARGS)
 
 test-gpu: setup-dev ## run the tests that need a CUDA device
 	@$(BIN)/python -m pytest -q -m gpu $(ARGS)

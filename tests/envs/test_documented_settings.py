@@ -110,7 +110,7 @@ def test_the_gaits_training_is_that_of_its_page() -> None:
 
 
 def test_social_streets_hold_twice_as_many_pedestrians_as_others() -> None:
-    social, others = (registry.get_default_config(name).crowd for name in ("SocialNav", "CocoNav"))
+    social, others = (registry.get_default_config(name).crowd for name in ("CocoSocialNav", "CocoNav"))
     assert social.slots.pedestrian == 2 * others.slots.pedestrian > 0
     assert set(social.filled.values()) == {1.0}
 

@@ -13,7 +13,7 @@ from urbanverse_mjx.envs import NavEnv, Result
 from urbanverse_mjx.envs.navigation.fleet import START_SPACING
 from urbanverse_mjx.envs.navigation.tasks.config import multi_robot_config
 from urbanverse_mjx.envs.navigation.tasks.multi_robot import MOST_ROWS, MultiRobot
-from urbanverse_mjx.evaluation import Rollout, fixed_episodes
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes, task_agents
 from urbanverse_mjx.evaluation.agents import go_to_goal, zero
 from urbanverse_mjx.evaluation.task_agents import DeliveryPlanner, baseline_of, planner_of
 
@@ -178,6 +178,14 @@ def test_the_planner_drives_around_a_robot_that_stands_in_its_way(env: NavEnv, p
     assert abs(np.arctan2(faced[1], faced[0])) > 0.05, "it turns aside"
     assert float(planner._agents(with_other(1.6, 0.0))[0, 5]) == 1.0
     assert float(planner._agents(with_other(1.6, 1.0))[0, 5]) == 0.0
+    # What ORCA permits a robot at rest before another that stands: the space between them, less the margin, in the
+    # horizon.
+    shapes = env.dynamic.shapes  # type: ignore[union-attr]
+    reach = 2.0 * float(shapes.radius[0] + shapes.half_length[0]) + task_agents.ROBOT_MARGIN
+    speeds = jnp.array([[0.1, 0.0], [0.9, 0.0], [-0.5, 0.0]])
+    permitted = 1.0 / task_agents.HORIZON
+    found = planner._forbidden(with_other(reach + 1.0, 0.0), speeds)
+    np.testing.assert_allclose(found, [0.0, 0.9 - permitted, 0.0], atol=1e-3)
 
 
 @pytest.mark.slow
