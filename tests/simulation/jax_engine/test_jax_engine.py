@@ -279,3 +279,27 @@ def test_a_body_moves_by_its_acceleration_as_in_c_mujoco() -> None:
     np.testing.assert_allclose(found.velocity[0], data.qvel[:3], atol=1e-6)
     np.testing.assert_allclose(found.spin[0], turned(data.qvel[3:]), atol=1e-5)
     np.testing.assert_allclose(found.warm[0], acceleration, atol=1e-6)
+
+
+def test_springs_of_contacts_are_those_of_c_mujoco() -> None:
+    """Stiffness, damping and impedance of touching spheres, at depths below and beyond the width of the impedance."""
+    curves = [(0.9, 0.95, 0.001, 0.5, 2.0), (0.3, 0.99, 0.02, 0.3, 3.0), (0.5, 0.8, 0.1, 0.7, 1.0)]
+    solref = [(0.02, 1.0), (0.05, 0.7), (0.001, 1.3)]  # the last is shorter than two steps
+    depths = (0.0004, 0.004, 0.03)
+    spheres = [
+        f'<body pos="{k} {i} {0.1 - depth}"><freejoint/><geom type="sphere" size=".1" priority="1" condim="1"'
+        f' solref="{" ".join(map(str, solref[k]))}" solimp="{" ".join(map(str, curves[k]))}"/></body>'
+        for k in range(3)
+        for i, depth in enumerate(depths)
+    ]
+    plane = '<geom type="plane" size="9 9 1"/>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{plane}{''.join(spheres)}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert data.ncon == data.nefc == 9
+    found = constraint._spring(
+        jnp.asarray(data.contact.solref), jnp.asarray(data.contact.solimp), jnp.asarray(-data.contact.dist), 0.002
+    )
+    assert model.opt.timestep == 0.002
+    np.testing.assert_allclose(np.stack(found, -1), data.efc_KBIP[:, :3], rtol=1e-5)
+    assert np.ptp(data.efc_KBIP[:, 2]) > 0.4
