@@ -15,6 +15,7 @@ from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.training import snapshot
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy, load_student
 from urbanverse_mjx.training.record import RunRecord
+from urbanverse_mjx.training.run import TrainingResult
 from urbanverse_mjx.training.student import Student
 from urbanverse_mjx.training.teacher_student import TeacherStudent
 
@@ -66,9 +67,17 @@ def interrupted(run: TeacherStudent, resume: bool, at: int, monkeypatch: pytest.
     monkeypatch.undo()
 
 
-def test_three_stages_make_one_policy_with_a_camera(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
-    folder, said = tmp_path / "run", list[str]()
-    result = training(small_bank, folder).train(False, said.append)
+@pytest.fixture(scope="module")
+def whole(
+    small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[pathlib.Path, TrainingResult, list[str]]:
+    """An undisturbed run: its folder, its result and what it said."""
+    folder, said = tmp_path_factory.mktemp("whole") / "run", list[str]()
+    return folder, training(small_bank, folder).train(False, said.append), said
+
+
+def test_three_stages_make_one_policy_with_a_camera(whole: Any, small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    folder, result, said = whole
     assert [line.split(":")[0] for line in said] == [f"stage {k} of 3" for k in (1, 2, 3)]
     steps = {
         path.parent.relative_to(folder): PolicySpec.load(path.parent).steps for path in folder.glob("**/policy.json")
@@ -90,17 +99,17 @@ def test_three_stages_make_one_policy_with_a_camera(small_bank: SceneBank, tmp_p
     assert not (tmp_path / "other" / "teacher").exists()
 
 
-def test_a_teacher_trained_alone_is_the_first_stage_of_the_run(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
-    whole = training(small_bank, tmp_path / "whole").train(False)
+def test_a_teacher_trained_alone_is_the_first_stage_of_the_run(
+    whole: Any, small_bank: SceneBank, tmp_path: pathlib.Path
+) -> None:
     alone = training(small_bank, tmp_path / "run").train_teacher()
     assert alone == latest_policy(tmp_path / "run")
     assert not (tmp_path / "run" / "imitation").exists()
     said = list[str]()
     result = training(small_bank, tmp_path / "run").train(True, said.append)
     assert [line.split(":")[0] for line in said] == ["stage 2 of 3", "stage 3 of 3"]
-    assert whole.policy is not None
     assert result.policy is not None
-    chex.assert_trees_all_equal(load_student(result.policy), load_student(whole.policy))
+    chex.assert_trees_all_equal(load_student(result.policy), load_student(whole[1].policy))
     assert [part["from_steps"] for part in RunRecord.load(tmp_path / "run").segments] == [0, 48]
 
 
