@@ -88,11 +88,18 @@ esac""",
     assert not (clone / ".venv" / ".stamp-main").exists()
 
 
+def with_free_disk(clone: pathlib.Path, kilobytes: int) -> None:
+    script(clone / "bin" / "df", f'echo Filesystem; echo "disk 9 9 {kilobytes} 9% /"')
+    (clone / "bin" / "mkdir").symlink_to(str(shutil.which("mkdir")))
+
+
 @pytest.mark.parametrize("status", [0, 1])
 def test_pytorch_is_put_beside_the_other_packages(status: int, clone: pathlib.Path) -> None:
-    """Into a folder that only its own tests have on their path; nothing unpacked is left, nor an old version."""
-    (clone / "bin" / "mkdir").symlink_to(str(shutil.which("mkdir")))
-    body = f'[ "$1" = -m ] && echo "$TMPDIR" "$@" >>"{clone}/calls" && exit {status}; [ "$1" = -c ]'
+    """Into a folder that only its own tests have on their path; nothing unpacked is left, nor an old version, nor half
+    an installation."""
+    with_free_disk(clone, 12_000_000)
+    pip = f'echo "$TMPDIR" "$@" >>"{clone}/calls" && mkdir .venv/torch && exit {status}'
+    body = f'[ "$1" = -m ] && {pip}; [ "$1" = -c ]'
     script(clone / ".venv" / "bin" / "python", body)
     (clone / ".venv" / "torch" / "old").mkdir(parents=True)
     done = setup(clone, "torch")
@@ -102,4 +109,14 @@ def test_pytorch_is_put_beside_the_other_packages(status: int, clone: pathlib.Pa
     assert call.endswith("--target .venv/torch --require-hashes -r requirements-torch.lock")
     assert not (clone / ".venv" / "torch" / "old").exists()
     assert not (clone / ".venv" / "unpacked").exists()
+    assert (clone / ".venv" / "torch").exists() is (status == 0)
     assert (clone / ".venv" / ".stamp-torch").exists() is (status == 0)
+
+
+def test_pytorch_is_not_begun_on_a_disk_that_it_would_fill(clone: pathlib.Path) -> None:
+    with_free_disk(clone, 11_900_000)
+    script(clone / ".venv" / "bin" / "python", f'[ "$1" = -m ] && echo "$@" >>"{clone}/calls"; [ "$1" = -c ]')
+    done = setup(clone, "torch")
+    assert done.returncode == 1
+    assert "found 11 GB free on the disk, needed 12 to install PyTorch" in done.stdout
+    assert not (clone / "calls").exists()
