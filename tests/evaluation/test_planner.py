@@ -27,6 +27,7 @@ from urbanverse_mjx.evaluation.planner import (
     placed,
     waypoint_of,
 )
+from urbanverse_mjx.evaluation.route_fields import NODE
 from urbanverse_mjx.robots import make_coco, make_go2
 from urbanverse_mjx.robots.go2 import load_gait
 from urbanverse_mjx.robots.waypoint import pd_velocity
@@ -322,6 +323,23 @@ def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
     results, _ = Rollout(env).run({"planner": Planner(env)}, fixed_episodes(env, 6))
     assert [r.result for r in results] == ["goal"] * 6
     assert all(r.path_length < 1.3 * r.route_length + 1.0 for r in results)
+
+
+def test_a_widened_window_has_the_same_costs_everywhere(small_bank: SceneBank) -> None:
+    """Also beyond the window, where the costs are those of its border."""
+    env = unicycle_env(small_bank)
+    planner, rows = Planner(env), np.array([0, 1], np.int32)
+    narrow = planner.prepare(np.array([0, 1], np.int32), rows)
+    narrow = narrow._replace(cost=narrow.cost[:, :-7, :-5])  # smaller than any map
+    wide = planner.widened(narrow)
+    assert wide.cost.shape[1:] == tuple(np.array(planner._maps.to_hull.shape[1:]) // 2)
+    assert (np.array(wide.cost.shape) > narrow.cost.shape)[1:].all()
+    size = np.array(narrow.cost.shape[1:]) * NODE
+    points = narrow.origin[:, None] + np.random.default_rng(0).uniform(-0.3, 1.3, (2, 200, 2)) * size
+    of = jax.vmap(lambda route, points: jax.vmap(route.at)(points))
+    known, found = of(narrow, jnp.asarray(points)), of(wide, jnp.asarray(points))
+    np.testing.assert_allclose(found, known, rtol=1e-5, atol=2e-3)  # the border is at a thousandth of a node
+    assert np.ptp(np.asarray(known)) > 5.0
 
 
 def test_it_stands_rather_than_touch(small_bank: SceneBank) -> None:

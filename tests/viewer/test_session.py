@@ -1,6 +1,7 @@
 """A session's states are those of stepping the environment; actions of a person, and failures."""
 
 import types
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -9,9 +10,10 @@ import pytest
 
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.envs import default_config
+from urbanverse_mjx.envs import NavState, default_config
 from urbanverse_mjx.evaluation import Rollout
 from urbanverse_mjx.evaluation.agents import BASELINES
+from urbanverse_mjx.evaluation.planner import Planner, RouteField
 from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 from urbanverse_mjx.viewer import layers
 from urbanverse_mjx.viewer.session import Machine, NamedPolicy, Session
@@ -60,6 +62,24 @@ def test_it_ends_as_an_evaluation_does(env, name: str) -> None:
         length = int(trajectory.running[:, robot].sum())
         poses = np.stack([np.asarray(f.nav.sim.xpos)[robot] for f in session.frames[:length]])
         np.testing.assert_allclose(poses, trajectory.xpos[:length, robot], atol=1e-4)
+
+
+def test_the_planner_is_compiled_once_for_all_scenes_and_episodes(env) -> None:
+    """Its data have the window of the episode's route, so a shape of their own."""
+    planner, traced = Planner(env), []
+
+    class Traced(Planner):
+        def act(self, nav: NavState, route: RouteField) -> Any:
+            traced.append(route.cost.shape)
+            return super().act(nav, route)
+
+    machine = Machine(env, NamedPolicy("planner", Traced(env)))
+    places = [(0, 0), (1, 3), (1, 7)]
+    windows = {planner.prepare(np.array([scene]), np.array([row])).cost.shape for scene, row in places}
+    assert len(windows) > 1
+    for scene, row in places:
+        Session(machine, scene, [row]).step()
+    assert len(traced) == 1
 
 
 def test_one_of_many_episodes_is_driven_again_by_its_key(env) -> None:

@@ -33,7 +33,7 @@ from ..robots.description import at_rest
 from ..robots.waypoint import WAYPOINT_REACH
 from ..settings import num_threads
 from .planner_options import PlannerOptions
-from .route_fields import NODE, build_route_fields
+from .route_fields import NODE, POOL, build_route_fields
 
 _OPTIONS = PlannerOptions()
 #: m, remaining route that counts as arrived.
@@ -257,6 +257,20 @@ class Planner:
           scenes, rows: (n,) rows of the bank and of the scenes' episode tables.
         """
         return self._fields(scenes, rows, self._env.bank.episode_goal[scenes, rows])
+
+    def widened(self, known: Any) -> Any:
+        """Data of `prepare` in the shape that all episodes of the bank share, for programs that are compiled once.
+
+        Windows grow to the size of the largest scene's map by repeating their border, so actions stay the same.
+        """
+        return known._replace(cost=self._widened(known.cost))
+
+    def _widened(self, cost: Any) -> jax.Array:
+        """(..., X, Y) fields in windows of the size of the maps."""
+        whole = np.array(self._maps.to_hull.shape[1:]) // POOL
+        missing = [(0, 0)] * (cost.ndim - 2) + [(0, int(n)) for n in whole - np.array(cost.shape[-2:])]
+        # NumPy's: a JAX call would be compiled for every shape.
+        return jnp.asarray(np.pad(np.asarray(cost), missing, mode="edge"))
 
     def _fields(self, scenes: np.ndarray, rows: np.ndarray, ends: np.ndarray) -> RouteField:
         """Fields over the windows of n routes, to ends (n, 2 or more) m, x and y first."""

@@ -270,6 +270,11 @@ class DeliveryPlanner(Planner):
         back = self._fields(scenes, rows, self._env.bank.episode_start[scenes, rows])
         return super().prepare(scenes, rows), back.cost
 
+    def widened(self, known: Any) -> Any:
+        """See `Planner.widened`."""
+        there, back = known
+        return super().widened(there), self._widened(back)
+
     def act(self, nav: NavState, route: Any) -> Any:
         """(2,) waypoint in [-1, 1]."""
         there, back = route

@@ -15,7 +15,7 @@ import numpy as np
 from ..datatypes import RESULTS, AgentMotion, ValidationError, outcome_of
 from ..envs import NavEnv, NavState
 from ..evaluation.agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, agent_action, episode_data
-from ..evaluation.planner import waypoint_of
+from ..evaluation.planner import Planner, waypoint_of
 from ..evaluation.rollouts import EpisodeSet
 from .teleop import Command
 
@@ -158,7 +158,12 @@ class Session:
             if isinstance(agent, Beginning):
                 agent.begin(count)
         else:
-            self._known = episode_data(agent, scenes, episodes.episodes) if known is None else known
+            self._known = known
+            if known is None:
+                self._known = episode_data(agent, scenes, episodes.episodes)
+                if isinstance(agent, Planner):
+                    # Else the planner is compiled again, for half a minute, with every episode's window.
+                    self._known = agent.widened(self._known)
             first = agent.first_memory() if isinstance(agent, Recurrent) else ()
             self._memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), first)
         nothing = np.zeros((count, machine.env.action_size), np.float32)
