@@ -13,12 +13,14 @@ import pytest
 
 from tests.pipeline.test_recording import drawn_env, table_of, use
 from tests.support.browser import browser
+from tests.support.heard_progress import noted
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import main as cli
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv
 from urbanverse_mjx.evaluation.agents import BASELINES
 from urbanverse_mjx.pipeline import machines
+from urbanverse_mjx.progress import Progress
 from urbanverse_mjx.viewer.front import served
 from urbanverse_mjx.viewer.record_page import RecordPage
 from urbanverse_mjx.viewer.session import Machine, NamedPolicy, Session
@@ -58,7 +60,12 @@ def test_where_nobody_takes_over_it_is_the_dataset_of_the_policy(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     driven_by(lambda *_: {}, monkeypatch)
-    by_hand = pipeline.record(tmp_path / "hand", BY_HAND)
+    notes: list[tuple[str, str | None]] = []
+    with monkeypatch.context() as patch:
+        patch.setattr(Progress, "task", noted(notes))
+        by_hand = pipeline.record(tmp_path / "hand", BY_HAND, lambda _: notes.append(("opened", None)))
+    expected = [("recording", "preparing the page"), ("recording", "drive in the page"), ("opened", None)]
+    assert [note for note in notes if note in expected] == expected
     alone = pipeline.record(tmp_path / "alone", OPTIONS)
     assert {k: by_hand[k] for k in ("episodes", "frames", "results")} == {
         k: alone[k] for k in ("episodes", "frames", "results")

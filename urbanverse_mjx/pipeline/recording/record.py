@@ -133,7 +133,7 @@ def record(
     ):
         began, had = time.perf_counter(), writer.num_episodes
         ended = first = _first(episodes, writer.records, options)
-        note = "" if options.teleop else COMPILING
+        note = "preparing the page" if options.teleop else COMPILING
         report = progress.task("recording", options.num_episodes, unit="episodes", note=note)
         camera, encode = _filming(env, options, sensors)
         readings = _readings(env, sensors)
@@ -159,7 +159,8 @@ def record(
             if first < len(episodes) and options.teleop:
                 from .by_hand import HandDrive
 
-                for group in counted(HandDrive(machine, options, on_ready, until).run(episodes, first)):
+                ready = _announced(on_ready, lambda: report(first, note="drive in the page"))
+                for group in counted(HandDrive(machine, options, ready, until).run(episodes, first)):
                     _draw(camera, [group], writing)
                     # Nothing that a person drove is at risk while the next episode is driven.
                     writing.wait()
@@ -180,6 +181,16 @@ def record(
         "seconds": round(seconds, 1),
         **({"resumed": had} if options.resume else {}),
     }
+
+
+def _announced(on_ready: Callable[[str], None], announce: Callable[[], None]) -> Callable[[str], None]:
+    """The same callback, which calls `announce` before."""
+
+    def ready(address: str) -> None:
+        announce()
+        on_ready(address)
+
+    return ready
 
 
 def _draw(camera: "Camera", groups: "Iterable[list[Driven]]", writing: "EpisodeWriting") -> None:
