@@ -118,5 +118,5 @@ def test_pytorch_is_not_begun_on_a_disk_that_it_would_fill(clone: pathlib.Path) 
     script(clone / ".venv" / "bin" / "python", f'[ "$1" = -m ] && echo "$@" >>"{clone}/calls"; [ "$1" = -c ]')
     done = setup(clone, "torch")
     assert done.returncode == 1
-    assert "found 11 GB free on the disk, needed 12 to install PyTorch" in done.stdout
+    assert "found 11 GB free on the disk, needed 12 to install PyTorch" in done.stderr
     assert not (clone / "calls").exists()
