@@ -140,7 +140,7 @@ CODE: Mapping[str, Code] = {
     # Scenes of the library.
     "library": Code(1, ("pipeline.library.building",), ("bank",)),
     # Assets imported from the user's files.
-    "imports": Code(1, ("assets.importing", "assets.collision"), ("catalogue", "thumbnails")),
+    "imports": Code(2, ("assets.importing", "assets.collision"), ("catalogue", "thumbnails")),
     # Walkable and drivable cells of agents, and distance fields around the robot.
     "crowds": Code(1, ("crowds", "envs.navigation.dynamic_tables"), ("datatypes",)),
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),

@@ -1,9 +1,6 @@
-"""Formats that an import reads: vertex colours, URIs, Latin-1, STL, PLY, skins, Draco; broken files of each kind."""
+"""Formats that an import reads: vertex colours, URIs, Latin-1, STL, PLY, skins; broken files of each kind."""
 
-import importlib.util
-import json
 import pathlib
-import struct
 from collections.abc import Callable
 from typing import Any
 
@@ -11,12 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
-from trimesh.exchange import gltf, ply, stl
+from trimesh.exchange import ply, stl
 from trimesh.visual.color import ColorVisuals
 
+from tests.assets.gltf_tree import CORNERS, FACES, Tree
 from tests.assets.mesh_files import mesh_of
 from urbanverse_mjx.assets import build_mesh, imported_index
-from urbanverse_mjx.assets.importing import run
 from urbanverse_mjx.assets.importing.bake import bake
 from urbanverse_mjx.assets.importing.corruption import NO_TEXTURE, find_in_shape
 from urbanverse_mjx.assets.importing.reading import Source, read_source
@@ -25,8 +22,6 @@ from urbanverse_mjx.assets.importing.screening import RefusedFileError
 from urbanverse_mjx.assets.importing.shape import Shape
 from urbanverse_mjx.cli.main import main
 
-CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
-FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 RED_TO_GREEN = np.array([[255, 0, 0, 255], [255, 0, 0, 255], [0, 255, 0, 255], [0, 255, 0, 255]], np.uint8)
 
 
@@ -38,51 +33,6 @@ def solid(colors: np.ndarray | None = None) -> trimesh.Trimesh:
 def read(path: pathlib.Path, body: bytes | str) -> Source:
     path.write_bytes(body if isinstance(body, bytes) else body.encode())
     return read_source(path, path.parent)
-
-
-class Tree:
-    """A glTF file of one triangle mesh with its buffer in a data URI."""
-
-    def __init__(self) -> None:
-        self.body: dict[str, Any] = {
-            "asset": {"version": "2.0"},
-            "scene": 0,
-            "scenes": [{"nodes": [0]}],
-            "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": [{"attributes": {}}]}],
-            "accessors": [],
-            "bufferViews": [],
-        }
-        self.binary = b""
-        self.primitive["attributes"]["POSITION"] = self.add(CORNERS, 5126, "VEC3")
-        self.primitive["indices"] = self.add(FACES.astype(np.uint16).ravel(), 5123, "SCALAR")
-
-    @property
-    def primitive(self) -> dict[str, Any]:
-        return self.body["meshes"][0]["primitives"][0]
-
-    def add(self, values: np.ndarray, component: int, kind: str, **more: Any) -> int:
-        raw = values.tobytes()
-        view = {"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(raw)}
-        self.body["bufferViews"].append(view)
-        self.binary += raw + b"\0" * (-len(raw) % 4)
-        count = len(self.body["accessors"])
-        row = {"bufferView": count, "componentType": component, "type": kind, "count": len(values), **more}
-        self.body["accessors"].append(row)
-        return count
-
-    def write(self, path: pathlib.Path) -> pathlib.Path:
-        if path.suffix == ".glb":
-            self.body["buffers"] = [{"byteLength": len(self.binary)}]
-            text = json.dumps(self.body).encode()
-            text += b" " * (-len(text) % 4)
-            head = struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(self.binary), len(text), b"JSON")
-            path.write_bytes(head + text + struct.pack("<I4s", len(self.binary), b"BIN\0") + self.binary)
-        else:
-            (path.parent / "my buffer.bin").write_bytes(self.binary)
-            self.body["buffers"] = [{"byteLength": len(self.binary), "uri": "my%20buffer.bin"}]
-            path.write_text(json.dumps(self.body))
-        return path
 
 
 # Colours, names and texts ---------------------------------------------------------------------------------------------
@@ -222,44 +172,6 @@ def test_a_skinned_mesh_stands_in_its_rest_pose(suffix: str, tmp_path: pathlib.P
     tree.body["skins"][0]["joints"] = [1]
     with pytest.raises(RefusedFileError, match="joint beyond the skin's 1"):
         read_source(tree.write(tmp_path / f"a{suffix}"), tmp_path)
-
-
-def test_meshopt_is_refused_by_name_with_what_to_do(tmp_path: pathlib.Path) -> None:
-    tree = Tree()
-    tree.body["extensionsRequired"] = ["EXT_meshopt_compression"]
-    with pytest.raises(RefusedFileError, match=r"'EXT_meshopt_compression'; write it without by `npx"):
-        read_source(tree.write(tmp_path / "a.glb"), tmp_path)
-
-
-def test_draco_is_refused_with_what_to_install(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    tree = Tree()
-    tree.body["extensionsRequired"] = ["KHR_draco_mesh_compression"]
-    with pytest.raises(RefusedFileError, match="run `pip install DracoPy`"):
-        read_source(tree.write(tmp_path / "a.glb"), tmp_path)
-
-
-def test_draco_is_read_where_its_decoder_is_installed(tmp_path: pathlib.Path) -> None:
-    pytest.importorskip("DracoPy")
-    body = gltf.export_glb(trimesh.Scene(solid()), extension_draco=True)
-    assert b"KHR_draco_mesh_compression" in body
-    source = read(tmp_path / "a.glb", body)
-    np.testing.assert_allclose(sorted(map(tuple, source.vertices)), sorted(map(tuple, CORNERS)), atol=1e-3)
-    assert len(source.faces) == 4
-
-
-def test_a_refused_file_is_tried_again_once_its_decoder_is_there(
-    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
-    tree = Tree()
-    tree.body["extensionsRequired"] = ["KHR_draco_mesh_compression"]
-    path = tree.write(tmp_path / "cone.glb")
-    journal = tmp_path / "cache" / "assets" / "imported" / "journal.jsonl"
-    for installed, lines in ((False, 1), (False, 1), (True, 2)):
-        monkeypatch.setattr(run, "has_draco", lambda installed=installed: installed)
-        assert main(["assets", "import", str(path), "--licence", "CC0-1.0", "--no-pictures"]) == 2
-        assert len(journal.read_text(encoding="utf-8").splitlines()) == lines
 
 
 # Broken files and the command -----------------------------------------------------------------------------------------

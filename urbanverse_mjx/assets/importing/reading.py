@@ -15,7 +15,7 @@ from PIL import Image
 from trimesh.visual.texture import TextureVisuals
 
 from ... import srgb
-from . import skinning
+from . import plain_gltf, skinning
 from .screening import LIMITS, Limits, RefusedFileError, inside, screen
 
 MAX_IMAGE_BYTES = 256 * 2**20
@@ -176,7 +176,11 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
 
 def _solids(path: pathlib.Path, kind: str, tree: dict[str, Any], neighbours: _Neighbours) -> list[trimesh.Trimesh]:
     """All triangles of a file, in the frame of its scene."""
-    body = path.read_bytes()
+    if tree and not plain_gltf.is_plain(tree):
+        tree, body = plain_gltf.plain_glb(tree, path, neighbours.folder)
+        kind = "glb"
+    else:
+        body = path.read_bytes()
     if kind == "obj":
         body = _as_utf8(body)
     skinned = bool(tree.get("skins"))

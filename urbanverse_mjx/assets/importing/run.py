@@ -28,7 +28,7 @@ from ..records.user_store import CATALOGUE, INDEX
 from . import vision
 from .annotation import catalogue_row
 from .containment import FAILURES, Bounds, Outcome, check_workers, contained
-from .screening import LIMITS, SUFFIXES, has_draco
+from .screening import LIMITS, SUFFIXES, decoders
 from .work import (
     ANNOTATION,
     MESH,
@@ -254,7 +254,7 @@ def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
                 )
     model = options.endpoint.model if options.endpoint else ""
     # Journals of other versions are not resumed; a refusal names a decoder, which may have been installed since.
-    code = json.dumps([versions.of("imports"), has_draco()])
+    code = json.dumps([versions.of("imports"), decoders()])
     digest.update(
         f"{code} {content.hexdigest()} {options.licence} {options.leaf} {model} {name}".encode("utf-8", "replace")
     )

@@ -21,14 +21,21 @@ SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply")
 # Bytes of one element by component type, and elements by kind (glTF 2.0, section 3.6.2).
 COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 ELEMENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-# Required extensions that change only the appearance; others (compressed geometry) need another reader.
-HARMLESS = re.compile(r"KHR_materials_\w+|KHR_lights_punctual")
-#: Extension of compressed geometry, and the module that trimesh needs to decode it.
-DRACO, DRACO_MODULE = "KHR_draco_mesh_compression", "DracoPy"
-#: Extension of compressed geometry -> what to do.
-REMEDIES = {
-    DRACO: "run `pip install DracoPy`, or write it without by `npx @gltf-transform/cli copy IN OUT`",
-    "EXT_meshopt_compression": "write it without by `npx @gltf-transform/cli copy IN OUT`",
+#: Extension that moves, turns and scales an image over the coordinates of a texture.
+TEXTURE_TRANSFORM = "KHR_texture_transform"
+# Required extensions that change only the appearance, and those that are read without a further package.
+READ = re.compile(rf"KHR_materials_\w+|KHR_lights_punctual|KHR_mesh_quantization|{TEXTURE_TRANSFORM}")
+#: Extensions of meshopt's compression of buffer views, and the module that decodes it.
+MESHOPT_NAMES, MESHOPT_MODULE = ("EXT_meshopt_compression", "KHR_meshopt_compression"), "meshopt"
+#: Extension of compressed geometry -> the module that decodes it, an optional package of the same name.
+DECODERS = {"KHR_draco_mesh_compression": "DracoPy", **dict.fromkeys(MESHOPT_NAMES, MESHOPT_MODULE)}
+# Filters of meshopt's rows, and how many bytes a row then has (EXT_meshopt_compression, "JSON schema updates").
+_ROWS = {
+    "NONE": range(4, 257, 4),
+    "OCTAHEDRAL": (4, 8),
+    "QUATERNION": (8,),
+    "EXPONENTIAL": range(4, 257, 4),
+    "COLOR": (4, 8),
 }
 #: Bytes of a PLY number by its type (Turk, "The PLY Polygon File Format", 1994, and the sized names in use since).
 PLY_BYTES = {
@@ -163,18 +170,37 @@ def _whole(row: dict[str, Any], key: str, default: int | None, below: int, what:
     return value
 
 
-def has_draco() -> bool:
-    """Whether Draco's decoder is installed."""
-    return importlib.util.find_spec(DRACO_MODULE) is not None
+def decoders() -> tuple[str, ...]:
+    """The optional modules for compressed geometry that are installed."""
+    return tuple(name for name in sorted(set(DECODERS.values())) if importlib.util.find_spec(name) is not None)
+
+
+def needs_meshopt(tree: dict[str, Any]) -> bool:
+    """Whether buffer views must be decoded; where the extension is optional, the file also has them uncompressed."""
+    return any(name in MESHOPT_NAMES for name in tree.get("extensionsRequired", []))
+
+
+def compressed(view: dict[str, Any]) -> dict[str, Any] | None:
+    """How a buffer view is compressed by meshopt; None if it is not."""
+    extensions = view.get("extensions")
+    found = [extensions[name] for name in MESHOPT_NAMES if name in extensions] if isinstance(extensions, dict) else []
+    return found[0] if found and isinstance(found[0], dict) else None
 
 
 def _screen_tree(
     tree: dict[str, Any], path: pathlib.Path, folder: pathlib.Path, chunk: int | None, limits: Limits
 ) -> None:
-    for name in tree.get("extensionsRequired", []):
-        if not (name == DRACO and has_draco()) and not HARMLESS.fullmatch(str(name)):
-            how = REMEDIES.get(str(name), "export it without")
-            raise RefusedFileError("unsupported", f"needs the glTF extension {str(name)[:60]!r}; {how}")
+    required = tree.get("extensionsRequired", [])
+    if not isinstance(required, list):
+        raise RefusedFileError("malformed", "has extensionsRequired that are no list of names")
+    for name in map(str, required):
+        module = DECODERS.get(name)
+        if module in decoders() or (module is None and READ.fullmatch(name)):
+            continue
+        how = "export it without"
+        if module is not None:
+            how = f"run `pip install {module}`, or write it without by `npx @gltf-transform/cli copy IN OUT`"
+        raise RefusedFileError("unsupported", f"needs the glTF extension {name[:60]!r}; {how}")
     _screen_nodes(_rows(tree, "nodes"), limits)
     views = _screen_buffers(tree, path, folder, chunk, limits)
     counts = _screen_accessors(_rows(tree, "accessors"), views, limits)
@@ -214,10 +240,14 @@ def _screen_buffers(
 ) -> list[tuple[int, int]]:
     """(bytes, stride or 0) of each buffer view."""
     lengths = []
+    placeholders = set()
     for k, buffer in enumerate(_rows(tree, "buffers")):
         length = _whole(buffer, "byteLength", None, limits.file_bytes + 1, f"buffer {k}")
         uri = buffer.get("uri")
-        if uri is None:
+        if uri is None and needs_meshopt(tree) and (k or chunk is None):
+            placeholders.add(k)
+            held = length
+        elif uri is None:
             held = chunk or 0
         elif not isinstance(uri, str):
             raise RefusedFileError("malformed", f"has a buffer {k} whose uri is no text")
@@ -233,11 +263,48 @@ def _screen_buffers(
         lengths.append(length)
     views = []
     for k, view in enumerate(_rows(tree, "bufferViews")):
-        buffer = _whole(view, "buffer", None, len(lengths), f"buffer view {k}")
-        offset = _whole(view, "byteOffset", 0, lengths[buffer] + 1, f"buffer view {k}")
-        size = _whole(view, "byteLength", None, lengths[buffer] - offset + 1, f"buffer view {k}")
-        views.append((size, _whole(view, "byteStride", 0, 253, f"buffer view {k}")))
+        what = f"buffer view {k}"
+        buffer, size = _screen_range(view, lengths, what)
+        stride = _whole(view, "byteStride", 0, 253, what)
+        extension = compressed(view) if needs_meshopt(tree) else None
+        if extension is not None:
+            _screen_compressed(extension, lengths, placeholders, size, limits, what)
+        elif buffer in placeholders:
+            raise RefusedFileError("missing file", f"has a {what} in a buffer without data")
+        views.append((size, stride))
+    if needs_meshopt(tree) and (total := sum(size for size, _ in views)) > limits.file_bytes:
+        raise RefusedFileError("too large", f"holds {total} bytes once decoded, at most {limits.file_bytes} are read")
     return views
+
+
+def _screen_range(row: dict[str, Any], lengths: list[int], what: str) -> tuple[int, int]:
+    """(buffer, bytes) of a range, which must lie inside its buffer."""
+    buffer = _whole(row, "buffer", None, len(lengths), what)
+    offset = _whole(row, "byteOffset", 0, lengths[buffer] + 1, what)
+    return buffer, _whole(row, "byteLength", None, lengths[buffer] - offset + 1, what)
+
+
+def _screen_compressed(
+    extension: dict[str, Any], lengths: list[int], placeholders: set[int], size: int, limits: Limits, what: str
+) -> None:
+    """Checks meshopt's numbers of one buffer view of `size` bytes (EXT_meshopt_compression, "JSON schema updates")."""
+    buffer, _ = _screen_range(extension, lengths, f"compressed {what}")
+    if buffer in placeholders:
+        raise RefusedFileError("missing file", f"has a compressed {what} in a buffer without data")
+    stride = _whole(extension, "byteStride", None, 257, f"compressed {what}")
+    count = _whole(extension, "count", None, limits.file_bytes + 1, f"compressed {what}")
+    mode, filtered = extension.get("mode"), extension.get("filter", "NONE")
+    if mode == "ATTRIBUTES":
+        fits = stride in _ROWS.get(str(filtered), ())
+    else:
+        fits = mode in ("TRIANGLES", "INDICES") and filtered == "NONE" and stride in (2, 4)
+        fits = fits and (mode == "INDICES" or count % 3 == 0)
+    if not fits or count * stride != size:
+        raise RefusedFileError(
+            "absurd numbers",
+            f"has a compressed {what} of {count} rows of {stride} bytes, mode {str(mode)[:20]!r} and filter "
+            f"{str(filtered)[:20]!r}, in {size} bytes",
+        )
 
 
 def _screen_accessors(accessors: list[dict[str, Any]], views: list[tuple[int, int]], limits: Limits) -> list[int]:
