@@ -1,11 +1,13 @@
 """Closer collision hulls: they keep out of where a robot can be, cover the surface, and are made again bit-equal."""
 
 import dataclasses
+import hashlib
 import json
 import os
 import pathlib
 import subprocess
 import sys
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,13 +17,15 @@ from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, hull_loader, load_hulls, load_index
 from urbanverse_mjx.assets.collision import close_hulls as c
 from urbanverse_mjx.assets.collision import hulls as stores
-from urbanverse_mjx.assets.collision.hulls import HullStore, close_store_path, hull_key
+from urbanverse_mjx.assets.collision.hulls import REVISIONS, HullStore, close_store_path, hull_key
 from urbanverse_mjx.assets.collision.overshoot import overshoot
 from urbanverse_mjx.assets.collision.within_reach import layouts_in, shape_of, shapes_of
 from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
 from urbanverse_mjx.assets.records.regional import load_regional
+from urbanverse_mjx.cli import scene
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, PlacedGround, PlacedObject, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES
+from urbanverse_mjx.datatypes.scene_layout import HULL_KINDS
 
 INDEX = load_index()
 STORE = HullStore.load(close_store_path()).hulls
@@ -211,8 +215,8 @@ def test_only_shapes_beside_ground_for_robots_are_made(tmp_path: pathlib.Path) -
         layouts_in([tmp_path / "nowhere"])
 
 
-def test_a_shape_without_closer_hulls_is_tried_once(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
-    path, (bin_, other) = tmp_path / "close.npz", INDEX.by_leaf("trash bin")[:2]
+def trials(monkeypatch: pytest.MonkeyPatch, folder: pathlib.Path, *made: np.ndarray) -> list[AssetRecord]:
+    """The records that `build_close` tries from now on, with stores in a folder; each gets the hulls `made`."""
     tried = []
 
     class Pool:
@@ -223,10 +227,18 @@ def test_a_shape_without_closer_hulls_is_tried_once(monkeypatch: pytest.MonkeyPa
         def __exit__(self, *error: object) -> None: ...
         def map(self, function: object, records: list[AssetRecord]) -> list[tuple[str, tuple[np.ndarray, ...]]]:
             tried.extend(records)
-            return [(hull_key(r), ()) for r in records]
+            return [(hull_key(r), made) for r in records]
 
     monkeypatch.setattr(c, "worker_pool", Pool)
-    monkeypatch.setattr(c, "close_store_path", lambda: path)
+    for module in (c, stores):
+        monkeypatch.setattr(module, "close_store_path", lambda revision: folder / f"{revision}.npz")
+        monkeypatch.setattr(module, "close_store", stores.close_store.__wrapped__)
+    return tried
+
+
+def test_a_shape_without_closer_hulls_is_tried_once(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    path, (bin_, other) = tmp_path / "close.npz", INDEX.by_leaf("trash bin")[:2]
+    tried = trials(monkeypatch, tmp_path)
     objects = (at("a", bin_.uid, 0.0), at("b", other.uid, 0.0))
     layout = SceneLayout("s", "s", "0", 0, 0, objects, GROUND, "day", 0.0, {})
     c.build_close(layouts=[layout], report=str)
@@ -238,6 +250,50 @@ def test_a_shape_without_closer_hulls_is_tried_once(monkeypatch: pytest.MonkeyPa
     c.build_close(layouts=[layout], report=str, keep_first=True)
     assert HullStore.load(path).hulls[hull_key(third)] == ()
     assert len(tried) == 2
-    monkeypatch.setattr(stores, "_close_store", lambda: HullStore.load(path))
     plain = load_hulls(bin_).hulls
-    assert all((a == b).all() for a, b in zip(load_hulls(bin_, close=True).hulls, plain, strict=True))
+    assert all((a == b).all() for a, b in zip(load_hulls(bin_, "close").hulls, plain, strict=True))
+
+
+def test_a_revision_adds_shapes_and_leaves_the_frozen_store_as_it_is(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+) -> None:
+    corners = np.array([(0, 0, 0), (900, 0, 0), (0, 900, 0), (0, 0, 900)], np.int32)
+    closer, kept, missing = INDEX.by_leaf("trash bin")[:3]
+    path = HullStore({hull_key(closer): (corners,), hull_key(kept): ()}).save(tmp_path / "close.npz")
+    frozen = path.read_bytes()
+    tried = trials(monkeypatch, tmp_path, corners * 2)
+    objects = tuple(at(str(k), r.uid, 0.0) for k, r in enumerate((closer, kept, missing)))
+    layout = SceneLayout("s", "s", "0", 0, 0, objects, GROUND, "day", 0.0, {})
+    for _ in range(2):
+        c.build_close(layouts=[layout], report=str, kind="close-2")
+    assert [r.uid for r in tried] == [r.uid for r in INDEX.by_leaf("trash bin") if r in (kept, missing)]
+    assert path.read_bytes() == frozen
+    sizes = {kind: [float(load_hulls(r, kind).hulls[0].max()) for r in (closer, kept, missing)] for kind in REVISIONS}
+    assert sizes["close"][0] == sizes["close-2"][0] == pytest.approx(0.9)
+    assert sizes["close-2"][1:] == pytest.approx([1.8, 1.8])
+    assert sizes["close"][1:] == [float(load_hulls(r).hulls[0].max()) for r in (kept, missing)]
+
+
+def test_the_hash_of_a_revision_is_that_of_its_own_files(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+) -> None:
+    """Built scenes keep the hash of their store: another for `close` would build the frozen sets anew."""
+    hash_of = stores.close_hash.__wrapped__
+    assert hash_of("close") == hashlib.sha256(close_store_path().read_bytes()).hexdigest()
+    monkeypatch.setattr(stores, "close_store_path", lambda revision: tmp_path / f"{revision}.npz")
+    hashes = []
+    for name, body in (("close", b"a"), ("close-2", b"b"), ("close-2", b"c"), ("close", b"d")):
+        (tmp_path / f"{name}.npz").write_bytes(body)
+        hashes.append((hash_of("close"), hash_of("close-2")))
+    first, second = zip(*hashes, strict=True)
+    assert len(set(first[:3])) == 1
+    assert first[3] != first[0]
+    assert len(set(second)) == 4
+
+
+def test_every_kind_of_hulls_has_its_stores() -> None:
+    assert ["", *REVISIONS] == list(HULL_KINDS)
+    assert get_args(scene.CompileArgs.__annotations__["hulls"]) == HULL_KINDS
+    for kind, (newest, *earlier) in REVISIONS.items():
+        assert newest == kind
+        assert not earlier or REVISIONS[earlier[0]] == tuple(earlier)

@@ -171,7 +171,7 @@ def test_closer_hulls_are_read_on_request_where_there_are_some(monkeypatch) -> N
     known, unknown = INDEX.by_leaf("bakery")[0], INDEX.by_leaf("bollard")[0]
     (key,) = keys([known])
     closer = np.array([(0, 0, 0), (1000, 0, 0), (0, 1000, 0), (0, 0, 1000)], np.int32)
-    monkeypatch.setattr(hulls_module, "_close_store", lambda: HullStore({key: (closer,)}))
+    monkeypatch.setattr(hulls_module, "close_store", lambda kind: HullStore({key: (closer,)}))
     for record in (known, unknown):
         first = load_hulls(record).hulls
         assert [h.tolist() for h in hull_loader("")(record).hulls] == [h.tolist() for h in first]

@@ -105,7 +105,7 @@ def test_the_turn_moves_hulls_with_the_mesh_and_closer_hulls_are_not_used() -> N
     low, high = build_mesh(laid).vertices.min(0), build_mesh(laid).vertices.max(0)
     corners = np.concatenate(load_hulls(laid).hulls)
     np.testing.assert_allclose([corners.min(0), corners.max(0)], [low, high], atol=0.03)
-    for hull, other in zip(load_hulls(laid).hulls, load_hulls(laid, close=True).hulls, strict=True):
+    for hull, other in zip(load_hulls(laid).hulls, load_hulls(laid, "close").hulls, strict=True):
         np.testing.assert_array_equal(hull, other)
 
 

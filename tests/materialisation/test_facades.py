@@ -184,7 +184,7 @@ def test_a_set_with_the_regional_look_has_a_city_that_is_known(monkeypatch: pyte
 def test_closer_hulls_of_a_recessed_front_do_not_move_the_new_house() -> None:
     """The largest of the closer hulls of this shop is 1.1 m deeper than the largest of the first."""
     shop = next(r for r in INDEX.by_leaf("dry cleaning") if r.params["variant"] == 1)
-    close, first = (block_of(load_hulls(shop, close=close)) for close in (True, False))
+    close, first = (block_of(load_hulls(shop, kind)) for kind in ("close", ""))
     assert close.depth > first.depth + 0.5
     old = dataclasses.replace(placed("shop_0", "dry cleaning", (20.0, 9.0, 0.1), -math.pi / 2), asset_uid=shop.uid)
     plain = cousin(objects=(old,))

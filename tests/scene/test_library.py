@@ -226,7 +226,7 @@ def test_a_set_with_the_regional_look_is_built(monkeypatch: pytest.MonkeyPatch, 
     write_json(tmp_path / "scenes" / library.TABLE, rows)
     building.build_layout("mine", "corner")
     assert len(compiled) == 1
-    monkeypatch.setattr(hulls, "close_hash", lambda: "another store")
+    monkeypatch.setattr(hulls, "close_hash", lambda kind: "another store")
     building.build_layout("mine", "corner")
     assert compiled[0][-1] != compiled[1][-1], "a changed store of hulls builds the scene again"
     rows["mine"]["standing"] = True

@@ -1,6 +1,7 @@
 """`python -m urbanverse_mjx.assets COMMAND`: builds, draws and exports assets; `--help` lists the commands."""
 
 import pathlib
+from typing import Literal
 
 import tyro
 from rich.console import Console
@@ -66,6 +67,7 @@ def hulls(
     close: bool = False,
     layouts: tuple[pathlib.Path, ...] = (),
     keep_first: bool = False,
+    revision: Literal[1, 2] = 1,
 ) -> None:
     """Makes missing collision hulls of records' meshes and drops unused hulls.
 
@@ -77,6 +79,7 @@ def hulls(
       layouts: folders of compiled scenes; closer hulls only of shapes that a robot can touch there.
       keep_first: make none, and store that the shapes of these scenes have no closer ones than the store has now;
         before a set is frozen.
+      revision: of the store of closer hulls; version 2 of the benchmarks is frozen with the first.
     """
     from .collision.close_hulls import build_close
     from .collision.decompose import build_missing
@@ -86,8 +89,12 @@ def hulls(
         raise ValidationError("--layouts: found it without --close, needed both; first hulls are made of all shapes.")
     if keep_first and (again or not layouts):
         raise ValidationError("--keep-first: found --again or no --layouts, needed --layouts alone.")
+    if revision != 1 and not close:
+        raise ValidationError("--revision: found it without --close, needed both; first hulls have no revisions.")
     if close:
-        build_close(leaf, jobs, again, Console().print, layouts_in(layouts) if layouts else None, keep_first)
+        chosen = layouts_in(layouts) if layouts else None
+        kind = "close" if revision == 1 else f"close-{revision}"
+        build_close(leaf, jobs, again, Console().print, chosen, keep_first, kind)
     else:
         build_missing(jobs, leaf, again, Console().print)
 

@@ -39,8 +39,9 @@ class CompileArgs:
     """Also use the assets that you imported (`urbanverse assets import`)."""
     regional: bool = False
     """Give the scene the look of the graph's city or country: houses and signs, roads and their markings."""
-    hulls: Literal["", "close"] = ""
-    """close: collision hulls that stand out less where a robot can touch them; default: the first hulls."""
+    hulls: Literal["", "close", "close-2"] = ""
+    """close: collision hulls that stand out less where a robot can touch them; close-2: the same, of more shapes;
+    default: the first hulls."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -10,8 +10,9 @@ from .json_datatype import JsonDatatype
 from .scene_graph import MAX_OBJECTS, MAX_REGIONS
 
 SCHEMA = "urbanverse.scene_layout/1"
-#: Which collision hulls a layout asks for: the first ones, or those that stand out least where a robot can touch.
-HULL_KINDS = ("", "close")
+#: Which collision hulls a layout asks for: the first ones, or those that stand out least where a robot can touch, as of
+#: a revision of their store.
+HULL_KINDS = ("", "close", "close-2")
 
 
 def _colour(value: Any, where: str) -> str:
@@ -125,7 +126,8 @@ class SceneLayout(JsonDatatype):
       sky_yaw: rad, its rotation about z.
       hashes: further inputs, name to hash (asset index, materialiser).
       place: (city, country) whose roads and plants the compiler draws, or None: roads without markings of a country.
-      hulls: "close" for the collision hulls that stand out least where a robot can touch, "" for the first ones.
+      hulls: "close" for the collision hulls that stand out least where a robot can touch, "close-2" for the second
+        revision of these, "" for the first hulls.
     """
 
     KIND: ClassVar[str] = "scene layout"

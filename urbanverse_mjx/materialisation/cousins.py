@@ -94,7 +94,7 @@ def materialise_cousins(
       hulls_of: function that returns the collision hulls of a record; default: those that `hulls` names.
       embeddings: neural embeddings of labels and crops; by default assets are chosen by letters, words and
         descriptors.
-      hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
+      hulls: "close" or "close-2" for closer collision hulls, see `SceneLayout.hulls`.
       standing: whether loose objects have assets that stand on their hulls, or lie (see `steady`).
 
     Raises:

@@ -46,7 +46,8 @@ def compile_graph(
       imported: whether to use the assets that the user imported too.
       movable: whether to write movable objects as free bodies at rest in C MuJoCo; otherwise `scene.xml` is static.
       regional: whether the scene has the look of the graph's city (`materialisation.regional`).
-      hulls: "close" for collision hulls that stand out less where a robot can touch them, "" for the first ones.
+      hulls: "close" or "close-2" for collision hulls that stand out less where a robot can touch them, "" for the
+        first ones.
 
     Raises:
       ValidationError: the graph is invalid, or no tradition serves its city; no file is written.

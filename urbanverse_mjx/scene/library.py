@@ -35,7 +35,7 @@ class SceneSet:
       numbered: whether scene ids end in _Cousin_<k>, like those of UrbanVerse's authors.
       builder: "" if graphs are files, otherwise their generator, one of `GENERATORS`.
       regional: whether scenes have the look of each graph's city (`materialisation.regional`).
-      hulls: "close" for closer collision hulls, see `SceneLayout.hulls`.
+      hulls: "close" or "close-2" for closer collision hulls, see `SceneLayout.hulls`.
       exchange: whether objects that a country does not have are exchanged (`materialisation.exchange`); needs
         `regional`.
       standing: whether loose objects have assets that stand or lie by themselves (`materialisation.steady`).

@@ -33,7 +33,7 @@ from ..records.index import build_mesh, load_index
 from ..records.regional import load_regional
 from .decompose import OPTIONS as FIRST
 from .decompose import Piece, convex_piece, is_flush, merge_pieces, simplified
-from .hulls import MILLIMETRE, HullStore, close_store_path, hull_key, load_hulls
+from .hulls import MILLIMETRE, REVISIONS, HullStore, close_store, close_store_path, hull_key, load_hulls
 from .overshoot import HEIGHTS, LIMIT, ROBOT_RADIUS, disc_reach, mesh_cut, overshoot, raster
 from .within_reach import shape_of, shapes_of
 
@@ -579,10 +579,12 @@ def build_close(
     report: Callable[[str], object] = print,
     layouts: Sequence[SceneLayout] | None = None,
     keep_first: bool = False,
+    kind: str = "close",
 ) -> HullStore:
     """Adds missing closer hulls to their store in worker processes, writes it after every batch, and drops unused ones.
 
-    A shape that has been tried and has none closer stands in the store without hulls, and is not tried again.
+    A shape that has been tried and has none closer stands in the store without hulls, and is not tried again. A later
+    revision tries it again, because an earlier one may have kept it without a trial.
 
     Args:
       leaf: only records of this leaf.
@@ -590,12 +592,15 @@ def build_close(
       layouts: only shapes of these layouts that a robot can touch.
       keep_first: try none of the missing ones, and store that they have none, also where no robot can touch them: the
         scenes of these layouts keep their hulls from then on, whatever other sets need.
+      kind: `SceneLayout.hulls`; its newest revision is added to.
     """
     every = [*load_index().records, *(r for r in load_regional().records if r.params["variant"] % DRESSINGS == 0)]
-    found = dict(HullStore.load(close_store_path()).hulls)
+    store, *earlier = REVISIONS[kind]
+    found = dict(HullStore.load(close_store_path(store)).hulls)
+    known = {*found, *(key for revision in earlier for key in close_store(revision).hulls)}
     shapes = None if layouts is None else shapes_of(layouts, in_reach=not keep_first)
     chosen = [r for r in every if leaf in (None, r.leaf) and (shapes is None or shape_of(r) in shapes)]
-    waiting = [r for r in chosen if again or hull_key(r) not in found]
+    waiting = [r for r in chosen if again or hull_key(r) not in known]
     if keep_first:
         found |= {hull_key(r): () for r in waiting}
         waiting = []
@@ -608,10 +613,10 @@ def build_close(
                     found[key] = hulls
                     done += 1
                     report_done(done)
-            HullStore(found).save(close_store_path())
+            HullStore(found).save(close_store_path(store))
     needed = {hull_key(r) for r in every}
     kept = HullStore({key: hulls for key, hulls in found.items() if key in needed})
-    path, numbers = kept.save(close_store_path()), [len(h) for h in kept.hulls.values()]
+    path, numbers = kept.save(close_store_path(store)), [len(h) for h in kept.hulls.values()]
     report(
         f"{path.name}: {len(numbers)} meshes tried, {sum(n > 0 for n in numbers)} with closer hulls, {sum(numbers)} "
         f"hulls, {path.stat().st_size} bytes"

@@ -3,7 +3,8 @@
 The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull
 after hull, and for every mesh key the range of its hulls. `assets.collision.decompose` makes missing ones.
 `close.npz` beside it holds, by the same keys, hulls that stand out less of some of the meshes, where a robot can touch
-them; frozen sets have the first ones, so these are read only on request (`SceneLayout.hulls`).
+them; frozen sets have the first ones, so these are read only on request (`SceneLayout.hulls`). Some sets are frozen
+with them too, so further meshes get theirs in `close-2.npz`, the second revision, which is asked before the first.
 """
 
 import dataclasses
@@ -101,9 +102,13 @@ def regional_store_path() -> pathlib.Path:
     return asset_root() / "hulls" / "regional.npz"
 
 
-def close_store_path() -> pathlib.Path:
-    """The closer hulls of catalogue and regional buildings."""
-    return asset_root() / "hulls" / "close.npz"
+#: Kind of hulls (`SceneLayout.hulls`) -> revisions of the closer hulls that it takes, the newest first.
+REVISIONS = {"close": ("close",), "close-2": ("close-2", "close")}
+
+
+def close_store_path(revision: str = "close") -> pathlib.Path:
+    """The closer hulls of catalogue and regional buildings that a revision adds to the earlier ones."""
+    return asset_root() / "hulls" / f"{revision}.npz"
 
 
 @functools.cache
@@ -112,15 +117,21 @@ def _store() -> HullStore:
 
 
 @functools.cache
-def _close_store() -> HullStore:
-    return HullStore.load(close_store_path())
+def close_store(kind: str) -> HullStore:
+    """The closer hulls of a kind, of the newest revision that has some; meshes that have none are not in it."""
+    found: dict[str, tuple[np.ndarray, ...]] = {}
+    for revision in reversed(REVISIONS[kind]):
+        found |= {key: hulls for key, hulls in HullStore.load(close_store_path(revision)).hulls.items() if hulls}
+    return HullStore(found)
 
 
 @functools.cache
-def close_hash() -> str:
-    """Hash of 64 hexadecimal digits over the store of closer hulls."""
-    path = close_store_path()
-    return hashlib.sha256(path.read_bytes() if path.is_file() else b"").hexdigest()
+def close_hash(kind: str) -> str:
+    """Hash of 64 hexadecimal digits over the stores of a kind of closer hulls."""
+    digest = hashlib.sha256()
+    for path in map(close_store_path, REVISIONS[kind]):
+        digest.update(path.read_bytes() if path.is_file() else b"")
+    return digest.hexdigest()
 
 
 def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
@@ -134,12 +145,12 @@ def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
     return 3 if largest < 1.1 else 6 if largest < 2.2 else 12
 
 
-def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
+def load_hulls(record: AssetRecord, kind: str = "") -> HullSet:
     """The convex hulls of a record in the asset frame at scale 1 (for an instance, the scaled hulls of its base shape;
     for a lying asset, turned). Never runs CoACD.
 
     Args:
-      close: whether to return closer hulls where the second store has some.
+      kind: `SceneLayout.hulls`; "" for the first hulls, else closer ones where a store of this kind has some.
 
     Raises:
       ValidationError: the store (for an imported asset, the user's) has no hulls for this mesh; the message names the
@@ -149,8 +160,8 @@ def load_hulls(record: AssetRecord, close: bool = False) -> HullSet:
         return _file_hulls(record)
     key = hull_key(record)
     laid = record.params.get(laying.KEY)
-    close = close and laid is None  # lying assets rest on the first hulls
-    found = (_close_store().hulls.get(key) if close else None) or _store().hulls.get(key)
+    close = kind and laid is None  # lying assets rest on the first hulls
+    found = (close_store(kind).hulls.get(key) if close else None) or _store().hulls.get(key)
     if found is None:
         raise ValidationError(
             f"asset {record.uid!r}: found no collision hulls for its mesh ({key}), needed them in {store_path().name}; "
@@ -174,7 +185,7 @@ def hull_loader(kind: str) -> Callable[[AssetRecord], HullSet]:
     Args:
       kind: `SceneLayout.hulls`.
     """
-    return functools.partial(load_hulls, close=True) if kind == "close" else load_hulls
+    return functools.partial(load_hulls, kind=kind) if kind else load_hulls
 
 
 def _file_hulls(record: AssetRecord) -> HullSet:

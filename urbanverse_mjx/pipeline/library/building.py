@@ -120,7 +120,7 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
     if scenes.exchange:
         wanted["exchange"] = True
     if scenes.hulls:
-        wanted["hulls"] = [scenes.hulls, close_hash()]
+        wanted["hulls"] = [scenes.hulls, close_hash(scenes.hulls)]
     if scenes.standing:
         wanted["standing"] = True
     key = key_of("library", graph=graph.content_hash(), assets=inputs_key(), **wanted)
