@@ -30,7 +30,7 @@ NOBODY = "zero"
 #: px, least width of the robot's camera image on the page.
 _WIDTH = 320
 _RELEASE = "release the key and press it again to take over"
-_COMPILING = "compiling the first step: once for each policy and bank of streets, half a minute where nothing else runs"
+_COMPILING = "compiling the first step: once for each policy and bank of streets"
 
 
 class DrivePage:

@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .. import table_arguments
 from ..datatypes import RESULTS, AgentMotion, ValidationError, outcome_of
 from ..envs import NavEnv, NavState
 from ..evaluation.agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, agent_action, episode_data
@@ -67,13 +68,13 @@ class Machine:
 
     def __init__(self, env: NavEnv, policy: NamedPolicy) -> None:
         self.env, self.policy = env, policy
-        self.begin = jax.jit(jax.vmap(env.begin_at))
-        self.observe = jax.jit(jax.vmap(env.observe))
-        self.act = jax.jit(jax.vmap(self._act))
-        self.advance = jax.jit(jax.vmap(self._advance))
+        self.begin = table_arguments.jit(jax.vmap(env.begin_at))
+        self.observe = table_arguments.jit(jax.vmap(env.observe))
+        self.act = table_arguments.jit(jax.vmap(self._act))
+        self.advance = table_arguments.jit(jax.vmap(self._advance))
         # Without pixels, so that a request for the image of one robot does not render the others.
-        self._image = jax.jit(lambda nav: env.observe(nav)[IMAGE])
-        self.agents = jax.jit(jax.vmap(self._agents))
+        self._image = table_arguments.jit(lambda nav: env.observe(nav)[IMAGE])
+        self.agents = table_arguments.jit(jax.vmap(self._agents))
 
     def camera_image(self, nav: NavState) -> np.ndarray | None:
         """(H, W, 3) u8 of the camera of one robot, or None without a renderer; nav: its state."""
