@@ -9,7 +9,7 @@ from .hashing import content_hash
 from .label_prior import LabelPrior
 from .recording import Camera, Detection, Frame, Recording
 from .recording_writer import RecordingWriter
-from .robot import Response, RobotSpec
+from .robot import Arm, Response, RobotSpec
 from .scene_bank import SPLITS, SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
@@ -28,6 +28,7 @@ __all__ = [
     "AgentAppearance",
     "AgentMotion",
     "AgentShapes",
+    "Arm",
     "AssetMesh",
     "AssetRecord",
     "BankShards",

@@ -36,6 +36,31 @@ class Response:
 
 
 @dataclasses.dataclass(frozen=True)
+class Arm:
+    """An arm of J hinge joints on a robot, each with a position servo.
+
+    Attributes:
+      joints: names of the joints, from the robot to the hand.
+      actuators: their places in the robot's command, whose values are rad.
+      folded: rad, the pose for driving, which `RobotSpec.command` keeps.
+      tip: name of the collision sphere at the end of the hand, one of `RobotSpec.foot_geoms`.
+      speed: rad/s, up to which the targets move.
+    """
+
+    joints: tuple[str, ...]
+    actuators: tuple[int, ...]
+    folded: tuple[float, ...]
+    tip: str
+    speed: float
+
+    def __post_init__(self) -> None:
+        v.number(self.speed, "arm.speed", above=0.0)
+        if not len(self.joints) == len(self.actuators) == len(self.folded):
+            sizes = len(self.joints), len(self.actuators), len(self.folded)
+            raise v.fail("arm", f"{sizes} joints, actuators and angles", "as many of each")
+
+
+@dataclasses.dataclass(frozen=True)
 class RobotSpec:
     """A robot and how a body velocity becomes actuator commands.
 
@@ -43,7 +68,7 @@ class RobotSpec:
       name: e.g. "coco".
       mjcf: MJCF text with one free root body, no ground and no light. Every collision geom is a sphere.
       root_body: name of the free body.
-      foot_geoms: names of collision geoms that may touch the ground (wheels, feet).
+      foot_geoms: names of collision geoms that may touch the ground (wheels, feet), and buttons (`arm.tip`).
       camera: name of the policy's camera.
       circumradius: m, farthest collision point from the root body's origin, in any joint position.
       spawn_height: m, root origin above the ground at rest.
@@ -54,6 +79,7 @@ class RobotSpec:
       waypoint_to_velocity: (waypoint (2,) m in the body frame, control period s) -> (v, omega); the ideal PD.
       planner_radius, planner_height, step_height: m, dimensions for route planning.
       response: how it answers to velocity commands; None where that was not described.
+      arm: its arm; None where it has none.
     """
 
     name: str
@@ -72,6 +98,7 @@ class RobotSpec:
     planner_height: float
     step_height: float
     response: Response | None = None
+    arm: Arm | None = None
 
     def __post_init__(self) -> None:
         v.text(self.name, "robot.name")
@@ -80,3 +107,5 @@ class RobotSpec:
             v.number(getattr(self, name), f"{where}.{name}", above=0.0)
         v.number(self.physics_timestep, f"{where}.physics_timestep", above=0.0, maximum=0.010)
         v.number(self.step_height, f"{where}.step_height", minimum=0.0)
+        if self.arm is not None and self.arm.tip not in self.foot_geoms:
+            raise v.fail(f"{where}.arm.tip", v.show(self.arm.tip), "one of its foot_geoms")

@@ -6,12 +6,14 @@ from ..datatypes import RobotSpec
 
 
 def make_robot(config: ConfigDict) -> RobotSpec:
-    """Loads the robot of a config: "coco", "go2", "wheelchair", a name of `robots.catalogue`, or the path of a
-    robot.json (see `robots.load`)."""
+    """Loads the robot of a config: "coco", "coco_arm", "go2", "wheelchair", a name of `robots.catalogue`, or the path
+    of a robot.json (see `robots.load`)."""
     from .. import robots
 
     if config.robot == "go2":
         return robots.make_go2(config.get("menagerie") or None)
     if config.robot == "coco":
         return robots.make_coco(drive=config.drive)
+    if config.robot == "coco_arm":
+        return robots.make_coco_arm()
     return robots.load(config.robot)
