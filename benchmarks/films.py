@@ -37,6 +37,7 @@ TASKS = {
     "follow_route": "CocoFollowRoute",
     "object_goal": "CocoObjectGoal",
     "multi_robot": "CocoMultiRobot",
+    "deliver": "CocoDeliver",
 }
 #: Film -> number of episodes that have to be driven together, of which one is shown.
 TOGETHER = {"multi_robot": 4}

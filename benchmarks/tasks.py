@@ -77,6 +77,16 @@ TASKS: dict[str, tuple[str, dict[str, tuple[str, int]]]] = {
             "hit_episodes": ("episodes with contact %", 1),
         },
     ),
+    "CocoDeliver": (
+        "deliver.md",
+        {
+            "task/score": ("score (SPL)", 3),
+            "SR": ("SR %", 1),
+            "task/press_force": ("largest force N", 1),
+            "task/tip_distance": ("fingertip from the button m", 3),
+            "hit_episodes": ("episodes with contact %", 1),
+        },
+    ),
     "CocoFollowPerson": (
         "follow_person.md",
         {

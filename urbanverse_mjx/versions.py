@@ -157,6 +157,12 @@ CODE: Mapping[str, Code] = {
         ),
         ("crowds", "surroundings"),
     ),
+    # Posts with doorbells and their episodes.
+    "doorbells": Code(
+        1,
+        ("envs.navigation.clearance_maps", *_below("envs.navigation.tasks", "doorbells", "posts")),
+        ("crowds", "surroundings"),
+    ),
     # City blocks; the number is part of their seed.
     "blocks": Code(1, ("citygen.city_blocks", *_below("citygen", "catalogue", "clearance", "section")), ("cousins",)),
 }

@@ -22,8 +22,9 @@ from .navigation import NavEnv
 from .navigation.config import PRESETS, catalogue_config, default_config, go2_nav_config
 from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
-from .navigation.ppo import ppo_config
+from .navigation.ppo import deliver_ppo_config, ppo_config
 from .navigation.tasks.config import (
+    deliver_config,
     follow_person_config,
     follow_route_config,
     multi_robot_config,
@@ -362,6 +363,14 @@ register_environment(
     make_wheeled_env,
     multi_robot_config,
     about="COCO delivers to and fro in a street that it shares with other COCOs",
+)
+register_environment(
+    "CocoDeliver",
+    make_wheeled_env,
+    deliver_config,
+    presets=tuple(name for name in PRESETS if name != "quick"),
+    make_ppo_config=deliver_ppo_config,
+    about="COCO with an arm drives up to a post and presses its doorbell",
 )
 register_environment(
     "Go2Joystick",

@@ -11,12 +11,14 @@ from ..crowds import half_planes
 from ..crowds.crossings import STOP, UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
+from ..envs.navigation.tasks.deliver import Deliver
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
 from ..envs.navigation.tasks.multi_robot import MultiRobot
 from ..envs.navigation.tasks.object_goal import ObjectGoal
 from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
+from .doorbell_agent import DoorbellPresser
 from .planner import GOAL_DISTANCE, Planner, RouteField, bilinear
 from .route_fields import NODE, build_route_fields
 from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
@@ -328,12 +330,16 @@ def planner_of(env: NavEnv) -> Privileged:
         return ObjectPlanner(env)
     if isinstance(env.task, MultiRobot):
         return DeliveryPlanner(env)
+    if isinstance(env.task, Deliver):
+        return DoorbellPresser(env)
     return Planner(env)
 
 
 def baseline_of(env: NavEnv) -> tuple[str, Agent | Privileged]:
     """Name and agent of the scripted baseline for an environment's task, which uses `obs["goal"]` alone, or for a
     phrase see `ObjectWanderer`."""
+    if isinstance(env.task, Deliver):
+        return "fixed_height", DoorbellPresser(env, float(np.mean(env.config.task.height)))
     if isinstance(env.task, ObjectGoal):
         return "wander", ObjectWanderer(env)
     if isinstance(env.task, FollowPerson):

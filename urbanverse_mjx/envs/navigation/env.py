@@ -11,6 +11,7 @@ from ...crowds import open_ground
 from ...datatypes import AgentMotion, Renderer, RobotSpec, SceneBank, Simulator, ValidationError, traversable
 from ...geometry import rotations
 from ...precision import full_precision
+from ...robots.arm_reach import ArmReach
 from .. import finite
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
@@ -99,6 +100,8 @@ class NavEnv(StagedBase[NavState]):
         self.qpos0 = jnp.asarray(model.key_qpos[0] if model.nkey else model.qpos0, jnp.float32)
         self._nv = model.nv
         self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
+        #: The arm whose targets follow the base's two values in an action; None without.
+        self._arm = ArmReach(robot) if robot.arm is not None and self._joint_range is None else None
         # Configurations of older policies do not have this field.
         chosen = config.get("observations", {})
         self._sees_proprio, self._sees_map = (bool(chosen.get(k, False)) for k in ("proprio", "privileged_map"))
@@ -143,7 +146,9 @@ class NavEnv(StagedBase[NavState]):
 
     @property
     def action_size(self) -> int:
-        return 2 if self._joint_range is None else len(self._joint_range)
+        if self._joint_range is not None:
+            return len(self._joint_range)
+        return 2 if self._arm is None else 2 + len(self._arm.addresses)
 
     @property
     def mj_model(self) -> mujoco.MjModel:
@@ -214,7 +219,7 @@ class NavEnv(StagedBase[NavState]):
             steps=jnp.int32(0),
             age=jnp.int32(0),
             episodes=jnp.int32(0),
-            last_action=jnp.zeros(self.action_size),
+            last_action=self._still(),
             result=jnp.int32(Result.RUNNING),
             appearance_seed=self._randomization.appearance_seed(key),
             crowd=crowd,
@@ -229,6 +234,11 @@ class NavEnv(StagedBase[NavState]):
 
         If inputs or simulation are not finite, the robot keeps its pose and the episode ends (`Result.NON_FINITE`).
         """
+        if action.shape[-1] != self.action_size:
+            raise ValidationError(
+                f"action: found {action.shape[-1]} numbers, needed {self.action_size} for the robot "
+                f"{self.robot.name!r} with action_mode {self._config.action_mode!r}; take an agent made for this task."
+            )
         nav, given = finite.repaired(nav)
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
         crowd, agents = None, None
@@ -377,13 +387,20 @@ class NavEnv(StagedBase[NavState]):
 
     def _obeyed(self, nav: NavState, action: jax.Array) -> jax.Array:
         """The command that the engine gets in a control step, of which latency leaves a share to the action before."""
-        command, latency = self._control(action), self._randomization.latency(nav.appearance_seed)
+        command, latency = self._control(nav, action), self._randomization.latency(nav.appearance_seed)
         if latency is None:
             return command
         share = latency / self.dt
-        return share * self._control(nav.last_action) + (1.0 - share) * command
+        return share * self._control(nav, nav.last_action) + (1.0 - share) * command
 
-    def _control(self, action: jax.Array) -> jax.Array:
+    def _still(self) -> jax.Array:
+        """(action_size,) the action before the first one: no speed, and the arm where it is."""
+        if self._arm is None or self.robot.arm is None:
+            return jnp.zeros(self.action_size)
+        folded = (jnp.array(self.robot.arm.folded) - self._arm.low) / (self._arm.high - self._arm.low)
+        return jnp.concatenate([jnp.zeros(2), 2.0 * folded - 1.0])
+
+    def _control(self, nav: NavState, action: jax.Array) -> jax.Array:
         robot = self.robot
         if self._joint_range is not None:
             low, high = self._joint_range[:, 0], self._joint_range[:, 1]
@@ -392,7 +409,13 @@ class NavEnv(StagedBase[NavState]):
             v, omega = robot.waypoint_to_velocity(action, self.dt)
         else:
             v, omega = 0.5 * (action[0] + 1.0) * robot.max_speed, action[1] * robot.max_yaw_rate
-        return robot.command(jnp.stack([v, omega]))
+        command = robot.command(jnp.stack([v, omega]))
+        if self._arm is None or robot.arm is None:
+            return command
+        low, high, now = self._arm.low, self._arm.high, nav.sim.qpos[self._arm.addresses]
+        target = low + 0.5 * (action[2:] + 1.0) * (high - low)
+        most = robot.arm.speed * self.dt
+        return command.at[np.array(robot.arm.actuators)].set(jnp.clip(target, now - most, now + most))
 
     def _rewards(self, old: NavState, new: NavState, velocity: jax.Array, hit: jax.Array) -> dict[str, jax.Array]:
         p_xy = new.sim.xpos[self._root, :2]

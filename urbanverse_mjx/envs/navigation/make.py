@@ -15,6 +15,7 @@ from .env import NavEnv
 from .fleet import ROBOT, fleet_middle, fleet_shapes, fleet_size
 from .movables import body_sizes
 from .scenarios import bank_for, scenario_of
+from .tasks import task_class
 
 #: Function (config, bank, robot, shapes of moving agents, sizes of body slots) -> engine.
 EngineMaker = Callable[[ConfigDict, SceneBank, RobotSpec, AgentShapes | None, dict[str, int] | None], Simulator]
@@ -119,6 +120,7 @@ def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavE
 
         kinds, shapes = (ROBOT,) * (size - 1), fleet_shapes(robot, size)
         bank = with_robot_appearance(bank, robot, ROBOT, fleet_middle(robot))
+    bank = task_class(config).furnished(config, bank, robot)
     engine = make_engine(config, bank, robot, shapes, movable)
     bodies = 0 if movable is None else movable["bodies"]
     return NavEnv(config, bank, robot, engine, _renderer(config, bank, robot, kinds, bodies))

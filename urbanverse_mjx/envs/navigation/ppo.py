@@ -214,3 +214,16 @@ def ppo_config(preset: str = "paper") -> ConfigDict:
     if preset not in makers:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
     return makers[preset]().lock()
+
+
+def deliver_ppo_config(preset: str = "paper") -> ConfigDict:
+    """`ppo_config` for a robot with an arm, whose mirror image has other joint angles: nothing is mirrored.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    config = ppo_config(preset).copy_and_resolve_references().unlock()
+    for part in (config, config.get("finetune", None)):
+        if part is not None and "mirror" in part:
+            part.mirror = False
+    return config.lock()

@@ -3,6 +3,7 @@
 from ml_collections import ConfigDict
 
 from ....datatypes import ValidationError
+from .deliver import Deliver
 from .follow import FollowPerson
 from .multi_robot import MultiRobot
 from .object_goal import ObjectGoal
@@ -19,6 +20,7 @@ TASKS: dict[str, type[Task]] = {
     "follow_route": FollowRoute,
     "object_goal": ObjectGoal,
     "multi_robot": MultiRobot,
+    "deliver": Deliver,
 }
 
 

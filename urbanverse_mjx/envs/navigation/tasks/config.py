@@ -10,8 +10,8 @@ from ..config import default_config
 #: Terms of reward with which a policy learns in few steps, whatever the preset: those of the preset `fast`.
 _DENSE = "fast"
 
-#: s, time limit of `FollowRoute`.
-FOLLOW_ROUTE_TIME = 360.0
+#: s, time limits of `FollowRoute` and `Deliver`.
+FOLLOW_ROUTE_TIME, DELIVER_TIME = 360.0, 30.0
 
 
 def _with_task(
@@ -52,6 +52,36 @@ def object_goal_config(preset: str = "paper") -> ConfigDict:
         "path_length": (8.0, 35.0),  # m, shortest path from the start; a whole street is about 50 m long
         "success_distance": 1.0,  # m, of Batra et al. (2020)
         "stop_time": 1.0,  # s
+    }
+    return config.lock()
+
+
+def deliver_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `Deliver` (`deliver.Deliver`) for COCO with an arm: that of a preset at 10 Hz.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    config = ConfigDict(default_config(preset).to_dict())
+    del config.drive
+    config.robot = "coco_arm"
+    config.scenario = "static"
+    # A press is a matter of tenths of a second.
+    config.ctrl_dt = 0.1
+    config.episode_length = round(DELIVER_TIME / config.ctrl_dt)
+    config.randomization.latency = tuple(min(x, config.ctrl_dt) for x in config.randomization.latency)
+    config.success_radius = 0.0  # being near is not enough
+    config.reward_config.multiply_by_dt = False
+    dense = default_config(_DENSE).reward_config.scales
+    # The post is always near in the end.
+    config.reward_config.scales = {**dense, "near_object": 0.0, "reach": 2.0, "press": 0.2}
+    config.task = {
+        "name": "deliver",
+        "posts": 8,
+        "height": (0.9, 1.2),  # m
+        "distance": (2.0, 6.0),  # m
+        "force": 5.0,  # N; at most 22.2 is allowed, see `deliver`
+        "hold_time": 0.2,  # s
     }
     return config.lock()
 

@@ -81,6 +81,16 @@ class Task:
         return RobotPose(sim.xpos[root, :2], rotations.yaw_of(sim.xquat[root]), sim.qvel[:2])
 
     @classmethod
+    def furnished(cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec) -> SceneBank:
+        """The bank with what the task adds to the scenes of a config, before an engine and a renderer are made for it.
+
+        Raises:
+          ValidationError: the scenes have no place for it, or the task's options are out of their ranges.
+        """
+        del config, robot
+        return bank
+
+    @classmethod
     def episodes(
         cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec, scenes: Int32[np.ndarray, " n"]
     ) -> tuple[SceneBank, Int32[np.ndarray, " n"], Any]:

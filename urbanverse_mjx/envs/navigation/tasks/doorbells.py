@@ -1,0 +1,244 @@
+"""Where doorbells stand, and the episodes that lead to them: from a start a few metres away, by two straight lines.
+
+In:   a bank, a robot with an arm, options.
+Out:  the bank with posts (`posts`) and with these episodes.
+When: once per bank, on the host; cached.
+"""
+
+import dataclasses
+import hashlib
+import json
+import pathlib
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .... import settings, versions
+from ....datatypes import RobotSpec, SceneBank, ValidationError, array_file
+from ....datatypes.ground import GROUND_KINDS
+from ....geometry.grids import Grid
+from ..clearance_maps import CELL, build_clearance_maps
+from .posts import DEPTH, HALF_SIDE, HEADINGS, Post, with_posts
+
+#: m between the robot's origin and the button's surface from which the arm reaches it, and at which the last straight
+#: line begins.
+STANDOFF, APPROACH = 0.65, 1.1
+#: m that the robot keeps from everything on its two lines, a post from hulls and edges, and the robot where it turns
+#: from one line to the other: about its rear axle, 0.235 m behind its origin, with 0.6 m around that.
+MARGIN, POST_CLEARANCE, TURN_CLEARANCE = 0.08, 0.3, 0.8
+#: m, up to which a post stands from a hull or an edge: at a wall or a kerb, not in the middle of the pavement. Where
+#: there is none, it stands anywhere.
+BESIDE = 0.9
+#: m between posts of a scene.
+POST_SPACING = 3.0
+#: m, largest change of the ground's height between `SPACING` m of a line, and from the post's foot to the standoff and
+#: to `TURN_RADIUS` m around the approach.
+STEP, SPACING, LEVEL, TURN_RADIUS = 0.02, 0.1, 0.04, 0.6
+#: rad, largest angle between the robot's heading at the start and the first line, as in the bank's own episodes.
+START_ANGLE = np.pi / 6
+#: Places tried for the posts of a scene, starts tried for a post, and starts kept of each.
+POST_TRIES, START_TRIES, STARTS = 6000, 400, 8
+#: Ground for posts; not crosswalks.
+_PAVEMENT = [GROUND_KINDS.index(kind) for kind in ("sidewalk", "ground")]
+_TABLES = ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints", "episode_length")
+_USED = (
+    *("inst_hull", "inst_position", "inst_rotation", "hull_vertices", "prism_hull", "prism_position", "map_kind"),
+    *("num_episodes",),
+)
+
+
+class Options(NamedTuple):
+    """Attributes:
+    posts: greatest number in a scene.
+    height: m, least and greatest height of a button above the ground.
+    distance: m, least and greatest distance of a start from its button.
+    """
+
+    posts: int
+    height: tuple[float, float]
+    distance: tuple[float, float]
+
+
+def with_doorbells(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> SceneBank:
+    """The bank with posts and their episodes in some scenes; other scenes, and those without room for a post, stay as
+    they are.
+
+    Raises:
+      ValidationError: no scene has room for a post.
+    """
+    path = _path_of(bank, scenes, robot, options)
+    names = ("posts", "start", "of")
+    arrays = array_file.load_cached(path, "doorbells", names)
+    if arrays is None:
+        arrays = _build(bank, scenes, robot, options)
+        array_file.save_cached(path, arrays)
+    posts = {int(z): [Post(tuple(p), h, b) for p, h, b in own] for z, own in json.loads(arrays["posts"].tobytes())}
+    if not posts:
+        raise ValidationError(
+            f"config.scenes: found no room for a doorbell in {len(scenes)} scenes, needed a post on "
+            f"a pavement and {options.distance[0]:g} m of level ground before it; take other scenes or distances."
+        )
+    return with_posts(_with_rows(bank, posts, arrays["start"], arrays["of"]), posts)
+
+
+def _path_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> pathlib.Path:
+    told = (versions.of("doorbells"), [int(z) for z in scenes], robot.planner_radius, robot.planner_height, options)
+    digest = hashlib.sha256(repr((*told, bank.scene_ids)).encode())
+    for name in _USED:
+        array = np.ascontiguousarray(getattr(bank, name))
+        digest.update(f"{name} {array.shape} {array.dtype}".encode())
+        digest.update(array.data)
+    return settings.cache_dir("doorbells", f"{digest.hexdigest()[:24]}.npz")
+
+
+def _build(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> dict[str, np.ndarray]:
+    """posts: JSON of (scene, (place, heading, button) of each); start (S, 4) x, y, z, yaw; of (S, 2) i32, scene and
+    post of each start."""
+    maps = build_clearance_maps(bank, scenes, robot.planner_height)
+    found, starts, of = [], [], []
+    for scene in scenes:
+        clear = np.minimum(maps.to_hull[scene], maps.to_edge[scene]).astype(np.float32)
+        name = hashlib.sha256(bank.scene_ids[scene].encode()).digest()
+        side = round(float(bank.map_resolution) / CELL)
+        pavement = np.kron(np.isin(bank.map_kind[scene], _PAVEMENT), np.ones((side, side), bool))
+        street = _Street(maps.origin[scene], clear, maps.ground[scene], pavement, robot.planner_radius)
+        own, rows = street.furnish(options, np.random.default_rng(np.frombuffer(name, np.uint32)))
+        if own:
+            found.append((int(scene), own))
+        starts += [row for row, _ in rows]
+        of += [(int(scene), number) for _, number in rows]
+    encoded = np.frombuffer(json.dumps(found).encode(), np.uint8)
+    return {"posts": encoded, "start": np.array(starts).reshape(-1, 4), "of": np.array(of, np.int32).reshape(-1, 2)}
+
+
+def _directed(yaw: np.ndarray) -> np.ndarray:
+    return np.stack([np.cos(yaw), np.sin(yaw)], -1)
+
+
+class _Street:
+    """The free ground of a scene.
+
+    Args:
+      origin: (2,) m. clear: (X, Y) m, distance to hulls and edges, ground: (X, Y) m, height, pavement: (X, Y) bool,
+        where a post may stand, in cells of `CELL`.
+      radius: m, of the robot.
+    """
+
+    def __init__(
+        self, origin: np.ndarray, clear: np.ndarray, ground: np.ndarray, pavement: np.ndarray, radius: float
+    ) -> None:
+        self.grid = Grid(np.asarray(origin, np.float64), CELL, clear.shape)
+        self.clear, self.ground, self.pavement, self.radius = clear, ground, pavement, radius
+
+    def at(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """(...) values of the cells of points (..., 2) m; of the nearest cell outside."""
+        cells = self.grid.cell(points.reshape(-1, 2))
+        cells = np.clip(cells, 0, np.array(values.shape) - 1)
+        return values[cells[:, 0], cells[:, 1]].reshape(points.shape[:-1])
+
+    def passable(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """(n,) bool, whether the robot drives straight from points (n, 2) m to others with `MARGIN` to everything and
+        without a step."""
+        longest = np.linalg.norm(end - start, axis=1).max(initial=0.0)
+        share = np.linspace(0.0, 1.0, max(int(longest / SPACING), 1) + 1)[:, None, None]
+        line = start + share * (end - start)
+        free = (self.at(self.clear, line) > self.radius + MARGIN).all(0)
+        return free & (np.abs(np.diff(self.at(self.ground, line), axis=0)) < STEP).all(0)
+
+    def furnish(
+        self, options: Options, rng: np.random.Generator
+    ) -> tuple[list[tuple[list[float], int, float]], list[tuple[list[float], int]]]:
+        """Posts (place, heading, height of the button), and starts (x, y, z, yaw) with the number of their post."""
+        cells = np.argwhere((self.clear > POST_CLEARANCE) & self.pavement)
+        if not len(cells):
+            return [], []
+        places = self.grid.centres(cells[rng.integers(len(cells), size=POST_TRIES)])
+        heading = rng.integers(HEADINGS, size=POST_TRIES)
+        out = _directed(2.0 * np.pi * heading / HEADINGS)
+        before = HALF_SIDE + DEPTH
+        stand, approach = places + (before + STANDOFF) * out, places + (before + APPROACH) * out
+        height = self.at(self.ground, places)
+        # A robot that turns on a slope slides off its line.
+        ring = TURN_RADIUS * _directed(np.arange(8) * np.pi / 4)
+        near = np.concatenate([stand[None], approach[None], approach + ring[:, None]])
+        level = (np.abs(self.at(self.ground, near) - height) < LEVEL).all(0)
+        turns = self.at(self.clear, approach) > TURN_CLEARANCE
+        paved = self.at(self.pavement, stand) & self.at(self.pavement, approach)
+        room = np.flatnonzero(level & turns & paved & self.passable(approach, stand))
+        # Those at walls and kerbs first.
+        room = room[np.argsort(self.at(self.clear, places[room]) > BESIDE, kind="stable")]
+        chosen: list[int] = []
+        for i in room:
+            if len(chosen) == options.posts:
+                break
+            if all(np.linalg.norm(places[i] - places[j]) >= POST_SPACING for j in chosen):
+                chosen.append(int(i))
+        rows, kept = [], []
+        for i in chosen:
+            others = places[[j for j in chosen if j != i]]
+            own = self._starts(places[i], stand[i], approach[i], others, options.distance, rng)
+            if len(own):
+                rows += [(row, len(kept)) for row in own.tolist()]
+                kept.append(i)
+        button = rng.uniform(*options.height, size=POST_TRIES)
+        # Heights are above the ground on which the robot stands.
+        told = button + self.at(self.ground, stand) - height
+        posts = [([*places[i].tolist(), float(height[i])], int(heading[i]), float(told[i])) for i in kept]
+        return posts, rows
+
+    def _starts(
+        self,
+        place: np.ndarray,
+        stand: np.ndarray,
+        approach: np.ndarray,
+        others: np.ndarray,
+        distance: tuple[float, float],
+        rng: np.random.Generator,
+    ) -> np.ndarray:
+        """(n, 4) up to `STARTS` starts x, y, z, yaw from which the robot drives straight to the approach of a post,
+        past other posts (m, 2)."""
+        away = rng.uniform(*distance, START_TRIES)
+        points = place + away[:, None] * _directed(rng.uniform(-np.pi, np.pi, START_TRIES))
+        ends = np.broadcast_to(approach, points.shape)
+        free = self.passable(points, ends) & (self.at(self.clear, points) > self.radius + 2.0 * MARGIN)
+        # Its own post and the others, which the maps do not have.
+        for post in [place, *others]:
+            free &= _apart(points, ends, post) > self.radius + HALF_SIDE + MARGIN
+        if any(_apart(approach[None], stand[None], post)[0] <= self.radius + HALF_SIDE + MARGIN for post in others):
+            return np.zeros((0, 4))
+        points = points[np.flatnonzero(free)[:STARTS]]
+        line = approach - points
+        yaw = np.arctan2(line[:, 1], line[:, 0]) + rng.uniform(-START_ANGLE, START_ANGLE, len(points))
+        return np.column_stack([points, self.at(self.ground, points), yaw])
+
+
+def _apart(start: np.ndarray, end: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """(n,) m from a point (2,) to segments (n, 2), (n, 2)."""
+    span = end - start
+    share = np.clip(((point - start) * span).sum(1) / np.maximum((span**2).sum(1), 1e-12), 0.0, 1.0)
+    return np.linalg.norm(start + share[:, None] * span - point, axis=1)
+
+
+def _with_rows(bank: SceneBank, posts: dict[int, list[Post]], start: np.ndarray, of: np.ndarray) -> SceneBank:
+    """The bank with the episodes of the posts in place of its own, in scenes that have posts."""
+    tables = {name: np.array(getattr(bank, name)) for name in _TABLES}
+    number = np.array(bank.num_episodes)
+    for scene, own in posts.items():
+        rows = np.flatnonzero(of[:, 0] == scene)[: len(tables["episode_length"][scene])]
+        number[scene] = len(rows)
+        for row in range(len(tables["episode_length"][scene])):
+            at = rows[row % len(rows)]
+            post, begin = own[of[at, 1]], start[at]
+            ahead = HALF_SIDE + DEPTH + np.array([APPROACH, STANDOFF])
+            points = np.array(post.place)[:2] + ahead[:, None] * _directed(np.array(post.yaw))
+            # Level ground: that of the start serves all, as it does for other episodes' waypoints.
+            places = np.column_stack([points, np.full(2, begin[2])])
+            width = tables["episode_waypoints"].shape[2]
+            tables["episode_start"][scene, row] = begin
+            tables["episode_goal"][scene, row] = places[1]
+            tables["episode_waypoints"][scene, row] = places[np.minimum(np.arange(width), 1)]
+            tables["episode_num_waypoints"][scene, row] = 2
+            line = np.concatenate([begin[None, :2], points])
+            tables["episode_length"][scene, row] = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    return dataclasses.replace(bank, num_episodes=number, **tables)
