@@ -12,7 +12,7 @@ import trimesh
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco, make_go2
 from urbanverse_mjx.simulation.rendering.scenes import scene_sun, sky_ambient, slot_boxes
-from urbanverse_mjx.viewer.gltf import Part, Surface, glb, with_normals
+from urbanverse_mjx.viewer.gltf import Part, Surface, glb, merged, with_normals
 from urbanverse_mjx.viewer.robot import robot_files
 from urbanverse_mjx.viewer.street import StreetMeshes
 
@@ -57,6 +57,43 @@ def test_copies_share_a_mesh_and_equal_surfaces_a_material() -> None:
     assert sum("mesh" in node for node in body["nodes"]) == 4
     assert body["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] == [1.0, 0.0, 0.0, 1.0]
     assert "extensionsUsed" not in body
+
+
+def test_merged_parts_look_as_before() -> None:
+    """Triangles, normals and texture coordinates of every copy where it was, and one drawing call for a surface."""
+    poses = np.tile(np.identity(4), (2, 1, 1))
+    poses[1, :3, :3] = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])[:3, :3]
+    poses[1, :3, 3] = [4.0, -1.0, 2.0]
+    box, ball = trimesh.creation.box((1, 2, 4)), trimesh.creation.icosphere(1)
+    red, blue, other_red = (Surface((r, 0.0, 1.0 - r, 1.0)) for r in (1.0, 0.0, 1.0))
+    marks = np.random.default_rng(0).uniform(size=(len(ball.vertices), 2))
+    parts = [
+        Part(box.vertices, box.faces, red, poses=poses),
+        Part(ball.vertices, ball.faces, blue),
+        Part(ball.vertices, ball.faces, red, marks, ball.vertices, poses[1:]),
+        Part(box.vertices, box.faces, other_red),
+    ]
+    found = merged(parts)
+    assert [part.surface for part in found] == [red, blue, other_red]
+    assert sum("mesh" in node for node in tree(glb(found))["nodes"]) == 3
+
+    def rows(body: bytes) -> np.ndarray:
+        """(corners of triangles, 8) position, normal, texture coordinates."""
+        scene = read(body)
+        corners = []
+        for name in scene.graph.nodes_geometry:
+            pose, geometry = scene.graph[name]
+            mesh = scene.geometry[geometry]
+            at = mesh.faces.reshape(-1)
+            places = trimesh.transform_points(mesh.vertices, pose)[at]
+            corners.append(np.hstack([places, mesh.vertex_normals[at] @ pose[:3, :3].T, mesh.visual.uv[at]]))
+        return np.concatenate(corners)
+
+    together, apart = rows(glb(found)), rows(glb(parts))
+    assert together.shape == apart.shape
+    away = np.abs(together[:, None] - apart).max(-1)
+    assert away.min(0).max() < 1e-5
+    assert away.min(1).max() < 1e-5
 
 
 @pytest.mark.parametrize("scene", [0, 2])
@@ -150,6 +187,23 @@ def test_the_dome_shows_the_sky_by_direction(bank: SceneBank) -> None:
     inwards = np.einsum("fi,fi->f", dome.face_normals, dome.triangles_center)
     assert inwards[dome.area_faces > 1.0].max() < 0.0
     assert (dome.area_faces > 1.0).mean() > 0.9
+
+
+@pytest.mark.parametrize("make", [make_coco, make_go2])
+def test_a_robot_is_light(make) -> None:
+    """Up to eight of them are shown, and each of their triangles is drawn for the image and for its shadows."""
+    files = robot_files(make())
+    trees = [tree(file) for file in files.values()]
+    triangles = sum(
+        body["accessors"][primitive["indices"]]["count"] // 3
+        for body in trees
+        for mesh in body["meshes"]
+        for primitive in mesh["primitives"]
+    )
+    assert triangles < 40_000
+    assert sum(map(len, files.values())) < 2_000_000
+    # One part for each material of a body.
+    assert all(len(body["meshes"]) == len(body["materials"]) for body in trees)
 
 
 @pytest.mark.parametrize("make", [make_coco, make_go2])

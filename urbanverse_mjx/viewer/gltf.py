@@ -72,6 +72,33 @@ def glb(parts: Sequence[Part]) -> bytes:
     return gltf.export_glb(scene, include_normals=True, tree_postprocessor=materials.finish)
 
 
+def merged(parts: Sequence[Part]) -> list[Part]:
+    """Returns parts that look the same together: one for each surface (an object, not its values), without poses.
+
+    Each part is one drawing call of a page, so that fewer are drawn sooner. Copies of a mesh are written out.
+
+    Args:
+      parts: rigid poses.
+    """
+    groups: dict[int, list[Part]] = {}
+    for part in parts:
+        groups.setdefault(id(part.surface), []).append(part)
+    return [_merge(group) for group in groups.values()]
+
+
+def _merge(parts: Sequence[Part]) -> Part:
+    rows: list[tuple[np.ndarray, ...]] = []
+    number = 0
+    for part in parts:
+        vertices, faces, normals, uv = _corners(part)
+        for pose in part.poses:
+            turn = pose[:3, :3].T
+            rows.append((vertices @ turn + pose[:3, 3], faces + number, normals @ turn, uv))
+            number += len(vertices)
+    vertices, faces, normals, uv = map(np.concatenate, zip(*rows, strict=True))
+    return Part(vertices, faces, parts[0].surface, uv, normals)
+
+
 class _Materials:
     """Materials by surface, so that equal ones are written once, and which of them are unlit."""
 
@@ -116,13 +143,18 @@ def _texture_image(texture: np.ndarray) -> Image.Image:
 
 
 def _solid(part: Part, materials: _Materials) -> trimesh.Trimesh:
-    uv = np.zeros((len(part.vertices), 2)) if part.uv is None else part.uv
-    vertices, faces, normals = part.vertices, part.faces, part.normals
-    if normals is None:
-        source, faces, normals = with_normals(vertices, faces)
-        vertices, uv = vertices[source], uv[source]
+    vertices, faces, normals, uv = _corners(part)
     visual = TextureVisuals(uv=np.asarray(uv, np.float64), material=materials.of(part.surface))
     return trimesh.Trimesh(vertices, faces, visual=visual, vertex_normals=normals, process=False)
+
+
+def _corners(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices (V, 3), faces (F, 3), normals (V, 3) and uv (V, 2) of a part in its own frame, all there."""
+    uv = np.zeros((len(part.vertices), 2)) if part.uv is None else part.uv
+    if part.normals is not None:
+        return part.vertices, part.faces, part.normals, uv
+    source, faces, normals = with_normals(part.vertices, part.faces)
+    return part.vertices[source], faces, normals, uv[source]
 
 
 def with_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
