@@ -411,14 +411,14 @@ def test_a_step_is_shown_in_real_time_with_the_camera(machine: Machine, monkeypa
 
         monkeypatch.setattr(drive_page, "time", types.SimpleNamespace(monotonic=lambda: now[0], sleep=sleep))
         page._tick(None, 0.0)
-        page._glide(5.2)
+        page._glide(5.19)
         shown.append((now[0], placed(page.stage, 0)[0], np.array(camera.position)))
         times, places, cameras = (np.array(column) for column in zip(*shown, strict=True))
-        assert times[-1] == pytest.approx(5.2)
+        assert times[-1] == pytest.approx(5.19)
         assert len(times) == 7
         ends = np.asarray([frame.nav.sim.xpos[0, 1] for frame in page.session.frames[1:3]])
         views = np.asarray([chase_view(page.session, index, 0)[0] for index in (1, 2)])
-        share = (times - 5.0) / 0.2
+        share = (times - 5.0) / 0.19
         # While it sleeps for the last time, the page still shows the place before.
         share[-2] = share[-3]
         np.testing.assert_allclose(places, ends[0] + share[:, None] * (ends[1] - ends[0]), atol=1e-5)
