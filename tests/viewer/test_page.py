@@ -344,7 +344,7 @@ def placed(stage: Stage, robot: int) -> tuple[np.ndarray, float]:
     """Position (3,) m and yaw, rad, of a robot on the page."""
     (node,) = stage._robots[robot].bodies.values()
     w, _, _, z = node.wxyz
-    return np.asarray(node.position), 2.0 * np.arctan2(z, w)
+    return np.array(node.position), 2.0 * np.arctan2(z, w)
 
 
 def test_within_a_step_robots_are_between_its_frames(staged: Stage) -> None:
@@ -405,11 +405,19 @@ def test_a_step_is_shown_in_real_time_with_the_camera(machine: Machine, monkeypa
         page._tick()
         monkeypatch.setattr(server, "get_clients", lambda: {0: client})
 
+        own = threading.get_ident()  # the page of other tests runs in a thread
+
+        def monotonic() -> float:
+            return now[0] if threading.get_ident() == own else time.monotonic()
+
         def sleep(seconds: float) -> None:
+            if threading.get_ident() != own:
+                time.sleep(seconds)
+                return
             shown.append((now[0], placed(page.stage, 0)[0], np.array(camera.position)))
             now[0] += seconds
 
-        monkeypatch.setattr(drive_page, "time", types.SimpleNamespace(monotonic=lambda: now[0], sleep=sleep))
+        monkeypatch.setattr(drive_page, "time", types.SimpleNamespace(monotonic=monotonic, sleep=sleep))
         page._tick(None, 0.0)
         page._glide(5.19)
         shown.append((now[0], placed(page.stage, 0)[0], np.array(camera.position)))
