@@ -120,7 +120,7 @@ def tab_of(software: bool, window: bool, size: tuple[int, int]) -> Iterator[Any]
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=found, args=arguments, headless=not window)
         try:
-            tab = chromium.new_page(viewport=dict(zip(("width", "height"), size, strict=True)))
+            tab = chromium.new_page(viewport={"width": size[0], "height": size[1]})
             tab.set_default_timeout(300_000)
             tab.add_init_script(COUNTER)
             yield tab
@@ -139,10 +139,14 @@ def page_of(scene: str, policy: str) -> Iterator[str]:
     found: list[str] = []
     failed: list[ValidationError] = []
 
+    def opened_at(address: str) -> None:
+        found.append(address)
+        ready.set()
+
     def run() -> None:
         options = pipeline.ViewOptions(policy=policy, port=0, open=False)
         try:
-            pipeline.view(scene, options, lambda address: (found.append(address), ready.set()), done.is_set)
+            pipeline.view(scene, options, opened_at, done.is_set)
         except ValidationError as error:
             failed.append(error)
         finally:
