@@ -40,7 +40,7 @@ LOW = 2.0
 
 def measure(record: AssetRecord, close: bool = False) -> tuple[Overshoot, int, float]:
     """The overshoot of a record's shipped hulls, their number, and what they miss; `close`: of its closer hulls."""
-    mesh, hulls = build_mesh(record), load_hulls(record, close).hulls
+    mesh, hulls = build_mesh(record), load_hulls(record, "close" if close else "").hulls
     return overshoot(mesh.vertices, mesh.faces, hulls), len(hulls), missed(mesh, hulls)
 
 

@@ -8,14 +8,16 @@ import sys
 import time
 import types
 from collections.abc import Callable
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
 from tests.support.box_bank import street_regions
 from urbanverse_mjx import pipeline, progress
+from urbanverse_mjx.cli import scene
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import GraphObject, SceneGraph, Source
+from urbanverse_mjx.datatypes.scene_layout import HULL_KINDS
 
 Corrupt = Callable[[dict[str, Any]], Any]
 
@@ -189,3 +191,7 @@ def test_as_a_process_without_a_traceback(tmp_path: pathlib.Path) -> None:
     assert run.stderr.startswith("error: ")
     assert run.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_the_command_knows_every_kind_of_hulls() -> None:
+    assert get_args(scene.CompileArgs.__annotations__["hulls"]) == HULL_KINDS

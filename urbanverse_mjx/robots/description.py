@@ -96,7 +96,8 @@ def _make(
         planner_height=planner["height"],
         step_height=planner["step"],
         response=_response(body.get("response"), drive, f"{where}.response"),
-        **limits,
+        max_speed=limits["max_speed"],
+        max_yaw_rate=limits["max_yaw_rate"],
     )
     return robot, fits
 

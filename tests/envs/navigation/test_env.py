@@ -49,12 +49,12 @@ def test_joint_actions_are_shares_of_the_control_range(small_bank: SceneBank) ->
     wheels = np.abs(np.asarray(env.robot.command(jnp.array([env.robot.max_speed, 0.0]))))[:4]
     assert env.action_size == 5
     assert env.observation_size["privileged"] == (46,)
+    nav = jax.jit(env.begin)(jax.random.key(3))
     stop = env.mj_model.actuator("steer").ctrlrange
     for action, steer in ((1.0, stop[1]), (-1.0, stop[0]), (0.0, 0.0)):
-        ctrl = np.asarray(env._control(jnp.full(5, action)))
+        ctrl = np.asarray(env._control(nav, jnp.full(5, action)))
         np.testing.assert_allclose(ctrl, [*(action * wheels), steer], atol=1e-6)
     by_velocity = registry.load("CocoNav", config_overrides={**overrides, "action_mode": "velocity"}, bank=small_bank)
-    nav = jax.jit(env.begin)(jax.random.key(3))
     wheels_turn = sent(env, nav, jnp.array([1.0, 1.0, 1.0, 1.0, 0.0]))
     np.testing.assert_array_equal(sent(by_velocity, nav, jnp.array([1.0, 0.0])), wheels_turn)
 
