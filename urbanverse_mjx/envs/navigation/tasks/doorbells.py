@@ -165,11 +165,11 @@ class _Street:
         level = (np.abs(self.at(self.ground, near) - height) < LEVEL).all(0)
         turns = self.at(self.clear, approach) > TURN_CLEARANCE
         paved = self.at(self.pavement, stand) & self.at(self.pavement, approach)
-        room = np.flatnonzero(level & turns & paved & self.passable(approach, stand))
+        free = np.flatnonzero(level & turns & paved & self.passable(approach, stand))
         # Those at walls and kerbs first.
-        room = room[np.argsort(self.at(self.clear, places[room]) > BESIDE, kind="stable")]
+        free = free[np.argsort(self.at(self.clear, places[free]) > BESIDE, kind="stable")]
         chosen: list[int] = []
-        for i in room:
+        for i in free:
             if len(chosen) == options.posts:
                 break
             if all(np.linalg.norm(places[i] - places[j]) >= POST_SPACING for j in chosen):
