@@ -218,9 +218,9 @@ def write_hostile(folder: pathlib.Path) -> dict[str, str]:
         "parts bench.glb": ("too large", patched(good, _many_parts)),
         "absurd bench.glb": ("absurd numbers", patched(good, lambda t: t["accessors"][0].update(count=2**31))),
         "beyond bench.glb": ("absurd numbers", patched(good, lambda t: t["accessors"][0].update(count=10**6))),
-        "draco bench.glb": (
+        "packed bench.glb": (
             "unsupported",
-            patched(good, lambda t: t.update(extensionsRequired=["KHR_draco_mesh_compression"])),
+            patched(good, lambda t: t.update(extensionsRequired=["EXT_other_compression"])),
         ),
         "climbing bench.gltf": ("path trick", json.dumps(climbing).encode()),
         "absolute bench.gltf": ("path trick", json.dumps(absolute).encode()),

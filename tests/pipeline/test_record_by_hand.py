@@ -165,7 +165,7 @@ def test_a_click_during_the_last_step_is_not_lost(
         page._view.value = "free"  # no browser's camera is moved
         monkeypatch.setattr(server, "get_clients", lambda: {0: None})
 
-        def tick(_: Command | None = None) -> None:
+        def tick(*_: object) -> None:
             page.session.step({})
             if page.session.over and len(begun) == 1:
                 page._orders.put(lambda: page._want(clicked))
