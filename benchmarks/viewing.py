@@ -217,11 +217,11 @@ def orbit(tab: Any, seconds: float) -> dict[str, Any]:
 def drive(tab: Any, seconds: float, sent: Sent) -> dict[str, Any]:
     """Lets the policy drive for a time, after its first steps have been compiled."""
     inner = tab.frame_locator("#viser")
-    status = inner.get_by_text(_DISTANCE)
+    status = inner.get_by_text(_DISTANCE).first
 
     def driven() -> float:
-        """s of the simulation; 0 while the page says something else, such as that it compiles."""
-        found = _DISTANCE.search(" ".join(status.all_inner_texts()))
+        """s of the simulation."""
+        found = _DISTANCE.search(status.inner_text())
         return float(found[1]) if found else 0.0
 
     inner.get_by_role("button", name="Play").click()

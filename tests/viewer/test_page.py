@@ -1,31 +1,26 @@
 """The page in a real browser: it opens, its buttons work, and closing a browser does not stop the viewer."""
 
-import contextlib
 import errno
 import io
 import pathlib
 import re
 import threading
 import time
-import types
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from PIL import Image
 
 from tests.support.box_machine import box_machine
 from tests.support.browser import browser
-from urbanverse_mjx.datatypes import AgentMotion, SceneBank, ValidationError
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.evaluation import fixed_episodes
 from urbanverse_mjx.pipeline.playing import _write_html
-from urbanverse_mjx.viewer import drive_page
 from urbanverse_mjx.viewer.page import Page
-from urbanverse_mjx.viewer.recording import html_recording, private_server, start_server
+from urbanverse_mjx.viewer.recording import html_recording, start_server
 from urbanverse_mjx.viewer.session import Machine, Session
-from urbanverse_mjx.viewer.stage import Stage, chase_view
 from urbanverse_mjx.viewer.street import StreetMeshes
 from urbanverse_mjx.viewer.teleop import Inputs
 
@@ -334,112 +329,6 @@ def test_a_browser_that_leaves_stops_the_drive_and_nothing_else(served: tuple[Pa
     assert len(page.session) == stopped
     tab.goto(served[2])
     wait(lambda: len(page.session) > stopped)
-
-
-@pytest.fixture
-def staged(machine: Machine) -> Iterator[Stage]:
-    """Two robots after three steps, on a page that nobody opens."""
-    with private_server() as server:
-        session = Session(machine, 0, [0, 1])
-        for _ in range(3):
-            session.step()
-        yield Stage(server, session, StreetMeshes(machine.env.bank, 0))
-
-
-def placed(stage: Stage, robot: int) -> tuple[np.ndarray, float]:
-    """Position (3,) m and yaw, rad, of a robot on the page."""
-    (node,) = stage._robots[robot].bodies.values()
-    w, _, _, z = node.wxyz
-    return np.array(node.position), 2.0 * np.arctan2(z, w)
-
-
-def test_within_a_step_robots_are_between_its_frames(staged: Stage) -> None:
-    """The driven path, which is ahead of them then, ends where the step began."""
-
-    def pose(index: int, robot: int) -> tuple[np.ndarray, float]:
-        sim = staged.session.frames[index].nav.sim
-        w, _, _, z = np.asarray(sim.xquat)[robot, 1]
-        return np.asarray(sim.xpos)[robot, 1], 2.0 * np.arctan2(z, w)
-
-    for robot in range(2):
-        (old_place, old_yaw), (place, yaw) = pose(1, robot), pose(2, robot)
-        turn = (yaw - old_yaw + np.pi) % (2 * np.pi) - np.pi
-        assert np.linalg.norm(place - old_place) > 0.05
-        for share in (0.0, 0.5, 1.0):
-            staged.show(2, share)
-            found_place, found_yaw = placed(staged, robot)
-            np.testing.assert_allclose(found_place, old_place + share * (place - old_place), atol=1e-5)
-            assert np.cos(found_yaw - old_yaw - share * turn) == pytest.approx(1.0, abs=1e-9)
-            driven = staged._robots[robot].lines["path"].points[-1, -1, :2]
-            np.testing.assert_allclose(driven, (old_place if share < 1.0 else place)[:2], atol=1e-5)
-
-
-def test_people_walk_within_a_step_but_do_not_fly_to_where_they_begin_anew(
-    staged: Stage, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Three of them: one walks and turns over pi, one begins anew far away, one comes."""
-
-    def motion(position: list[list[float]], heading: list[float], present: list[bool]) -> AgentMotion:
-        still = jnp.zeros((3, 3))
-        return AgentMotion(jnp.array(position), jnp.array(heading), still, still[0], jnp.array(present))
-
-    motions = {
-        1: motion([[0.0, 0.0, 0.0]] * 3, [3.0, 0.0, 0.0], [True, True, False]),
-        2: motion([[0.4, 0.2, 0.0], [9.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [-3.0, 0.0, 0.0], [True, True, True]),
-    }
-    monkeypatch.setattr(staged.session, "agents", motions.__getitem__)
-    staged._agents = [staged._scene.add_frame(f"/person{i}", visible=False) for i in range(3)]
-    staged.move(2, 0.5)
-    places = [node.position for node in staged._agents]
-    np.testing.assert_allclose(places, [[0.2, 0.1, 0], [9, 0, 0], [1, 0, 0]], atol=1e-6)
-    # Halfway from 3 to -3 rad is pi, not 0.
-    assert np.abs(staged._agents[0].wxyz) == pytest.approx([0.0, 0.0, 0.0, 1.0], abs=1e-6)
-    assert all(node.visible for node in staged._agents)
-    staged.move(2)
-    np.testing.assert_allclose(staged._agents[0].position, [0.4, 0.2, 0.0], atol=1e-6)
-
-
-def test_a_step_is_shown_in_real_time_with_the_camera(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Thirty times a second, evenly from the frame before to the present one."""
-    now = [5.0]
-    shown: list[tuple[float, np.ndarray, np.ndarray]] = []
-    camera = types.SimpleNamespace(position=np.zeros(3), look_at=np.zeros(3))
-    client = types.SimpleNamespace(camera=camera, atomic=contextlib.nullcontext)
-    with private_server() as server:
-        page = Page(server, Streets(machine), machine.env.bank.scene_ids[0], "go_to_goal")
-        page._tick()
-        monkeypatch.setattr(server, "get_clients", lambda: {0: client})
-
-        own = threading.get_ident()  # the page of other tests runs in a thread
-
-        def monotonic() -> float:
-            return now[0] if threading.get_ident() == own else time.monotonic()
-
-        def sleep(seconds: float) -> None:
-            if threading.get_ident() != own:
-                time.sleep(seconds)
-                return
-            shown.append((now[0], placed(page.stage, 0)[0], np.array(camera.position)))
-            now[0] += seconds
-
-        monkeypatch.setattr(drive_page, "time", types.SimpleNamespace(monotonic=monotonic, sleep=sleep))
-        page._tick(None, 0.0)
-        page._glide(5.19)
-        shown.append((now[0], placed(page.stage, 0)[0], np.array(camera.position)))
-        times, places, cameras = (np.array(column) for column in zip(*shown, strict=True))
-        assert times[-1] == pytest.approx(5.19)
-        assert len(times) == 7
-        ends = np.asarray([frame.nav.sim.xpos[0, 1] for frame in page.session.frames[1:3]])
-        views = np.asarray([chase_view(page.session, index, 0)[0] for index in (1, 2)])
-        share = (times - 5.0) / 0.19
-        # While it sleeps for the last time, the page still shows the place before.
-        share[-2] = share[-3]
-        np.testing.assert_allclose(places, ends[0] + share[:, None] * (ends[1] - ends[0]), atol=1e-5)
-        np.testing.assert_allclose(cameras, views[0] + share[:, None] * (views[1] - views[0]), atol=1e-5)
-        # A step whose time has passed is shown at once.
-        page._tick(None, 0.0)
-        page._glide(now[0] - 1.0)
-        np.testing.assert_allclose(placed(page.stage, 0)[0], page.session.frames[3].nav.sim.xpos[0, 1], atol=1e-5)
 
 
 def test_a_recording_holds_every_frame(machine: Machine) -> None:

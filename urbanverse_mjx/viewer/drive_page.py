@@ -24,8 +24,6 @@ VIEWS = ("behind the robot", "from above", "free")
 SPEEDS = ("1x", "2x", "4x", "as fast as possible")
 _FACTOR = {"1x": 1.0, "2x": 2.0, "4x": 4.0}
 _IDLE_PAUSE = 0.02  # s
-#: s between two placements of what moves within a control step that is shown in real time.
-_MOVE_EVERY = 1.0 / 30.0
 _ABOVE_HEIGHT = 28.0  # m, of the view from above
 #: Name of the policy that stands still.
 NOBODY = "zero"
@@ -101,13 +99,12 @@ class DrivePage:
                 time.sleep(_IDLE_PAUSE)
                 late = time.monotonic()
                 continue
+            self._tick(command)
             # Driving by hand runs in real time.
             factor = _FACTOR.get(self._speed.value) if command is None else 1.0
-            self._tick(command, 1.0 if factor is None else 0.0)
             if factor is not None:
                 late = max(late + self.session.machine.env.dt / factor, time.monotonic() - 0.5)
-                if self.playing:
-                    self._glide(late)
+                time.sleep(max(0.0, late - time.monotonic()))
 
     def stop(self) -> None:
         """Ends `run`."""
@@ -170,8 +167,8 @@ class DrivePage:
             **status(self._teleop, session.by_hand(self.index, self._robot()), self.session.machine.env.dt),
         }
 
-    def _tick(self, command: Command | None = None, share: float = 1.0) -> None:
-        """Advances by one frame, an existing or a new one, and shows it; share: see `Stage.move`."""
+    def _tick(self, command: Command | None = None) -> None:
+        """Advances by one frame, an existing or a new one."""
         if self.index == len(self.session) - 1:
             if self.session.over:
                 self._pause()
@@ -187,48 +184,28 @@ class DrivePage:
             except (ValidationError, OSError) as error:
                 self._refuse(error)
                 return
-        self._go(self.index + 1, share)
+        self._go(self.index + 1)
 
-    def _glide(self, until: float) -> None:
-        """Moves what is shown from the frame before to the present one, where it is at a time (s, monotonic)."""
-        start = time.monotonic()
-        while (now := time.monotonic()) < until - _MOVE_EVERY:
-            share = (now - start) / (until - start)
-            with self._server.atomic():
-                self.stage.move(self.index, share)
-            self._aim(share)
-            time.sleep(_MOVE_EVERY)
-        time.sleep(max(0.0, until - time.monotonic()))
-        with self._server.atomic():
-            self.stage.show(self.index)
-        self._aim()
-
-    def _go(self, index: int, share: float = 1.0) -> None:
-        """Shows a frame; share: see `Stage.move`."""
+    def _go(self, index: int) -> None:
+        """Shows a frame."""
         self.index = int(np.clip(index, 0, len(self.session) - 1))
         with self._server.atomic():
-            self.stage.show(self.index, share)
+            self.stage.show(self.index)
         self._time.max = max(1, len(self.session) - 1)
         self._time.value = self.index
-        self._look(share)
+        self._look()
         self._report()
 
-    def _aim(self, share: float = 1.0) -> None:
-        """Moves the browsers' cameras to the chosen view; share: see `Stage.move`."""
-        if self._view.value == VIEWS[2]:
-            return
-        views = [np.stack(chase_view(self.session, i, self._robot())) for i in (max(self.index - 1, 0), self.index)]
-        position, target = (1.0 - share) * views[0] + share * views[1]
-        if self._view.value == VIEWS[1]:
-            position = target + [-0.3 * _ABOVE_HEIGHT, 0.0, _ABOVE_HEIGHT]
-        for client in self._server.get_clients().values():
-            with client.atomic():
-                client.camera.position, client.camera.look_at = position, target
-
-    def _look(self, share: float = 1.0) -> None:
-        """Moves the browsers' cameras and updates the robot's camera image; share: see `Stage.move`."""
-        self._aim(share)
+    def _look(self) -> None:
+        """Moves the browsers' cameras to the chosen view and updates the robot's camera image."""
         robot = self._robot()
+        if self._view.value != VIEWS[2]:
+            position, target = chase_view(self.session, self.index, robot)
+            if self._view.value == VIEWS[1]:
+                position = target + [-0.3 * _ABOVE_HEIGHT, 0.0, _ABOVE_HEIGHT]
+            for client in self._server.get_clients().values():
+                with client.atomic():
+                    client.camera.position, client.camera.look_at = position, target
         drawn = self._sees.value or self.watched()
         self.image = image = self.session.camera_image(self.index, robot) if drawn else None
         self._image.visible = image is not None and self._sees.value

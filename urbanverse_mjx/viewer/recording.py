@@ -12,9 +12,6 @@ from .session import Session
 from .stage import LAYERS, Stage, chase_view
 from .street import StreetMeshes
 
-#: s, about, between two placements of what moves within a control step.
-_MOVE_EVERY = 0.04
-
 
 def html_recording(
     session: Session, street: StreetMeshes, shown: Collection[str] = tuple(n for n, on in LAYERS.items() if on)
@@ -30,13 +27,8 @@ def html_recording(
             stage.switch(layer, layer in shown, 0)
         set_initial_view(server, session)
         serializer = server.get_scene_serializer()
-        dt = session.machine.env.dt
-        parts = max(1, round(dt / _MOVE_EVERY))
         for index in range(1, len(session)):
-            for part in range(1, parts):
-                serializer.insert_sleep(dt / parts)
-                stage.move(index, part / parts)
-            serializer.insert_sleep(dt / parts)
+            serializer.insert_sleep(session.machine.env.dt)
             stage.show(index)
         serializer.insert_sleep(1.0)
         return serializer.as_html()

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import viser
 
-from ..datatypes import AgentMotion
 from ..geometry import rotations
 from ..viz.video import CAPTIONS
 from . import layers
@@ -27,10 +26,6 @@ _THICKNESS = {"goal": 0.08, "route": 0.05, "path": 0.05, "contacts": 0.03, "hull
 #: The light of the project's images, by this much brighter: the page darkens bright light more (ACES tones).
 _EXPOSURE = 1.3
 _HIDDEN_POSITION = (0.0, 0.0, -1000.0)
-#: m between two frames from which a person or vehicle begins anew elsewhere rather than moves.
-_LEAP = 3.0
-#: Position (3,) m and quaternion wxyz (4,).
-Pose = tuple[np.ndarray, np.ndarray]
 
 
 @dataclasses.dataclass
@@ -57,7 +52,6 @@ class Stage:
         self._hulls: layers.HullsInReach | None = None
         self._shown = dict(LAYERS)
         self._places: dict[str, tuple[float, ...]] = {}
-        self._motions: dict[int, AgentMotion | None] = {}
         with server.atomic():
             self._scene.reset()
             self._add_light(street.light())
@@ -132,26 +126,23 @@ class Stage:
                 robot.flag.visible = shown
         self.show(index)
 
-    def show(self, index: int, share: float = 1.0) -> None:
-        """Draws a frame of the session; share: see `move`. Until it is 1 the driven path ends at the frame before."""
+    def show(self, index: int) -> None:
+        """Draws a frame of the session."""
         for number, robot in enumerate(self._robots):
-            self._show_lines(index, number, robot, index if share == 1.0 else max(index - 1, 0))
-        self.move(index, share)
+            self._show_robot(index, number, robot)
+        self._show_objects(index)
+        self._show_agents(index)
 
-    def move(self, index: int, share: float = 1.0) -> None:
-        """Places what moves; share: of the way to a frame from the one before it, 1 at the frame itself."""
-        before = max(index - 1, 0)
-        self._move_robots(before, index, share)
-        self._move_objects(before, index, share)
-        self._move_agents(before, index, share)
-
-    def _show_lines(self, index: int, number: int, robot: _Robot, driven: int) -> None:
+    def _show_robot(self, index: int, number: int, robot: _Robot) -> None:
         session = self.session
         frame, machine = session.frames[index], session.machine
+        xpos, xquat = (np.asarray(x)[number] for x in (frame.nav.sim.xpos, frame.nav.sim.xquat))
+        for body, node in robot.bodies.items():
+            self._place(node, xpos[body], xquat[body])
         drawn = {
             "goal": lambda: layers.goal_ring(frame, number, float(machine.env.config.success_radius)),
             "route": lambda: layers.segments(layers.route_line(frame, number)),
-            "path": lambda: layers.segments(self._path(driven, number)),
+            "path": lambda: layers.segments(self._path(index, number)),
             "contacts": lambda: layers.touched(machine.env.bank, session.scene, frame, number),
             "hulls": lambda: self._hulls_in_reach(index, number),
         }
@@ -176,45 +167,29 @@ class Stage:
             self._hulls = layers.HullsInReach(self.session.machine)
         return self._hulls(self.session.frames[index], number)
 
-    def _move_robots(self, before: int, index: int, share: float) -> None:
-        sims = [self.session.frames[i].nav.sim for i in (before, index)]
-        (old_places, old_turns), (places, turns) = [(np.asarray(sim.xpos), np.asarray(sim.xquat)) for sim in sims]
-        for number, robot in enumerate(self._robots):
-            for body, node in robot.bodies.items():
-                old = old_places[number, body], old_turns[number, body]
-                self._place(node, *between(old, (places[number, body], turns[number, body]), share))
-
-    def _move_objects(self, before: int, index: int, share: float) -> None:
-        """Places objects of the first robot's world, because robots and their pushed objects do not interact."""
+    def _show_objects(self, index: int) -> None:
+        """Shows objects of the first robot's world, because robots and their pushed objects do not interact."""
         if not self._objects:
             return
-        old, new = (layers.moved_objects(self.session.frames[i], 0) for i in (before, index))
+        moved = layers.moved_objects(self.session.frames[index], 0)
         bank, scene = self.session.machine.env.bank, self.session.scene
         for slot, node in self._objects.items():
             home = bank.slot_position[scene, slot], bank.slot_quaternion[scene, slot]
-            self._place(node, *between(old.get(slot, home), new.get(slot, home), share))
+            self._place(node, *moved.get(slot, home))
 
-    def _move_agents(self, before: int, index: int, share: float) -> None:
+    def _show_agents(self, index: int) -> None:
         if not self._agents:
             return
-        old, new = (self._motion(i) if self._shown["people"] else None for i in (before, index))
+        agents = self.session.agents(index) if self._shown["people"] else None
         for i, node in enumerate(self._agents):
-            there = new is not None and bool(new.present[i])
-            if there and new is not None:
-                pose = _agent_pose(new, i)
-                if old is not None and old.present[i]:
-                    was = _agent_pose(old, i)
-                    pose = between(was, pose, share) if np.linalg.norm(pose[0] - was[0]) < _LEAP else pose
-                self._place(node, *pose)
+            there = agents is not None and bool(agents.present[i])
+            if there and agents is not None:
+                yaw = float(agents.heading[i])
+                self._place(
+                    node, np.asarray(agents.position[i]), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
+                )
             if node.visible != there:
                 node.visible = there
-
-    def _motion(self, index: int) -> AgentMotion | None:
-        """The session's agents in a frame; those of the frames that are shown are kept."""
-        if index not in self._motions:
-            self._motions = {i: motion for i, motion in self._motions.items() if abs(i - index) == 1}
-            self._motions[index] = self.session.agents(index)
-        return self._motions[index]
 
     def _place(self, node: Any, position: np.ndarray, quaternion: np.ndarray) -> None:
         """Moves a node if its pose has changed; nodes at rest send no message."""
@@ -229,20 +204,6 @@ class Stage:
             points = np.full((1, 2, 3), _HIDDEN_POSITION, np.float32)  # viser draws no empty set of lines
         if node.points.shape != points.shape or not np.array_equal(node.points, points):
             node.points = points
-
-
-def between(before: Pose, after: Pose, share: float) -> Pose:
-    """The pose at a share of the way between two, turned the shorter way round."""
-    if share == 1.0:
-        return after
-    turn = after[1] if before[1] @ after[1] >= 0.0 else -after[1]
-    turn = (1.0 - share) * before[1] + share * turn
-    return (1.0 - share) * before[0] + share * after[0], turn / np.linalg.norm(turn)
-
-
-def _agent_pose(motion: AgentMotion, number: int) -> Pose:
-    yaw = float(motion.heading[number])
-    return np.asarray(motion.position[number]), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
 
 
 def chase_view(session: Session, index: int, robot: int) -> tuple[np.ndarray, np.ndarray]:

@@ -208,7 +208,7 @@ def test_check_env_accepts_it(env: NavEnv) -> None:
         ({"task.horizon": 0.0}, "config.task.horizon: found 0.0"),
         ({"task.jerk_limit": -1.0}, "config.task.jerk_limit"),
         ({"scenario": "static"}, "found 'static' for the task 'social_nav', needed 'dynamic'"),
-        ({"task.name": "deliver"}, "config.task.name: found 'deliver', needed one of point_goal, social_nav"),
+        ({"task.name": "fly"}, "config.task.name: found 'fly', needed one of point_goal, social_nav"),
     ],
 )
 def test_bad_configurations_are_refused_in_a_sentence(
