@@ -327,9 +327,13 @@ def test_the_recording_is_a_page_of_its_own(
 
 def test_a_browser_that_leaves_stops_the_drive_and_nothing_else(served: tuple[Page, Streets, str], tab: Any) -> None:
     page = served[0]
-    tab.get_by_role("button", name="Begin again").click()
-    tab.get_by_role("button", name="Play").click()
-    wait(lambda: page.index >= 2)
+    session = page.session
+    page._speed.value = "1x"
+    page._orders.put(page._pause)
+    page._orders.put(page._begin)
+    wait(lambda: page.session is not session)
+    page._orders.put(page._toggle)
+    wait(lambda: page.playing and page.index >= 2)
     tab.goto("about:blank")
     time.sleep(1.0)
     stopped = len(page.session)
