@@ -436,12 +436,16 @@ def _tasks(args: argparse.Namespace) -> Iterator[Job]:
                 yield _job(args, name, words, ("procedural", "validation"), memory, [Row(task, study=TASK, seed=seed)])
 
 
+def _of_imitation(seed: int, *own: object) -> list[object]:
+    """The words of a command of `benchmarks.imitation`; own: its role first."""
+    words = ["benchmarks.imitation", *own, "--train", *_banks(IMITATED), "--holdout", *IMITATED.values()]
+    return [*words, "--train-scenes", IMITATED_STREETS, "--seed", seed, "--env", *_conditions()]
+
+
 def _imitated(
     args: argparse.Namespace, name: str, arm: str, seed: int, own: Sequence[object], *needs: pathlib.Path
 ) -> Job:
-    words: list[object] = ["benchmarks.imitation", *own, "--train", *_banks(IMITATED), "--holdout", *IMITATED.values()]
-    words += ["--train-scenes", IMITATED_STREETS, "--test", *_banks(["validation"]), "--seed", seed]
-    words += ["--env", *_conditions()]
+    words = _of_imitation(seed, *own, "--test", *_banks(["validation"]))
     rows = [Row("student", comparison="imitation", arm=arm, seed=seed)]
     rows.append(dataclasses.replace(rows[0], agent="covered", arm=f"{arm}, camera covered"))
     memory = IMITATION if own[0] == "clone" else STUDENT
@@ -451,11 +455,9 @@ def _imitated(
 def _recorded(args: argparse.Namespace, noisy: bool, seed: int) -> Job:
     """The demonstrations of a seed, recorded on the processor."""
     name = f"imitation-recorded-{'noise' if noisy else 'plain'}-{seed}"
-    words: list[object] = ["benchmarks.imitation", "record", "--demonstrations", max(imitation.COUNTS)]
-    words += [] if noisy else ["--noise", 0.0]
-    words += ["--train", *_banks(IMITATED), "--holdout", *IMITATED.values(), "--train-scenes", IMITATED_STREETS]
-    words += ["--seed", seed, "--env", *_conditions()]
-    return _job(args, name, words, (*IMITATED,), 0, ())
+    noise = () if noisy else ("--noise", 0.0)
+    words = _of_imitation(seed, "record", "--demonstrations", max(imitation.COUNTS), *noise)
+    return _job(args, name, words, tuple(IMITATED), 0, ())
 
 
 def _cloned(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
+from urbanverse_mjx import table_arguments
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavState, default_config
 from urbanverse_mjx.evaluation import Rollout
@@ -80,6 +81,22 @@ def test_the_planner_is_compiled_once_for_all_scenes_and_episodes(env) -> None:
     for scene, row in places:
         Session(machine, scene, [row]).step()
     assert len(traced) == 1
+
+
+def test_the_fields_of_the_planner_are_arguments_of_its_program(env, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of a bank's streets are gigabytes, which a compiler copies and hashes if they are constants."""
+    planner, tables = Planner(env), []
+    make = table_arguments._Program.__init__
+
+    def recorded(program: Any, *given: Any) -> None:
+        make(program, *given)
+        tables.extend(program.tables)
+
+    monkeypatch.setattr(table_arguments._Program, "__init__", recorded)
+    Session(Machine(env, NamedPolicy("planner", planner)), 0, [0]).step()
+    for field in (planner._to_hull, planner._to_edge):
+        assert field.values.nbytes > table_arguments.MIN_ELEMENTS
+        assert any(table.shape == field.values.shape and bool((table == field.values).all()) for table in tables)
 
 
 def test_one_of_many_episodes_is_driven_again_by_its_key(env) -> None:

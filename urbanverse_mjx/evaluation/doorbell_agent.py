@@ -9,6 +9,7 @@ from typing import Any
 
 import jax.numpy as jnp
 
+from ..crowds.motion import wrapped
 from ..datatypes import ValidationError
 from ..envs import NavEnv, NavState
 from ..envs.navigation.tasks.deliver import Deliver
@@ -16,7 +17,7 @@ from ..envs.navigation.tasks.doorbells import APPROACH, STANDOFF
 from ..geometry import rotations
 from .planner import motion_of, waypoint_of
 
-#: m/s on the offset to the approach and along the last line, per m that is left, and at most.
+#: m/s towards the approach and along the last line, per m that is left, and at most.
 GAIN, LAST_SPEED = 1.0, 0.4
 #: rad/s per rad of error, and rad beyond which the robot turns on the spot.
 TURN_GAIN, TURN_FIRST = 1.2, 0.35
@@ -74,7 +75,7 @@ class DoorbellPresser:
         approach = nav.goal[:2] + (APPROACH - STANDOFF) * facing[:2]
         before = (axle - stand) @ facing[:2]
         beside = (axle - stand) @ jnp.stack([-facing[1], facing[0]])
-        turn = _wrapped(jnp.arctan2(-facing[1], -facing[0]) - robot.yaw)
+        turn = wrapped(jnp.arctan2(-facing[1], -facing[0]) - robot.yaw)
         angles = nav.sim.qpos[self._reach.addresses]
         out = jnp.abs(angles - self._folded).max() > 0.3
         arrived = (before < THERE) & (jnp.abs(turn) < FACING) & (jnp.linalg.norm(robot.velocity) < STANDING)
@@ -84,7 +85,7 @@ class DoorbellPresser:
         line = (approach - stand) @ facing[:2]
         on_line = (jnp.abs(beside) < LINE_WIDTH) & (before < line + LINE_WIDTH)
         offset = approach - axle
-        to_approach = _wrapped(jnp.arctan2(offset[1], offset[0]) - robot.yaw)
+        to_approach = wrapped(jnp.arctan2(offset[1], offset[0]) - robot.yaw)
         # Left of the line as seen from the button is right of it for the robot that faces it.
         on_course = turn + jnp.clip(LINE_GAIN * beside, -0.3, 0.3) * (before > THERE)
         error = jnp.where(on_line, on_course, to_approach)
@@ -97,8 +98,7 @@ class DoorbellPresser:
             jnp.minimum(speed, self._env.robot.max_speed), omega, self._env.robot.max_speed, self._env.dt
         )
         target = jnp.where(reaching, self._reaching(nav, angles, middle, facing), self._folded)
-        low, high = self._reach.low, self._reach.high
-        return jnp.clip(jnp.concatenate([base, 2.0 * (target - low) / (high - low) - 1.0]), -1.0, 1.0)
+        return jnp.clip(jnp.concatenate([base, self._reach.shares(target)]), -1.0, 1.0)
 
     def _reaching(self, nav: NavState, angles: Any, middle: Any, facing: Any) -> Any:
         """(J,) rad, targets that bring the fingertip to the button (3,) m that faces (3,), and press it."""
@@ -117,7 +117,3 @@ class DoorbellPresser:
         found, _ = self._reach.solve(jnp.array(READY), wanted, level / jnp.maximum(jnp.linalg.norm(level), 1e-6))
         push = jnp.where(near, PRESS_FORCE, 0.0) * rotations.rotate(back, -facing)
         return found + self._reach.holding(pose, push) / self._reach.gain
-
-
-def _wrapped(angle: Any) -> Any:
-    return jnp.arctan2(jnp.sin(angle), jnp.cos(angle))

@@ -86,6 +86,14 @@ class ArmReach:
         self.gain = jnp.asarray(model.actuator_gainprm[list(robot.arm.actuators), 0], jnp.float32)
         self.addresses, self.speeds = np.array(model.jnt_qposadr[joints]), np.array(model.jnt_dofadr[joints])
 
+    def shares(self, angles: Any) -> Any:
+        """(J,) in [-1, 1], the places in their ranges of angles (J,) rad, as actions have them."""
+        return 2.0 * (angles - self.low) / (self.high - self.low) - 1.0
+
+    def angles(self, shares: Any) -> Any:
+        """(J,) rad at shares (J,) of the ranges; the inverse of `shares`."""
+        return self.low + 0.5 * (shares + 1.0) * (self.high - self.low)
+
     def pose(self, angles: Any) -> ArmPose:
         """The pose at (J,) rad."""
         place, turn = self._place, self._turn

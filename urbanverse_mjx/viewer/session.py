@@ -163,7 +163,7 @@ class Session:
             if known is None:
                 self._known = episode_data(agent, scenes, episodes.episodes)
                 if isinstance(agent, Planner):
-                    # Else the planner is compiled again, for half a minute, with every episode's window.
+                    # Else the planner is compiled again with every episode's window.
                     self._known = agent.widened(self._known)
             first = agent.first_memory() if isinstance(agent, Recurrent) else ()
             self._memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), first)

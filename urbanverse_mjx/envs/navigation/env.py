@@ -397,8 +397,7 @@ class NavEnv(StagedBase[NavState]):
         """(action_size,) the action before the first one: no speed, and the arm where it is."""
         if self._arm is None or self.robot.arm is None:
             return jnp.zeros(self.action_size)
-        folded = (jnp.array(self.robot.arm.folded) - self._arm.low) / (self._arm.high - self._arm.low)
-        return jnp.concatenate([jnp.zeros(2), 2.0 * folded - 1.0])
+        return jnp.concatenate([jnp.zeros(2), self._arm.shares(jnp.array(self.robot.arm.folded))])
 
     def _control(self, nav: NavState, action: jax.Array) -> jax.Array:
         robot = self.robot
@@ -412,10 +411,9 @@ class NavEnv(StagedBase[NavState]):
         command = robot.command(jnp.stack([v, omega]))
         if self._arm is None or robot.arm is None:
             return command
-        low, high, now = self._arm.low, self._arm.high, nav.sim.qpos[self._arm.addresses]
-        target = low + 0.5 * (action[2:] + 1.0) * (high - low)
-        most = robot.arm.speed * self.dt
-        return command.at[np.array(robot.arm.actuators)].set(jnp.clip(target, now - most, now + most))
+        now, most = nav.sim.qpos[self._arm.addresses], robot.arm.speed * self.dt
+        targets = jnp.clip(self._arm.angles(action[2:]), now - most, now + most)
+        return command.at[np.array(robot.arm.actuators)].set(targets)
 
     def _rewards(self, old: NavState, new: NavState, velocity: jax.Array, hit: jax.Array) -> dict[str, jax.Array]:
         p_xy = new.sim.xpos[self._root, :2]

@@ -239,7 +239,7 @@ def test_the_scripted_expert_rings_and_one_that_does_not_know_the_height_mostly_
         ({"task.posts": 0}, "config.task.posts: found 0, needed 1 to 32 in a scene"),
         ({"task.height": (1.0, 1.5)}, "config.task.height: found 1 to 1.5 m"),
         ({"task.distance": (0.5, 3.0)}, "config.task.distance: found 0.5 to 3 m, needed 1.1 <= least < greatest"),
-        ({"task.distance": (58.0, 59.0)}, "config.scenes: found no room for a doorbell in 3 scenes"),
+        ({"task.distance": (58.0, 59.0)}, "config.scenes: found no space for a doorbell in 3 scenes"),
         ({"task.force": 0.0}, "config.task.force: found 0 N"),
         ({"task.hold_time": 0.0}, "config.task.hold_time: found 0 s"),
     ],

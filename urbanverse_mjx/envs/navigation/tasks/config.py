@@ -35,25 +35,33 @@ def _with_task(
     return config
 
 
+def _without_people(preset: str, name: str, options: Mapping[str, Any], scales: Mapping[str, float]) -> ConfigDict:
+    """The same in the scenario `static`, in which no place ends an episode.
+
+    Args:
+      scales: as of `_with_task`; those of the same name replace the preset's.
+    """
+    config = ConfigDict(default_config(preset).to_dict())
+    config.scenario = "static"
+    config.success_radius = 0.0
+    config.reward_config.multiply_by_dt = False
+    config.reward_config.scales = {**default_config(_DENSE).reward_config.scales, **scales}
+    config.task = {"name": name, **options}
+    return config
+
+
 def object_goal_config(preset: str = "paper") -> ConfigDict:
     """The configuration of `ObjectGoal` (`object_goal.ObjectGoal`) for COCO: that of a preset, with objects that stand.
 
     Raises:
       ValidationError: the preset is unknown.
     """
-    config = ConfigDict(default_config(preset).to_dict())
-    config.scenario = "static"
-    config.success_radius = 0.0  # being near is not enough
-    config.reward_config.multiply_by_dt = False
-    dense = default_config(_DENSE).reward_config.scales
-    config.reward_config.scales = {**dense, "at_object": 0.1, "stopped": -5.0}
-    config.task = {
-        "name": "object_goal",
+    options = {
         "path_length": (8.0, 35.0),  # m, shortest path from the start; a whole street is about 50 m long
         "success_distance": 1.0,  # m, of Batra et al. (2020)
         "stop_time": 1.0,  # s
     }
-    return config.lock()
+    return _without_people(preset, "object_goal", options, {"at_object": 0.1, "stopped": -5.0}).lock()
 
 
 def deliver_config(preset: str = "paper") -> ConfigDict:
@@ -62,27 +70,21 @@ def deliver_config(preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: the preset is unknown.
     """
-    config = ConfigDict(default_config(preset).to_dict())
-    del config.drive
-    config.robot = "coco_arm"
-    config.scenario = "static"
-    # A press is a matter of tenths of a second.
-    config.ctrl_dt = 0.1
-    config.episode_length = round(DELIVER_TIME / config.ctrl_dt)
-    config.randomization.latency = tuple(min(x, config.ctrl_dt) for x in config.randomization.latency)
-    config.success_radius = 0.0  # being near is not enough
-    config.reward_config.multiply_by_dt = False
-    dense = default_config(_DENSE).reward_config.scales
-    # The post is always near in the end.
-    config.reward_config.scales = {**dense, "near_object": 0.0, "reach": 2.0, "press": 0.2}
-    config.task = {
-        "name": "deliver",
+    options = {
         "posts": 8,
         "height": (0.9, 1.2),  # m
         "distance": (2.0, 6.0),  # m
         "force": 5.0,  # N; at most 22.2 is allowed, see `deliver`
         "hold_time": 0.2,  # s
     }
+    # The post is always near in the end.
+    config = _without_people(preset, "deliver", options, {"near_object": 0.0, "reach": 2.0, "press": 0.2})
+    del config.drive
+    config.robot = "coco_arm"
+    # A press is a matter of tenths of a second.
+    config.ctrl_dt = 0.1
+    config.episode_length = round(DELIVER_TIME / config.ctrl_dt)
+    config.randomization.latency = tuple(min(x, config.ctrl_dt) for x in config.randomization.latency)
     return config.lock()
 
 
@@ -93,20 +95,15 @@ def multi_robot_config(preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: the preset is unknown.
     """
-    config = ConfigDict(default_config(preset).to_dict())
-    config.scenario = "static"
-    config.success_radius = 0.0  # an end of the route is no end of the episode
-    config.randomization.clutter = 0
-    config.reward_config.multiply_by_dt = False
-    dense = default_config(_DENSE).reward_config.scales
-    config.reward_config.scales = {**dense, "arrived": 0.0, "progress": 0.0, "approach": 1.0, "delivered": 10.0}
-    config.task = {
-        "name": "multi_robot",
+    options = {
         "robots": 4,
         "route_length": (8.0, 30.0),  # m, so that several deliveries fit into the time limit
         "arrival_distance": 1.0,  # m, as the success radius of point goals
         "deliveries": 1,
     }
+    scales = {"arrived": 0.0, "progress": 0.0, "approach": 1.0, "delivered": 10.0}
+    config = _without_people(preset, "multi_robot", options, scales)
+    config.randomization.clutter = 0
     return config.lock()
 
 

@@ -111,7 +111,7 @@ class Deliver(Task):
         """See `Task.furnished`.
 
         Raises:
-          ValidationError: see the class, or no scene has room for a post.
+          ValidationError: see the class, or no scene has space for a post.
         """
         options = config.task
         if not 1 <= options.posts <= MOST_POSTS:

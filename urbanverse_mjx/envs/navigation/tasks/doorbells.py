@@ -61,11 +61,11 @@ class Options(NamedTuple):
 
 
 def with_doorbells(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> SceneBank:
-    """The bank with posts and their episodes in some scenes; other scenes, and those without room for a post, stay as
-    they are.
+    """The bank with posts and their episodes in some scenes; other scenes, and those without space for a post, stay
+    as they are.
 
     Raises:
-      ValidationError: no scene has room for a post.
+      ValidationError: no scene has space for a post.
     """
     path = _path_of(bank, scenes, robot, options)
     names = ("posts", "start", "of")
@@ -76,7 +76,7 @@ def with_doorbells(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, opt
     posts = {int(z): [Post(tuple(p), h, b) for p, h, b in own] for z, own in json.loads(arrays["posts"].tobytes())}
     if not posts:
         raise ValidationError(
-            f"config.scenes: found no room for a doorbell in {len(scenes)} scenes, needed a post on "
+            f"config.scenes: found no space for a doorbell in {len(scenes)} scenes, needed a post on "
             f"a pavement and {options.distance[0]:g} m of level ground before it; take other scenes or distances."
         )
     return with_posts(_with_rows(bank, posts, arrays["start"], arrays["of"]), posts)
