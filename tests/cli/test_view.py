@@ -2,14 +2,18 @@
 
 import json
 import pathlib
+import re
 import socket
+import time
 
 import pytest
 
+from urbanverse_mjx import progress
 from urbanverse_mjx.cli import main as cli
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.pipeline import machines, view_scenes
 from urbanverse_mjx.pipeline.view_scenes import ViewScenes
+from urbanverse_mjx.viewer import page
 
 
 def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
@@ -47,6 +51,25 @@ def test_a_missing_policy_is_refused(
 ) -> None:
     monkeypatch.setattr(ViewScenes, "open", lambda self, name, cousin=0: (bank, 0))
     assert wrong in refused(capsys, "park_edge", "--port", "0", "--policy", wrong)
+
+
+def test_the_terminal_says_that_the_page_is_prepared(
+    capsys: pytest.CaptureFixture[str], bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said, limit = "", time.monotonic() + 20.0
+
+    def prepare(*_: object) -> None:
+        nonlocal said
+        while "\n" not in said and time.monotonic() < limit:
+            time.sleep(0.02)
+            said += capsys.readouterr().err
+        raise ValidationError("prepared.")
+
+    monkeypatch.setattr(progress, "LINE_EVERY", 0.05)
+    monkeypatch.setattr(ViewScenes, "open", lambda self, name, cousin=0: (bank, 0))
+    monkeypatch.setattr(page, "Page", prepare)
+    refused(capsys, "park_edge", "--port", "0")
+    assert re.match(r"opening: 0/1 street, \d+ s, preparing the page\n", said)
 
 
 def test_numbers_out_of_range_are_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -103,6 +103,7 @@ def view(
     """
     import webbrowser
 
+    from ..progress import Progress
     from ..viewer.front import served
     from ..viewer.page import Page
     from ..viewer.teleop import Teleop
@@ -118,7 +119,10 @@ def view(
     # Started first, so that a port in use is detected before loading scenes.
     with served(options.host, options.port, teleop) as (server, front):
         name = scenes.first[0] if scenes.first else scenes.names[0]
-        page = Page(server, choices, name, options.policy, options.robots, options.people, teleop)
+        scenes.open(name)  # compiles what is missing, with a report of its own
+        with Progress() as progress:
+            progress.task("opening", 1, unit="streets", note="preparing the page")
+            page = Page(server, choices, name, options.policy, options.robots, options.people, teleop)
         front.show(page)
         front.library = ViewLibrary(scenes, page.open_scene).answer
         on_ready(front.address)
