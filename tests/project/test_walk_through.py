@@ -82,6 +82,6 @@ def test_every_command_of_the_walk_through_works(
             assert last["sound"] is True
     assert (tmp_path / "by_hand-episode-1.html").stat().st_size > 10_000
     (run,) = (tmp_path / "runs").glob("CocoNav-*-by_hand")
-    assert opened == [("park_edge", "planner"), ("park_edge", "zero"), ("park_edge", f"runs/{run.name}")]
+    assert opened == [("park_edge", "planner"), ("commercial_bike_lane", "zero"), ("park_edge", f"runs/{run.name}")]
     # The corrected dataset was driven by the trained policy where nobody held a key.
     assert json.loads((tmp_path / "runs/corrected/meta/urbanverse.json").read_text())["policy"] == f"runs/{run.name}"
