@@ -39,6 +39,9 @@ Rows, of which `--rows` names patterns:
     imitation-1000-VARIANT-SEED  without noise in the demonstrations, and with a student that sees its last action
     task-TASK-SEED          teacher and camera policy of a task beside point goals (see benchmarks.tasks)
     task-TASK-teacher-SEED  the teacher alone
+    embodiment-shared-SEED  one privileged policy of many robots, told their size and dynamics; embodiment-untold-SEED
+                            not told; embodiment-ROBOT-SEED of one robot (see benchmarks.embodiment)
+    embodiment-score-ROBOT-SEED  these, driven with a robot on validation streets
     street-tuning-STREET    coco_best before and after PPO on cousins of a filmed street (see benchmarks.street_tuning)
 
 OUT gets a folder and a log for each job, and campaign.log.
@@ -59,6 +62,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 
 from benchmarks import (
+    embodiment,
     image_streets,
     imitation,
     missions,
@@ -120,6 +124,8 @@ ENDLESS = 86_400
 #: `paper` (two CNNs at 135x240: 22 in training, 38 in the episodes of its scores), a benchmark; of the preset `fast` at
 #: 54x96, not measured: it takes 7 GiB at 135x240, without the scores of 768 episodes at once.
 TEACHER, IMITATION, STUDENT, PAPER, DRIVE, FAST = 12, 16, 34, 38, 14, 14
+#: The same of the policy of many robots and of one robot's, without camera; not measured, from the number of envs.
+MANY_ROBOTS, ONE_ROBOT = 24, 6
 #: Studies that drive on all cores -> what writes their rows.
 OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
 
@@ -133,6 +139,8 @@ IMAGE_ARMS = {"exact": "exact inputs", "images": "images alone"}
 SEVERAL_GPUS = "gpus"
 #: The same of benchmarks.tasks, and the number of procedural streets to train on: tables of crowds take seconds each.
 TASK, TASK_STREETS = "task", 48
+#: Name of the study of benchmarks.embodiment, and its number of procedural streets to train on.
+EMBODIMENT, EMBODIMENT_STREETS = "embodiment", 32
 
 
 @dataclasses.dataclass(frozen=True)
@@ -488,6 +496,31 @@ def _imitation(args: argparse.Namespace) -> Iterator[Job]:
         yield _imitated(args, "ppo", results.COMPARISONS["imitation"].reference, seed, own)
 
 
+def _embodiment(args: argparse.Namespace) -> Iterator[Job]:
+    """The policy of many robots, told them and not, and one of each robot; and all of them driven with each robot."""
+    for seed in args.seeds:
+        folders = {}
+        arms = {"shared": embodiment.TRAINED, "untold": embodiment.TRAINED}
+        for arm, robots in arms | {name: (name,) for name in embodiment.TRAINED}.items():
+            words: list[object] = ["benchmarks.embodiment", "train", "--robots", *robots]
+            # A robot that is always the same has nothing to be told.
+            words += [] if arm == "shared" else ["--untold"]
+            words += ["--train", *_banks(["procedural"]), "--train-scenes", EMBODIMENT_STREETS]
+            words += ["--steps", args.embodiment_steps, "--seed", seed, "--env"]
+            memory = MANY_ROBOTS if arm in arms else ONE_ROBOT
+            name = f"{EMBODIMENT}-{arm}-{seed}"
+            folders[arm] = args.out / name
+            yield _job(args, name, words, ("procedural",), memory, ())
+        for robot in (*embodiment.TRAINED, *embodiment.HELD_OUT):
+            own = {name: folders[name] for name in arms} | ({"own": folders[robot]} if robot in folders else {})
+            words = ["benchmarks.embodiment", "score", "--robot", robot, "--test", *_banks(["validation"])]
+            words += [word for name, folder in own.items() for word in (f"--{name}", folder)]
+            needs = [folder / "result.json" for folder in own.values()]
+            row = Row("shared", robot=robot, seed=seed, study=EMBODIMENT)
+            name = f"{EMBODIMENT}-score-{robot}-{seed}"
+            yield _job(args, name, [*words, "--env"], ("validation",), ONE_ROBOT, [row], *needs)
+
+
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
     """All jobs that train or score, whatever `--rows` says, in the order in which they should begin."""
     for prefix, ending in RECIPES.items():
@@ -517,6 +550,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
     yield from _image_streets(args)
     yield from _several_gpus(args)
     yield from _tasks(args)
+    yield from _embodiment(args)
     for name in OF_ALL_CORES:
         command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
         # A GPU of its own each, because trainings beside them would want for processors.
@@ -672,6 +706,8 @@ def add_rows(args: argparse.Namespace) -> int:
                 several_gpus.add(job.gives)
             elif row.study == TASK:
                 tasks.add(job.gives)
+            elif row.study == EMBODIMENT:
+                embodiment.add(job.gives)
             elif row.study == STREET_TUNING:
                 street_tuning.add(job.gives)
             elif row.study:
@@ -704,6 +740,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--paper-steps", type=int, default=4_587_520, help="env-steps; a multiple of 131,072")
     cli.add_argument("--scaling-steps", type=int, default=6_000_000, help="env-steps, rounded up to rollouts")
     cli.add_argument("--task-steps", type=int, default=20_000_000, help="env-steps of a task's teacher")
+    cli.add_argument("--embodiment-steps", type=int, default=1_400_000, help="env-steps of each robot of embodiment-*")
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")
     cli.add_argument("--ppo", type=int, default=200, help="iterations of PPO after it")
     cli.add_argument(

@@ -10,7 +10,7 @@ import types
 
 import pytest
 
-from benchmarks import campaign, generalise, scaling, tasks
+from benchmarks import campaign, embodiment, generalise, scaling, tasks
 from benchmarks.campaign import Campaign, Job
 from benchmarks.lib.unseen import named_scenes, parsed_options
 from urbanverse_mjx.envs import registry
@@ -252,7 +252,16 @@ def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeyp
 @pytest.fixture
 def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argparse.Namespace]:
     """What the scripts of all rows find in their command lines."""
-    from benchmarks import comparison, halves, image_streets, imitation, missions, several_gpus, street_tuning, transfer
+    from benchmarks import (
+        comparison,
+        halves,
+        image_streets,
+        imitation,
+        missions,
+        several_gpus,
+        street_tuning,
+        transfer,
+    )
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scripts = {"benchmarks.generalise": generalise.arguments, "benchmarks.comparison": comparison.arguments}
@@ -262,6 +271,7 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
     scripts["benchmarks.imitation"] = imitation.arguments
     scripts["benchmarks.image_streets"] = image_streets.arguments
     scripts["benchmarks.tasks"] = tasks.arguments
+    scripts["benchmarks.embodiment"] = embodiment.arguments
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
@@ -276,6 +286,7 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
 
 def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
     by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (2 * 12 + 2) + 12 + 2 + 2 * len(tasks.TASKS)
+    by_seed += 2 + 2 * len(embodiment.TRAINED) + len(embodiment.HELD_OUT)
     assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2 + 1
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
@@ -285,8 +296,10 @@ def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Nam
     assert [path.parent.name for path in taught.test] == ["craftbench"]
     light = ['vision_config.light="direct"', 'friction="uniform"']  # of version 1 of CraftBench
     assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
-    # Those of street tuning take the same conditions by themselves; tasks are not judged on CraftBench.
-    assert all(args.env[-2:] == light for args in parsed if "env" in args and not {"stage", "task"} & set(vars(args)))
+    # Those of street tuning take the same conditions by themselves; others are not judged on CraftBench.
+    assert all(
+        args.env[-2:] == light for args in parsed if "env" in args and not {"stage", "task", "untold"} & set(vars(args))
+    )
     arms = {args.out.name: args for args in parsed if "-arm-" in args.out.name}
     assert all([path.parent.name for path in args.test] == ["validation"] for args in arms.values())
     for name in ("streets-both-0", "teacher-0", "student-0"):

@@ -102,11 +102,12 @@ def unicycle_env(
     wall: float = jnp.inf,
     vision: bool = False,
     config: ConfigDict | None = None,
+    robot: RobotSpec | None = None,
 ) -> NavEnv:
-    """`CocoNav`'s task, or that of a config, on the kinematic engine."""
+    """`CocoNav`'s task, or that of a config, on the kinematic engine; robot: whose command is the body velocity."""
     chosen = default_config("paper") if config is None else config
     complete = with_overrides(chosen, {"scenes": "all", **(overrides or {})})
-    robot = unicycle_robot()
+    robot = robot or unicycle_robot()
     moving = complete.scenario == "dynamic" or fleet_size(complete) > 0
     engine = UnicycleEngine(robot, complete.ctrl_dt, wall, agents=moving)
     return NavEnv(complete, bank, robot, engine, GoalImage() if vision else None)

@@ -7,6 +7,10 @@ from typing import Any
 
 from . import validation as v
 
+#: Kinds of drives: two sides of wheels; the same, whose tyres slide in turns; steered wheels in front; all wheels
+#: steered and driven; a gait (`simulation.gait_engine`), which may be that of a balancer.
+DRIVES = ("differential", "skid", "ackermann", "swerve", "gait")
+
 
 @dataclasses.dataclass(frozen=True)
 class Response:
@@ -80,6 +84,7 @@ class RobotSpec:
       planner_radius, planner_height, step_height: m, dimensions for route planning.
       response: how it answers to velocity commands; None where that was not described.
       arm: its arm; None where it has none.
+      drive: one of `DRIVES`.
     """
 
     name: str
@@ -99,10 +104,12 @@ class RobotSpec:
     step_height: float
     response: Response | None = None
     arm: Arm | None = None
+    drive: str = "differential"
 
     def __post_init__(self) -> None:
         v.text(self.name, "robot.name")
         where = f"robot {self.name!r}"
+        v.choice(self.drive, f"{where}.drive", DRIVES)
         for name in ("circumradius", "spawn_height", "max_speed", "max_yaw_rate", "planner_radius", "planner_height"):
             v.number(getattr(self, name), f"{where}.{name}", above=0.0)
         v.number(self.physics_timestep, f"{where}.physics_timestep", above=0.0, maximum=0.010)

@@ -171,6 +171,7 @@ def bank_loader(name: str) -> BankLoader:
 _ADDED: dict[str, Any] = {
     "vision_config.light": "direct",
     "friction": "uniform",
+    "observations.robot": False,
     **{f"randomization.{name}": OFF[name] for name in ("wet", "latency", *CAMERA_NOISE)},
 }
 

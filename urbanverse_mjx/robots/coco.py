@@ -19,7 +19,7 @@ from typing import Any, Literal, get_args
 
 import jax.numpy as jnp
 
-from ..datatypes import RobotSpec
+from ..datatypes import Response, RobotSpec
 from ..datatypes import validation as v
 from . import coco_body as body
 from .waypoint import STANDSTILL, clip_velocity, pd_velocity
@@ -31,6 +31,16 @@ MAX_YAW_RATE = 1.0  # rad/s, design section 4; coco.json suggested_numbers_for_a
 PHYSICS_TIMESTEP = 0.010  # s, docs/sources/measured.md: sphere wheels over prism seams, 0.6 mm at 10 ms, 12 mm at 20 ms
 PLANNER_HEIGHT = 1.0  # m, docs/sources/reference_systems.md b.5: the planner's disc needs this height (flag)
 STEP_HEIGHT = 0.02  # m, tests/robots/test_coco_drive.py drives both robots over a step of this height
+#: As tests/evaluation/test_planner.py measures them in C MuJoCo; `evaluation.planner.MOTIONS` knows slopes besides.
+RESPONSES: dict[str, Response] = {
+    "differential": Response(speed_lag=0.32, turn_lag=0.60, pivot=-body.REAR_AXLE_X),
+    "ackermann": Response(
+        speed_lag=0.32,
+        turn_lag=0.20,
+        pivot=-body.REAR_AXLE_X,
+        curvature=math.tan(body.MAX_STEER) / body.WHEELBASE,
+    ),
+}
 
 
 def _differential(command: Any) -> Any:
@@ -106,4 +116,6 @@ def make_coco(drive: Drive = "differential") -> RobotSpec:
         planner_radius=math.hypot(body.REAR_AXLE_X, body.WHEEL_Y) + body.WHEEL_RADIUS,
         planner_height=PLANNER_HEIGHT,
         step_height=STEP_HEIGHT,
+        response=RESPONSES[drive],
+        drive=drive,
     )

@@ -10,7 +10,7 @@ from typing import Any
 import jax.numpy as jnp
 import mujoco
 
-from ..datatypes import Arm, Response, RobotSpec
+from ..datatypes import Arm, RobotSpec
 from . import arm_body, coco_body
 from .coco import clip_command, make_coco
 from .description import reach
@@ -70,7 +70,7 @@ def make_coco_arm() -> RobotSpec:
         planner_radius=coco.planner_radius,
         planner_height=PLANNER_HEIGHT,
         step_height=coco.step_height,
-        # COCO's lags, as its planner knows them.
-        response=Response(speed_lag=0.32, turn_lag=0.6, pivot=-coco_body.REAR_AXLE_X),
+        response=coco.response,
+        drive=coco.drive,
         arm=Arm(names, tuple(range(number, number + len(names))), arm_body.FOLDED, arm_body.TIP, arm_body.SPEED),
     )

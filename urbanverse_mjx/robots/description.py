@@ -96,6 +96,7 @@ def _make(
         planner_height=planner["height"],
         step_height=planner["step"],
         response=_response(body.get("response"), drive, f"{where}.response"),
+        drive=_kind(body["drive"]["kind"], drive),
         max_speed=limits["max_speed"],
         max_yaw_rate=limits["max_yaw_rate"],
     )
@@ -315,6 +316,17 @@ def _wheel_table(m: Mapping[str, Any], model: mujoco.MjModel, limits: dict[str, 
         lateral=v.number(m["lateral"], f"{where}.lateral", above=0.0) if "lateral" in m else math.inf,
         **limits,
     )
+
+
+def _kind(described: str, drive: Command) -> str:
+    """One of `datatypes.robot.DRIVES`; described: the kind in the description."""
+    if not isinstance(drive, WheelTable):
+        return described
+    if drive.skid > 1.0:
+        return "skid"
+    if not any(wheel.steer is not None for wheel in drive.wheels):
+        return "differential"
+    return "swerve" if math.isinf(drive.curvature) else "ackermann"
 
 
 def _response(body: Any, drive: Command, where: str) -> Response | None:

@@ -11,7 +11,7 @@ import math
 import pathlib
 from typing import Any
 
-from ..datatypes import RobotSpec
+from ..datatypes import Response, RobotSpec
 from . import go2_body as body
 from .gait import Gait
 from .go2_menagerie import make_menagerie_mjcf
@@ -72,4 +72,7 @@ def make_go2(menagerie: str | pathlib.Path | None = None) -> RobotSpec:
         planner_radius=PLANNER_RADIUS,
         planner_height=PLANNER_HEIGHT,
         step_height=STEP_HEIGHT,
+        # As its planner knows them (`evaluation.planner.MOTIONS`).
+        response=Response(speed_lag=0.2, turn_lag=0.05),
+        drive="gait",
     )

@@ -243,6 +243,11 @@ def _about(name: str, config: dict[str, Any], fovy: float) -> tuple[str, str, st
     known = {
         PIXELS: ("sRGB, 0 to 255", f"{camera}, first row at the top", "none: the network scales it"),
         "proprio": ("m/s, m/s, rad/s, 1, 1", "speed ahead, speed to the left, yaw rate, last action", "none"),
+        "robot": (
+            "1",
+            "size and dynamics of the robot, the same at every step",
+            "that of urbanverse_mjx.robots.embodiment",
+        ),
         MEMORY: ("1", f"zeros when an episode begins, then {NEXT}{MEMORY} of the step before", "none"),
         NEXT + MEMORY: ("1", f"{MEMORY} of the next step", "none"),
     }

@@ -59,10 +59,11 @@ def fit(
     validate: Validate | None = None,
     start_from: pathlib.Path | None = None,
 ) -> TrainingResult:
-    """Iterates a learner whose states hold the parameters of a student; other arguments and errors as of `distil`.
+    """Iterates a learner whose states hold the parameters of a policy; other arguments and errors as of `distil`.
 
     Args:
-      learner: `Dagger`, `Cloning` or `finetune.Finetune`.
+      learner: `Dagger`, `Cloning`, `finetune.Finetune` or `shared_ppo.SharedPPO`. One whose policy is no
+        student has a method `write` with the arguments of `save_student`.
       begin: function that returns its state before the first iteration; default: its own, from random parameters.
       validate: see `iterative.Iterations`.
       start_from: policy with the initial parameters, for the record.
@@ -71,7 +72,8 @@ def fit(
     each, total = learner.steps_per_iteration, int(config.num_timesteps)
 
     def save(actor: Any, steps: int) -> pathlib.Path:
-        return save_student(folder / "checkpoints", actor, PolicySpec.of(environment, env, config, steps))
+        write = getattr(learner, "write", save_student)
+        return write(folder / "checkpoints", actor, PolicySpec.of(environment, env, config, steps))
 
     iterations = max(total // each, 1)
     run = Iterations(

@@ -16,6 +16,8 @@ from flax import linen as nn
 from .networks import Encoder, goal_features
 
 MAP, VECTOR = "privileged_map", "privileged"
+#: Observation of a robot's size and dynamics (`robots.embodiment`).
+ROBOT = "robot"
 #: Shape of the flat observation `privileged_map`: cells along and across the heading, hull and edge.
 MAP_SHAPE = (20, 16, 2)
 
@@ -79,16 +81,19 @@ def make_map_networks(
     map_layers: Sequence[tuple[int, int, int]] = ((32, 4, 2), (64, 4, 2)),
     hidden: Sequence[int] = (256, 256, 128),
     convolution: str = "auto",
+    told: bool = False,
 ) -> ppo_networks.PPONetworks:
     """Brax's network factory for a teacher.
 
     Args:
-      observation_size: shapes by name; needs `privileged`, and `privileged_map` if `map_layers` are given.
+      observation_size: shapes by name; needs `privileged`, `privileged_map` if `map_layers` are given, and `robot` if
+        `told`.
       action_size: 2, or the number of actuators with action_mode="joint".
       preprocess_observations_fn: unused, because all observations have fixed scales.
       map_layers: (depth, kernel, stride) of the convolutions on the map; empty for a teacher without the map.
       hidden: units of the dense layers in actor and critic.
       convolution: see `networks.convolution_of`.
+      told: whether actor and critic are told the size and the dynamics of the robot.
     """
     del preprocess_observations_fn
     sizes: Any = observation_size
@@ -96,20 +101,25 @@ def make_map_networks(
     def map_of(obs: Any) -> Any:
         return obs[MAP] if map_layers else None
 
+    def vector_of(obs: Any) -> Any:
+        return jnp.concatenate([obs[VECTOR], obs[ROBOT]], axis=-1) if told else obs[VECTOR]
+
     layers, hidden = tuple(map_layers), tuple(hidden)
     actor = MapActor(MapTrunk(layers, hidden, convolution), action_size)
     critic = MapCritic(MapTrunk(layers, hidden, convolution))
     dummy = {VECTOR: jnp.zeros((1, *sizes[VECTOR]))}
+    if told:
+        dummy[ROBOT] = jnp.zeros((1, *sizes[ROBOT]))
     if map_layers:
         dummy[MAP] = jnp.zeros((1, *sizes[MAP]), jnp.uint8)
     return ppo_networks.PPONetworks(
         policy_network=networks.FeedForwardNetwork(
-            init=lambda key: actor.init(key, map_of(dummy), dummy[VECTOR]),
-            apply=lambda _, params, obs: actor.apply(params, map_of(obs), obs[VECTOR]),
+            init=lambda key: actor.init(key, map_of(dummy), vector_of(dummy)),
+            apply=lambda _, params, obs: actor.apply(params, map_of(obs), vector_of(obs)),
         ),
         value_network=networks.FeedForwardNetwork(
-            init=lambda key: critic.init(key, map_of(dummy), dummy[VECTOR]),
-            apply=lambda _, params, obs: critic.apply(params, map_of(obs), obs[VECTOR]),
+            init=lambda key: critic.init(key, map_of(dummy), vector_of(dummy)),
+            apply=lambda _, params, obs: critic.apply(params, map_of(obs), vector_of(obs)),
         ),
         parametric_action_distribution=distribution.NormalTanhDistribution(event_size=action_size),
     )

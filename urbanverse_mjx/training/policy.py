@@ -138,12 +138,20 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
 
 def save_student(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
     """Writes a student's policy folder under `folder`, in half precision; returns it."""
+    half = jax.tree.map(lambda x: np.asarray(x, np.float16), params)
+    return save_policy(folder, (_no_normaliser(), half, {}), spec)
+
+
+def save_actor_and_critic(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
+    """Writes the policy folder of {"actor", "critic"} under `folder`; returns it."""
+    return save_policy(folder, (_no_normaliser(), params["actor"], params["critic"]), spec)
+
+
+def _no_normaliser() -> Any:
+    """Brax expects a normaliser in every checkpoint; this one is not used."""
     from brax.training.acme import running_statistics, specs
 
-    # Brax expects a normaliser in every checkpoint; a student has none, so this one is not used.
-    normaliser = running_statistics.init_state(specs.Array((1,), jnp.dtype("float32")))
-    half = jax.tree.map(lambda x: np.asarray(x, np.float16), params)
-    return save_policy(folder, (normaliser, half, {}), spec)
+    return running_statistics.init_state(specs.Array((1,), jnp.dtype("float32")))
 
 
 def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
@@ -214,7 +222,8 @@ def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
 
         layers = [(int(depth), int(kernel), int(stride)) for depth, kernel, stride in network.map_layers]
         hidden = tuple(int(n) for n in network.hidden)
-        return functools.partial(make_map_networks, map_layers=layers, hidden=hidden)
+        told = bool(network.get("told", False))  # absent from configurations of older policies
+        return functools.partial(make_map_networks, map_layers=layers, hidden=hidden, told=told)
     if "actor_hidden" in network:
         from .mlp_networks import make_mlp_networks
 

@@ -12,6 +12,7 @@ from ...datatypes import AgentMotion, Renderer, RobotSpec, SceneBank, Simulator,
 from ...geometry import rotations
 from ...precision import full_precision
 from ...robots.arm_reach import ArmReach
+from ...robots.embodiment import describe
 from .. import finite
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
@@ -65,14 +66,15 @@ class NavEnv(StagedBase[NavState]):
     at the 15 `PROBES` around the robot, last action. proprio: (3 + action_size,) f32, forward and lateral speed (m/s),
     yaw rate (rad/s), last action: what wheel odometry or a state estimator gives; with `config.observations.proprio`.
     privileged_map: (640,) u8 cm, the two distances of `privileged` at the (20, 16) `MAP_PROBES` around the robot, for
-    teachers and auxiliary losses only; with `config.observations.privileged_map`. A task may add values to the ends of
-    privileged and of proprio's speeds, see its class. Flat, because Brax keeps statistics of every observation except
-    images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`: waypoint: (2,), (dx, dy) in the
-    body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 *
-    max_yaw_rate); joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it has none
-    (wheels), they are its command at full speed straight ahead, backwards and forwards. Not for robots with a gait.
-    Reward: sum of `reward_config.scales` times the terms of `terms`. Ends: see `Result`; TIMEOUT is a truncation. With
-    terminate_on_hit=False hits are only measured.
+    teachers and auxiliary losses only; with `config.observations.privileged_map`. robot: (18,) f32, size and dynamics
+    of the robot (`robots.embodiment.FIELDS`), the same at every step; with `config.observations.robot`. A task may add
+    values to the ends of privileged and of proprio's speeds, see its class. Flat, because Brax keeps statistics of
+    every observation except images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`: waypoint:
+    (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,), ((a0 + 1) / 2 *
+    max_speed, a1 * max_yaw_rate); joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it
+    has none (wheels), they are its command at full speed straight ahead, backwards and forwards. Not for robots with a
+    gait. Reward: sum of `reward_config.scales` times the terms of `terms`. Ends: see `Result`; TIMEOUT is a truncation.
+    With terminate_on_hit=False hits are only measured.
 
         env = registry.load("CocoNav", config_overrides={"preset": "cpu"})
         state = jax.jit(env.reset)(jax.random.key(0))
@@ -105,6 +107,7 @@ class NavEnv(StagedBase[NavState]):
         # Configurations of older policies do not have this field.
         chosen = config.get("observations", {})
         self._sees_proprio, self._sees_map = (bool(chosen.get(k, False)) for k in ("proprio", "privileged_map"))
+        self._told = jnp.asarray(describe(robot)) if chosen.get("robot", False) else None
         self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
         #: Weights of training episodes; None if all are equally likely.
         self.learnability = Learnability(bank, self.scenes) if self._schedule.learnable else None
@@ -329,6 +332,8 @@ class NavEnv(StagedBase[NavState]):
         if self._sees_map:
             metres = self.distances(nav, position[:2] + terms.to_world(jnp.asarray(MAP_PROBES), yaw))
             obs["privileged_map"] = jnp.clip(jnp.rint(metres * 100.0), 0.0, 255.0).astype(jnp.uint8).reshape(-1)
+        if self._told is not None:
+            obs["robot"] = self._told
         if self.renderer is not None:
             obs["pixels/front"] = self._pixels(nav)
         return obs
