@@ -140,7 +140,7 @@ SEVERAL_GPUS = "gpus"
 #: The same of benchmarks.tasks, and the number of procedural streets to train on: tables of crowds take seconds each.
 TASK, TASK_STREETS = "task", 48
 #: Name of the study of benchmarks.embodiment, and its number of procedural streets to train on.
-EMBODIMENT, EMBODIMENT_STREETS = "embodiment", 32
+EMBODIMENT, EMBODIMENT_STREETS = "embodiment", 24
 
 
 @dataclasses.dataclass(frozen=True)

@@ -18,7 +18,8 @@ from urbanverse_mjx.robots import catalogue, load
 
 @pytest.fixture
 def bank_file(small_bank: SceneBank, tmp_path: pathlib.Path) -> pathlib.Path:
-    return small_bank.save(tmp_path / "bank.npz")
+    small_bank.save(tmp_path / "bank.npz")
+    return tmp_path / "bank.npz"
 
 
 def test_a_row_is_trained_goes_on_and_is_scored(
@@ -31,7 +32,7 @@ def test_a_row_is_trained_goes_on_and_is_scored(
         made.append((name, tuple(scenes), impl))
         robot = dataclasses.replace(load(name), command=lambda velocity: velocity)
         given = {"vision": False, "episode_length": 10, "observations.robot": True, "scenes": ",".join(scenes)}
-        return unicycle_env(bank, given | options, robot=robot)
+        return unicycle_env(bank, {**given, **options}, robot=robot)
 
     monkeypatch.setattr(embodiment, "make_env", make)
     sizes = ("--num-envs", "4", "--steps", "64", "--threads", "1", "--impl", "jax")

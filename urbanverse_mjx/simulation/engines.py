@@ -2,6 +2,7 @@
 
 import dataclasses
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import jax
@@ -80,6 +81,16 @@ def make_engine(
         raise v.fail("impl", found, "the package mujoco-mjx for the jax engine", "try impl='warp'") from error
 
     return JaxEngine(bank, robot, **same, **sizes)
+
+
+def load_kernels(engines: Sequence[Any], threads: int) -> None:
+    """Compiles the kernels of several engines' fused steps on the default device at the same time; the first step of
+    each engine would do so while no other one can step. Other engines have nothing to load here."""
+    fused = [engine for engine in engines if getattr(engine, "fused", False)]
+    if fused:
+        from .warp_engine import load_fused_steps
+
+        load_fused_steps(fused, threads)
 
 
 def general_impl(impl: str) -> str:

@@ -22,6 +22,7 @@ from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from ..envs.navigation.ppo import ppo_config
+from ..simulation.engines import load_kernels
 from .devices import ALONE
 from .finetune import advantages, clipped_gain
 from .imitation import fit
@@ -137,6 +138,7 @@ class SharedPPO:
 
     def compile(self, threads: int) -> None:
         """Compiles what each robot needs, several robots at the same time: XLA compiles a program on one core."""
+        load_kernels([env.unwrapped.engine for env in self.envs], threads)
         params = jax.eval_shape(self._parameters, jax.random.key(0))
 
         def one(k: int) -> None:

@@ -24,7 +24,7 @@ from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, 
 from . import bodies_input
 from .batch import WorldBatch
 from .bodies_input import STATE
-from .fused import FusedBatch, build_program
+from .fused import FusedBatch, build_program, load_steps, make_step
 from .model import DeviceModel, build_robot_model
 
 __all__ = ["WarpEngine"]
@@ -242,6 +242,12 @@ class WarpEngine(EngineBase):
             (total, recorded),
             lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs, self.agents, self.movable),
         )
+
+
+def load_fused_steps(engines: Sequence[WarpEngine], threads: int) -> None:
+    """See `engines.load_kernels`."""
+    programs = [engine._program for engine in engines]
+    load_steps([make_step(program.source) for program in programs if program is not None], threads)
 
 
 def _batch_function(function: Any, number: int, sizes: tuple[int, int, int, int], recorded: int, awake: int) -> Any:

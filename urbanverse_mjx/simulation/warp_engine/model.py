@@ -6,6 +6,7 @@ When: at construction, and when a device is first used.
 """
 
 import dataclasses
+import weakref
 from typing import Any
 
 import mujoco
@@ -136,7 +137,7 @@ class DeviceModel:
         self.masses.inertia = wp.array(robot.model.body_inertia, dtype=wp.vec3)
         self.masses.subtree = wp.array(robot.model.body_subtreemass, dtype=float)
         self.spheres = _spheres(robot)
-        self.hulls = _hulls(bank)
+        self.hulls = _kept_hulls(bank, str(self.device))
         self.tables = kernels.Tables()
         self.tables.objects, self.tables.prisms = (_instances(t) for t in static_slots.instance_tables(bank, materials))
         self.tables.origin = wp.array(bank.grid_origin, dtype=wp.vec2)
@@ -153,6 +154,22 @@ def _spheres(robot: RobotModel) -> Any:
         setattr(out, name, wp.array(getattr(table, name).astype(np.int32), dtype=int))
     out.solref, out.solimp = wp.array(table.solref, dtype=wp.vec2), wp.array(table.solimp, dtype=vec5)
     return out
+
+
+#: Name of the device, and arrays of a bank by their numbers in memory -> its hulls there. Engines of several robots in
+#: the same streets share them: those of 160 streets take three seconds.
+_HULLS: dict[tuple[Any, ...], Any] = {}
+
+
+def _kept_hulls(bank: SceneBank, device: str) -> Any:
+    """`_hulls`, kept as long as the bank's arrays; called by one thread at a time for each device."""
+    arrays = (bank.hull_vertices, bank.hull_triangles, bank.hull_num_triangles, bank.hull_planes, bank.hull_box)
+    key = device, *map(id, arrays)
+    if key not in _HULLS:
+        _HULLS[key] = _hulls(bank)
+        for array in arrays:
+            weakref.finalize(array, _HULLS.pop, key, None)
+    return _HULLS[key]
 
 
 def _hulls(bank: SceneBank) -> Any:

@@ -4,6 +4,7 @@
 # pyright: reportAssignmentType=false, reportGeneralTypeIssues=false, reportInvalidTypeForm=false, reportReturnType=false
 
 import functools
+from collections.abc import Sequence
 from typing import Any
 
 import warp as wp
@@ -154,3 +155,9 @@ def make_step(source: str, before: str = "") -> Any:
         )  # fmt: skip
 
     return step
+
+
+def load_steps(steps: Sequence[Any], threads: int) -> None:
+    """Compiles kernels of `make_step` on Warp's current device, several at the same time."""
+    modules = list(dict.fromkeys(step.module for step in steps))
+    wp.force_load(wp.get_device(), modules, block_dim=native.LANES, max_workers=threads)
