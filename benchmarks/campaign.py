@@ -504,7 +504,7 @@ def _embodiment(args: argparse.Namespace) -> Iterator[Job]:
         for arm, robots in arms | {name: (name,) for name in embodiment.TRAINED}.items():
             words: list[object] = ["benchmarks.embodiment", "train", "--robots", *robots]
             # A robot that is always the same has nothing to be told.
-            words += [] if arm == "shared" else ["--untold"]
+            words += [] if arm == "shared" else ["--not-told"]
             words += ["--train", *_banks(["procedural"]), "--train-scenes", EMBODIMENT_STREETS]
             words += ["--steps", args.embodiment_steps, "--seed", seed, "--env"]
             memory = MANY_ROBOTS if arm in arms else ONE_ROBOT
@@ -602,7 +602,7 @@ def chosen(args: argparse.Namespace) -> list[Job]:
     sets = ("urbanverse160", "craftbench", "autobench", "validation", "procedural", "places")
     code = "import sys; from urbanverse_mjx import pipeline; sys.exit(not pipeline.build_library({!r}, quiet=False).ok)"
     builds = [Job(f"scenes-{x}", ("-c", code.format(x)), (store,), bank(x)) for x in sets if bank(x) in files]
-    if builds or prepares:
+    if prepares or any(not job.gives.exists() for job in builds):
         make = "from urbanverse_mjx.assets.records.store import ensure_store; ensure_store()"
         builds.insert(0, Job("catalogue", ("-c", make), (), store))
     return builds + halves + prepares + wanted

@@ -1,7 +1,7 @@
 """One policy for many robots, told their size and dynamics, against policies of single robots.
 
     python -m benchmarks.embodiment train --robots husky mir hunter --train procedural/bank.npz --out runs/shared
-    python -m benchmarks.embodiment train --robots husky mir hunter --untold ... --out runs/untold
+    python -m benchmarks.embodiment train --robots husky mir hunter --not-told ... --out runs/untold
     python -m benchmarks.embodiment train --robots husky --train procedural/bank.npz --out runs/husky
     python -m benchmarks.embodiment score --robot husky --shared runs/shared --untold runs/untold --own runs/husky \
         --test validation/bank.npz --out runs/score-husky
@@ -10,7 +10,7 @@
     python -m benchmarks.embodiment --page
 
 `train` trains one privileged policy (no camera) on all robots named, with equally many env-steps of each
-(`training.shared_ppo`); with one robot it is a policy of that robot. With `--untold` it is not told which robot it
+(`training.shared_ppo`); with one robot it is a policy of that robot. With `--not-told` it is not told which robot it
 drives. Killed and started again, it goes on. `score` drives go_to_goal and the policies with one robot on evenly spaced
 episodes of the bank to test on, the same for every robot and agent, without randomisation; with `--planner` the planner
 with full knowledge too, which takes minutes to build. Both write log.jsonl and result.json to `--out`. `--add` writes
@@ -107,7 +107,7 @@ def train(args: argparse.Namespace, log: "Log") -> dict[str, Any]:
     from urbanverse_mjx.training.run_folder import at_work
     from urbanverse_mjx.training.shared_ppo import shared_ppo_config, train_shared
 
-    config = shared_ppo_config(args.robots, not args.untold)
+    config = shared_ppo_config(args.robots, not args.not_told)
     each = len(args.robots) * args.num_envs * int(config.unroll_length)
     config.update({"num_envs": args.num_envs, "seed": args.seed, "num_checkpoints": args.checkpoints})
     config.update_from_flattened_dict(parsed_options(args.set))
@@ -122,7 +122,7 @@ def train(args: argparse.Namespace, log: "Log") -> dict[str, Any]:
                 environment_of(args.robots[0])[0], envs, config, folder, begun, quiet=True, threads=args.threads
             )
         log(steps=found.steps, seconds=round(found.seconds, 1), steps_per_second=round(found.steps_per_second))
-    return {"robots": list(args.robots), "told": not args.untold, "seed": args.seed, "steps": steps_of(folder)}
+    return {"robots": list(args.robots), "told": not args.not_told, "seed": args.seed, "steps": steps_of(folder)}
 
 
 def score(args: argparse.Namespace, log: "Log") -> dict[str, Any]:
@@ -266,7 +266,7 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("role", nargs="?", choices=("train", "score"))
     cli.add_argument("--out", type=pathlib.Path)
     cli.add_argument("--robots", nargs="+", default=list(TRAINED), help="to train on; default: all but those held out")
-    cli.add_argument("--untold", action="store_true", help="the policy is not told which robot it drives")
+    cli.add_argument("--not-told", action="store_true", help="the policy is not told which robot it drives")
     cli.add_argument("--train", nargs="+", type=pathlib.Path, default=[], help="banks to train on")
     cli.add_argument("--train-scenes", type=int, help="only the first ones of each bank to train on; default: all")
     cli.add_argument("--steps", type=int, default=1_400_000, help="env-steps of each robot")

@@ -37,7 +37,7 @@ def test_a_row_is_trained_goes_on_and_is_scored(
     monkeypatch.setattr(embodiment, "make_env", make)
     sizes = ("--num-envs", "4", "--steps", "64", "--threads", "1", "--impl", "jax")
     options = ("--set", "unroll_length=8", "minibatches=2", "--train", str(bank_file), "--train-scenes", "1")
-    arms = {"shared": ("--robots", "husky", "hunter"), "own": ("--untold", "--robots", "husky")}
+    arms = {"shared": ("--robots", "husky", "hunter"), "own": ("--not-told", "--robots", "husky")}
     for arm, words in arms.items():
         out = tmp_path / arm
         for _ in range(2):  # the second time there is nothing left to train
@@ -150,7 +150,7 @@ def test_the_campaign_trains_equal_steps_and_scores_what_it_trained(tmp_path: pa
     assert list(jobs) == trained + scored
     found = {name: embodiment.arguments([*job.command[2:]]) for name, job in jobs.items()}
     assert {(found[name].steps, found[name].seed) for name in trained} == {(1000, 4)}
-    assert [found[name].untold for name in trained[:3]] == [False, True, True]
+    assert [found[name].not_told for name in trained[:3]] == [False, True, True]
     assert found["embodiment-husky-4"].robots == ["husky"]
     assert tuple(found["embodiment-untold-4"].robots) == embodiment.TRAINED
     husky, scout = (found[f"embodiment-score-{name}-4"] for name in ("husky", "scout"))

@@ -124,7 +124,7 @@ class SharedPPO:
         self._rollouts: list[Any] = [
             jax.jit(functools.partial(self._rollout, env), donate_argnums=1) for env in self.envs
         ]
-        self._learn: Any = jax.jit(self._update, donate_argnums=(0, 1))
+        self._learn: Any = jax.jit(self._update, donate_argnums=0)
 
     def _shapes(self, env: Any) -> tuple[tuple[tuple[str, tuple[int, ...]], ...], int]:
         sizes = env.observation_size
