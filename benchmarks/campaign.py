@@ -501,7 +501,7 @@ def _embodiment(args: argparse.Namespace) -> Iterator[Job]:
     for seed in args.seeds:
         folders = {}
         arms = {"shared": embodiment.TRAINED, "untold": embodiment.TRAINED}
-        for arm, robots in arms | {name: (name,) for name in embodiment.TRAINED}.items():
+        for arm, robots in (arms | {name: (name,) for name in embodiment.TRAINED}).items():
             words: list[object] = ["benchmarks.embodiment", "train", "--robots", *robots]
             # A robot that is always the same has nothing to be told.
             words += [] if arm == "shared" else ["--not-told"]

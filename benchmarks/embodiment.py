@@ -96,8 +96,10 @@ def make_envs(args: argparse.Namespace, log: "Log") -> list["NavEnv"]:
         log(made=robot)
         return env
 
+    # The first one alone makes what all engines share.
+    first = make(args.robots[0])
     with concurrent.futures.ThreadPoolExecutor(args.threads) as pool:
-        return list(pool.map(make, args.robots))
+        return [first, *pool.map(make, args.robots[1:])]
 
 
 def train(args: argparse.Namespace, log: "Log") -> dict[str, Any]:

@@ -107,7 +107,10 @@ class SharedPPO:
             *((MAP,) if config.network.map_layers else ()),
             *((ROBOT,) if config.network.told else ()),
         )
-        shapes = [self._shapes(env) for env in self.envs]
+        self._resets: list[Any] = [jax.jit(env.reset) for env in self.envs]
+        #: Those that are compiled ahead.
+        self._ready: list[Any] = [None for _ in self.envs]
+        shapes = [self._shapes(k) for k in range(len(self.envs))]
         for k, found in enumerate(shapes):
             if found != shapes[0]:
                 raise ValidationError(
@@ -120,38 +123,42 @@ class SharedPPO:
         adam = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
         self._optimizer = optax.multi_transform({"actor": adam, "critic": adam}, {"actor": "actor", "critic": "critic"})
         self.steps_per_iteration = len(envs) * int(config.num_envs) * int(config.unroll_length)
-        self._resets: list[Any] = [jax.jit(env.reset) for env in self.envs]
         self._rollouts: list[Any] = [
             jax.jit(functools.partial(self._rollout, env), donate_argnums=1) for env in self.envs
         ]
         self._learn: Any = jax.jit(self._update, donate_argnums=0)
 
-    def _shapes(self, env: Any) -> tuple[tuple[tuple[str, tuple[int, ...]], ...], int]:
-        sizes = env.observation_size
+    def _shapes(self, k: int) -> tuple[tuple[tuple[str, tuple[int, ...]], ...], int]:
+        # JAX keeps this trace for the compilation.
+        obs = jax.eval_shape(self._resets[k], self._keys(jax.random.key(0))).obs
+        sizes = {name: x.shape[1:] for name, x in obs.items()}
         missing = [name for name in self.names if name not in sizes]
         if missing:
             raise ValidationError(
                 f"ppo.network: found no observation {missing[0]!r}, which the network sees, needed it; set "
                 f"observations.{missing[0]}=true."
             )
-        return tuple((name, tuple(sizes[name])) for name in self.names), env.action_size
+        return tuple((name, tuple(sizes[name])) for name in self.names), self.envs[k].action_size
 
     def compile(self, threads: int) -> None:
         """Compiles what each robot needs, several robots at the same time: XLA compiles a program on one core."""
         load_kernels([env.unwrapped.engine for env in self.envs], threads)
-        params = jax.eval_shape(self._parameters, jax.random.key(0))
-
-        def one(k: int) -> None:
-            state = jax.eval_shape(lambda x: x, self._resets[k](self._keys(jax.random.key(0))))
-            self._rollouts[k] = self._rollouts[k].lower(params, state, jax.random.key(0)).compile()
-
+        key = jax.random.key(0)
+        keys, params = self._keys(key), jax.eval_shape(self._parameters, key)
         with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-            list(pool.map(one, range(len(self.envs))))
+            # Traced by one thread, because Warp numbers the calls into it without a lock.
+            resets, rollouts = [], []
+            for reset, rollout in zip(self._resets, self._rollouts, strict=True):
+                lowered = rollout.lower(params, jax.eval_shape(reset, keys), key)
+                rollouts.append(pool.submit(lowered.compile))
+                resets.append(pool.submit(reset.lower(keys).compile))
+            self._ready = [job.result() for job in resets]
+            self._rollouts = [job.result() for job in rollouts]
 
     def begin(self) -> SharedState:
         """The state before the first iteration."""
         key, key_net, *keys = jax.random.split(jax.random.key(int(self.config.seed)), 2 + len(self.envs))
-        envs = tuple(reset(self._keys(one)) for reset, one in zip(self._resets, keys, strict=True))
+        envs = tuple(self._reset(k, self._keys(one)) for k, one in enumerate(keys))
         params = self._parameters(key_net)
         rate = jnp.float32(self.config.learning_rate)
         return SharedState(params, self._optimizer.init(params), rate, envs, key, jnp.zeros((), jnp.int32))
@@ -182,6 +189,11 @@ class SharedPPO:
     def write(self, folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
         """Writes `actor` of a state as a policy folder under `folder`; returns it."""
         return save_actor_and_critic(folder, params, spec)
+
+    def _reset(self, k: int, keys: jax.Array) -> Any:
+        # A compiled program takes no tracers, by which the shapes of a state are found.
+        ready = self._ready[k]
+        return (self._resets[k] if ready is None or isinstance(keys, jax.core.Tracer) else ready)(keys)
 
     def _keys(self, key: jax.Array) -> jax.Array:
         return jax.random.split(key, int(self.config.num_envs))
