@@ -272,7 +272,7 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--train", nargs="+", type=pathlib.Path, default=[], help="banks to train on")
     cli.add_argument("--train-scenes", type=int, help="only the first ones of each bank to train on; default: all")
     cli.add_argument("--steps", type=int, default=1_400_000, help="env-steps of each robot")
-    cli.add_argument("--num-envs", type=int, default=512, help="of each robot")
+    cli.add_argument("--num-envs", type=int, default=1024, help="of each robot")
     cli.add_argument("--checkpoints", type=int, default=2)
     cli.add_argument("--threads", type=int, default=settings.num_threads(), help="robots that are compiled at once")
     cli.add_argument("--robot", help="of `score`")

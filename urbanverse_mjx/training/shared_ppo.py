@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import optax
+from jax.core import Tracer
 from ml_collections import ConfigDict
 
 from ..datatypes import ValidationError
@@ -45,7 +46,7 @@ def shared_ppo_config(robots: Sequence[str], told: bool) -> ConfigDict:
       network.told: whether the policy is told size and dynamics of the robot (the observation `robot`).
     """
     config = ConfigDict(ppo_config("best").teacher.to_dict())
-    config.update({"num_envs": 512, "unroll_length": 32, "seed": 0, "num_checkpoints": 2, "robots": tuple(robots)})
+    config.update({"num_envs": 1024, "unroll_length": 16, "seed": 0, "num_checkpoints": 2, "robots": tuple(robots)})
     config.num_timesteps = len(robots) * 1_400_000
     config.network.told = told
     return config
@@ -193,7 +194,7 @@ class SharedPPO:
     def _reset(self, k: int, keys: jax.Array) -> Any:
         # A compiled program takes no tracers, by which the shapes of a state are found.
         ready = self._ready[k]
-        return (self._resets[k] if ready is None or isinstance(keys, jax.core.Tracer) else ready)(keys)
+        return (self._resets[k] if ready is None or isinstance(keys, Tracer) else ready)(keys)
 
     def _keys(self, key: jax.Array) -> jax.Array:
         return jax.random.split(key, int(self.config.num_envs))
