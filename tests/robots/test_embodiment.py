@@ -35,11 +35,10 @@ def test_the_kickscooter_is_what_its_makers_and_its_table_say(robots: dict[str, 
 
 
 def test_sizes_are_those_of_the_table(robots: dict[str, RobotSpec]) -> None:
-    """The collision spheres of wheels are wider than the wheels, and nothing is longer by more than the gap between
-    spheres."""
+    """Handles and plates that stand out do not collide, and the spheres of wheels are wider than the wheels."""
     for name in catalogue.NAMES:
         row, size = catalogue.row(name), size_of(robots[name])
-        assert size.ahead + size.behind == pytest.approx(row.size[0], abs=0.1), name
+        assert row.size[0] - 0.15 <= size.ahead + size.behind <= row.size[0] + 0.1, name
         assert size.height <= row.size[2] + 0.06, name
         widest = max(wheel.radius for wheel in row.wheels)
         assert 0.5 * row.size[1] - 0.1 <= size.half_width <= 0.5 * row.size[1] + widest, name
@@ -51,8 +50,7 @@ def test_every_robot_is_told_apart_by_numbers_of_order_one(robots: dict[str, Rob
     assert values.shape == (len(robots), len(FIELDS))
     assert np.isfinite(values).all()
     assert np.abs(values).max() <= 2.0
-    del robots["arm"]  # COCO with a mast
-    values = np.array([describe(robot) for robot in robots.values()])
+    values = np.array([describe(robot) for name, robot in robots.items() if name != "arm"])  # COCO with a mast
     apart = np.abs(values[:, None] - values).max(-1)
     assert apart[~np.eye(len(values), dtype=bool)].min() > 0.04
 
