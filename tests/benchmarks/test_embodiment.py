@@ -37,29 +37,16 @@ def test_a_row_is_trained_goes_on_and_is_scored(
     monkeypatch.setattr(embodiment, "make_env", make)
     sizes = ("--num-envs", "4", "--steps", "64", "--threads", "1", "--impl", "jax")
     options = ("--set", "unroll_length=8", "minibatches=2", "--train", str(bank_file), "--train-scenes", "1")
-    arms = {"shared": ("--robots", "husky", "hunter"), "own": ("--not-told", "--robots", "husky")}
-    for arm, words in arms.items():
-        out = tmp_path / arm
-        for _ in range(2):  # the second time there is nothing left to train
-            assert embodiment.main(["train", *words, *sizes, *options, "--seed", "3", "--out", str(out)]) == 0
-        body = json.loads((out / "result.json").read_text())
-        assert body["steps"] == (128 if arm == "shared" else 64)
-        assert body["told"] == (arm == "shared")
-    assert [name for name, *_ in made] == ["husky", "hunter", "husky"]
+    shared, words = tmp_path / "shared", ("--robots", "husky", "hunter")
+    for _ in range(2):  # the second time there is nothing left to train
+        assert embodiment.main(["train", *words, *sizes, *options, "--seed", "3", "--out", str(shared)]) == 0
+    body = json.loads((shared / "result.json").read_text())
+    assert (body["steps"], body["told"], body["robots"]) == (128, True, ["husky", "hunter"])
+    assert [name for name, *_ in made] == ["husky", "hunter"]
     assert all(len(scenes) == 1 and impl == "jax" for _, scenes, impl in made)
-    words = [
-        "score",
-        "--robot",
-        "hunter",
-        "--test",
-        str(bank_file),
-        "--episodes",
-        "3",
-        "--out",
-        str(tmp_path / "score"),
-    ]
-    for arm in arms:
-        words += [f"--{arm}", str(tmp_path / arm)]
+    policies = ("--shared", str(shared), "--own", str(shared))
+    out = str(tmp_path / "score")
+    words = ("score", "--robot", "hunter", "--test", str(bank_file), "--episodes", "3", "--out", out, *policies)
     assert embodiment.main(words) == 0
     agents = json.loads((tmp_path / "score" / "result.json").read_text())["agents"]
     assert list(agents) == ["go_to_goal", "shared", "own"]
@@ -106,10 +93,10 @@ def test_the_table_counts_robots_that_are_driven_halfway_to_the_planner(
         ("scout", "go_to_goal", "", 10, 100), ("scout", "shared", 0, 30, 100),
     )  # fmt: skip
     page = tmp_path / "robots.md"
-    page.write_text(f"# Page\n{embodiment.MARKS[0]}\nold\n{embodiment.MARKS[1]}\nend\n")
+    page.write_text(f"# Page\n{embodiment.MARKS[0]}\nbefore\n{embodiment.MARKS[1]}\nend\n")
     embodiment.write_page(path, page)
     text = page.read_text()
-    assert "old" not in text
+    assert "before" not in text
     lines = text.splitlines()
     assert lines[2] == "| robot | go_to_goal | own policy | shared, told | shared, not told | planner |"
     assert lines[4] == "| `husky` | 20 [13, 29] |  | 55 [48, 62] | 54 [44, 63] | 90 [83, 94] |"
