@@ -1,6 +1,7 @@
 """A COLMAP model of others becomes a recording in metres, upright, with undistorted frames."""
 
 import pathlib
+import shutil
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ def write_model(folder: pathlib.Path, lens: str = "PINHOLE", below: str = "spars
     model.mkdir(parents=True, exist_ok=True)
     (folder / "images").mkdir()
     rng = np.random.default_rng(0)
-    points, seen = [], [[] for _ in range(images)]
+    points, seen, tracks = [], [[] for _ in range(images)], list[list[str]]()
     for k in range(images):
         rgb, _, depth = _frame(POSES[k])
         if lens == "SIMPLE_RADIAL":
@@ -38,12 +39,14 @@ def write_model(folder: pathlib.Path, lens: str = "PINHOLE", below: str = "spars
                 ray = CAMERA.rays()[row, column] * depth[row, column]
                 points.append(POSES[k][:3, 3] + POSES[k][:3, :3] @ ray)
     for number, point in enumerate(points):
+        tracks.append([])
         for k in range(images):
             local = POSES[k][:3, :3].T @ (point - POSES[k][:3, 3])
             x, y = local[:2] / local[2] if local[2] > 0.1 else (9.0, 9.0)
             stretch = 1 + 0.1 * (x * x + y * y) if lens == "SIMPLE_RADIAL" else 1.0
             u, w = 210 * x * stretch + 160, 210 * y * stretch + 90
             if 0 < u < 320 and 0 < w < 180:
+                tracks[number].append(f"{k + 1} {len(seen[k])}")
                 seen[k].append((u, w, number + 1))
     parameters = "210 160 90 0.1" if lens == "SIMPLE_RADIAL" else "210 210 160 90"
     (model / "cameras.txt").write_text(f"1 {lens} 320 180 {parameters}\n")
@@ -57,11 +60,8 @@ def write_model(folder: pathlib.Path, lens: str = "PINHOLE", below: str = "spars
     (model / "images.txt").write_text("\n".join(lines) + "\n")
     body = []
     for number, point in enumerate(points):
-        track = [
-            f"{k + 1} {i}" for k in range(images) for i, entry in enumerate(seen[k]) if entry[2] == number + 1
-        ]  # fmt: skip
         x, y, z = TURN @ point / UNIT
-        body.append(f"{number + 1} {x} {y} {z} 0 0 0 0.1 {' '.join(track)}")
+        body.append(f"{number + 1} {x} {y} {z} 0 0 0 0.1 {' '.join(tracks[number])}")
     (model / "points3D.txt").write_text("\n".join(body) + "\n")
     return folder
 
@@ -98,6 +98,12 @@ def test_a_model_becomes_metric_and_upright(tmp_path: pathlib.Path, lens: str, b
     assert np.median(np.abs(depth - true)[known] / true[known]) < 0.08
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """A sound model; each test spoils a copy of its own."""
+    return write_model(tmp_path_factory.mktemp("written") / "model")
+
+
 def _without_points(folder: pathlib.Path) -> None:
     lines = (folder / "sparse/0/images.txt").read_text().splitlines()
     (folder / "sparse/0/images.txt").write_text("".join(f"{line}\n\n" for line in lines[::2]))
@@ -117,19 +123,21 @@ def _without_points(folder: pathlib.Path) -> None:
         (lambda p: (p / "sparse/0/points3D.txt").write_text(""), "found 0 points on the ground"),
     ],
 )
-def test_what_a_model_lacks_is_named(tmp_path: pathlib.Path, spoil, said: str) -> None:
-    spoil(write_model(tmp_path / "model"))
+def test_what_a_model_lacks_is_named(tmp_path: pathlib.Path, written: pathlib.Path, spoil, said: str) -> None:
+    spoil(pathlib.Path(shutil.copytree(written, tmp_path / "model")))
     with pytest.raises(ValidationError, match=said):
         read_colmap(tmp_path / "model", tmp_path / "out", _Oracle(1.3), SOURCE, HEIGHT)
     assert not (tmp_path / "out" / "recording.json").exists()
 
 
 @pytest.mark.parametrize(("name", "content"), [("images", None), ("points3D", b"\xff" * 500)])
-def test_a_broken_binary_model_is_one_sentence(tmp_path: pathlib.Path, name: str, content: bytes | None) -> None:
-    """COLMAP's own exceptions are those of a missing key and of memory."""
+def test_a_broken_binary_model_is_one_sentence(
+    tmp_path: pathlib.Path, written: pathlib.Path, name: str, content: bytes | None
+) -> None:
+    """COLMAP's own exception is that of a missing key; a count that is too large it would follow for a minute."""
     import pycolmap  # before Pillow, its zlib breaks Pillow's
 
-    model = write_model(tmp_path / "model") / "sparse/0"
+    model = pathlib.Path(shutil.copytree(written, tmp_path / "model")) / "sparse/0"
     whole = pycolmap.Reconstruction(str(model))
     for file in model.iterdir():
         file.unlink()

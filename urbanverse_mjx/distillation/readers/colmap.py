@@ -26,6 +26,8 @@ from ..perception.perceive import Perception, perceive
 from ..perception.structure import MIN_FRAMES, Structure
 
 _MODEL_FOLDERS = ("sparse/0", "sparse", "")
+#: Bytes of the shortest record of each binary file, behind the u64 that counts them.
+_LEAST_BYTES = {"cameras": 48, "images": 73, "points3D": 51}
 
 
 def read_colmap(
@@ -78,6 +80,7 @@ def _model(root: pathlib.Path) -> Any:
 
     for name in _MODEL_FOLDERS:
         if any((root / name / f"cameras.{suffix}").is_file() for suffix in ("bin", "txt")):
+            _check_counts(root / name)
             try:
                 return pycolmap.Reconstruction(str(root / name))
             except (RuntimeError, ValueError, LookupError, MemoryError) as error:
@@ -92,6 +95,19 @@ def _model(root: pathlib.Path) -> Any:
         "a COLMAP model in sparse/0, sparse or the folder itself",
         "export one with `colmap model_converter`, or check the path",
     )
+
+
+def _check_counts(folder: pathlib.Path) -> None:
+    """Refuses binary files that promise more records than they have bytes for: COLMAP reads on behind their end, for
+    over a minute, before it finds that a number was given twice."""
+    for name, least in _LEAST_BYTES.items():
+        path = folder / f"{name}.bin"
+        if path.is_file():
+            with path.open("rb") as file:
+                count = int.from_bytes(file.read(8), "little")
+            if (size := path.stat().st_size) < 8 + count * least:
+                reason = f"{path.name} has {size} bytes for {v.counted(count, 'records')}"
+                raise v.fail(str(folder), f"a model that COLMAP cannot read ({reason})", "a whole model")
 
 
 def _pinhole(model: Any, posed: list[Any]) -> Camera:
