@@ -2,6 +2,7 @@
 
 import ast
 import functools
+import json
 import pathlib
 import subprocess
 import sys
@@ -27,10 +28,50 @@ def loaded_after(statement: str) -> tuple[set[str], float]:
     return set(names), float(seconds)
 
 
+#: Imports each package in a child of a process that has the libraries already: they take most of the time. The first
+#: line of its arguments are packages and libraries before JAX, the second those after it.
+CHILDREN = """
+import importlib, json, os, sys
+
+def names():
+    return {name.partition(".")[0] for name in sys.modules}
+
+found = {}
+for packages, libraries in json.loads(sys.argv[1]):
+    for library in libraries:
+        importlib.import_module(library)
+    before = names()
+    for package in packages:
+        reader, writer = os.pipe()
+        child = os.fork()
+        if not child:
+            importlib.import_module("urbanverse_mjx." + package)
+            os.write(writer, json.dumps(sorted(names())).encode())
+            os._exit(0)
+        os.close(writer)
+        with os.fdopen(reader, "rb") as file:
+            found[package] = json.loads(file.read())
+        os.waitpid(child, 0)
+        assert names() == before
+print(json.dumps(found))
+"""
+WITHOUT_JAX = ["datatypes", "assets", "citygen", "materialisation", "scene"]
+#: Libraries that packages import when they are imported; none of them may bring in what a test looks for.
+LIBRARIES = (
+    "numpy scipy.ndimage scipy.spatial.transform scipy.optimize scipy.stats scipy.interpolate mujoco shapely "
+    "trimesh skimage.measure PIL.Image pyarrow.parquet networkx rich.progress"
+).split()
+AND_JAX = "jax jax.numpy jaxtyping flax.linen optax ml_collections gymnasium".split()
+
+
 @functools.cache
-def loaded_by(package: str) -> set[str]:
-    """Top-level modules that importing a package loads."""
-    return loaded_after(f"import urbanverse_mjx.{package}")[0]
+def loaded() -> dict[str, set[str]]:
+    """Package -> top-level modules that are loaded once it is imported."""
+    rest = [package for package in PACKAGES if package not in WITHOUT_JAX]
+    code, rounds = [sys.executable, "-W", "ignore", "-c", CHILDREN], [(WITHOUT_JAX, LIBRARIES), (rest, AND_JAX)]
+    done = subprocess.run([*code, json.dumps(rounds)], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    return {package: set(names) for package, names in json.loads(done.stdout).items()}
 
 
 @pytest.mark.parametrize("module", ["urbanverse_mjx", "urbanverse_mjx.settings", "urbanverse_mjx.cli.main"])
@@ -43,15 +84,15 @@ def test_package_imports_nothing_heavy_within_a_second(module: str) -> None:
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_no_package_loads_warp_or_brax_when_imported(package: str) -> None:
-    names = loaded_by(package)
+    names = loaded()[package]
     # Warp is simulation's own library: the package must set its log level before MJX starts it. Capture films with it.
     allowed = {"warp"} if package in ("simulation", "capture") else set()
     assert not names & ({"warp", "brax", "mujoco_warp", "mujoco_warp_pbr"} - allowed)
 
 
-@pytest.mark.parametrize("package", ["datatypes", "assets", "citygen", "materialisation", "scene"])
+@pytest.mark.parametrize("package", WITHOUT_JAX)
 def test_what_makes_scenes_loads_no_jax(package: str) -> None:
-    names = loaded_by(package)
+    names = loaded()[package]
     assert "jax" not in names
 
 
