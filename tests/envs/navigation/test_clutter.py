@@ -1,6 +1,7 @@
 """Objects beside the route: where they may stand, that every episode has others, and that they are seen and touched."""
 
 import itertools
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -44,9 +45,13 @@ def rows_of(bank: SceneBank) -> tuple[np.ndarray, np.ndarray]:
     return scenes, (np.arange(EPISODES) // bank.num_scenes) % bank.num_episodes[scenes]
 
 
-def drawn(bank: SceneBank, clutter: Clutter, seed: int) -> tuple[Bodies, Bodies]:
-    """Of `EPISODES` episodes: the chosen objects in their places of the bank, and beside the route."""
-    scenes, rows = rows_of(bank)
+Drawn = Callable[[int], tuple[Bodies, Bodies]]
+
+
+@pytest.fixture(scope="module")
+def drawn(small_bank: SceneBank, clutter: Clutter) -> Drawn:
+    """Seed -> of `EPISODES` episodes: the chosen objects in their places of the bank, and beside the route."""
+    bank, (scenes, rows) = small_bank, rows_of(small_bank)
     start, goal = bank.episode_start[scenes, rows, :3], bank.episode_goal[scenes, rows]
     waypoints = bank.episode_waypoints[scenes, rows]
 
@@ -57,18 +62,20 @@ def drawn(bank: SceneBank, clutter: Clutter, seed: int) -> tuple[Bodies, Bodies]
         home = Bodies(chosen, place, turn, place * 0, place * 0, jnp.zeros((NUMBER, 6)))
         return home, clutter.place(key, scene, start, goal, waypoints, home)
 
-    keys = jax.random.split(jax.random.key(seed), EPISODES)
-    return jax.jit(jax.vmap(one))(keys, jnp.asarray(scenes), start, goal, waypoints)
+    program = jax.jit(jax.vmap(one))
+    return lambda seed: program(
+        jax.random.split(jax.random.key(seed), EPISODES), jnp.asarray(scenes), start, goal, waypoints
+    )
 
 
-def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, clutter: Clutter) -> None:
+def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, clutter: Clutter, drawn: Drawn) -> None:
     """Judged by exact outlines of the hulls and by the points of the route, without the class's own fields."""
     robot, bank = make_coco(), small_bank
-    home, placed = (jax.tree.map(np.asarray, x) for x in drawn(bank, clutter, 0))
+    home, placed = (jax.tree.map(np.asarray, x) for x in drawn(0))
     moved = np.linalg.norm(placed.position - home.position, axis=-1) > 1e-3
     assert moved.mean() > 0.3, "some streets are narrow, but not all"
     maps = build_clearance_maps(bank, range(bank.num_scenes), robot.planner_height)
-    heights, looked_up = GroundHeights(bank), GroundHeights(bank, GROUND_CELL)
+    scene_of = []
     for e, (z, row) in enumerate(zip(*rows_of(bank), strict=True)):
         route = np.concatenate([bank.episode_start[z, row, None, :3], bank.episode_waypoints[z, row]])[:, :2]
         fine = np.concatenate([np.linspace(a, b, 80) for a, b in itertools.pairwise(route)])
@@ -89,10 +96,14 @@ def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, cl
             assert maps.to_edge[z][cell] >= min(r + MIN_GAP - 0.2, 0.95)
             assert all(np.linalg.norm(p - q) >= r + other + MIN_GAP - 1e-4 for q, other in places)
             places.append((p, r))
-            # As high above the ground as before, exactly in the class's cells; a kerb between cells is 0.1 m.
-            for ground, error in ((looked_up, 1e-4), (heights, 0.02)):
-                above = home.position[e, m, 2] - float(ground(z, jnp.asarray(home.position[e, m, :2])))
-                assert placed.position[e, m, 2] - float(ground(z, jnp.asarray(p))) == pytest.approx(above, abs=error)
+            scene_of.append(z)
+    # As high above the ground as before, exactly in the class's cells; a kerb between cells is 0.1 m.
+    for ground, error in ((GroundHeights(bank, GROUND_CELL), 1e-4), (GroundHeights(bank), 0.02)):
+        look_up = jax.jit(jax.vmap(ground))
+        above, wanted = (
+            x[moved][:, 2] - look_up(np.array(scene_of), x[moved][:, :2]) for x in (placed.position, home.position)
+        )
+        np.testing.assert_allclose(above, wanted, rtol=0.0, atol=error)
     still = home.object_index[~moved] >= -1
     np.testing.assert_array_equal(placed.quaternion[~moved][still], home.quaternion[~moved][still])
 
@@ -105,17 +116,17 @@ def test_a_kerb_in_any_direction_cuts_off_a_point_of_the_rim() -> None:
     assert farthest.min() > 0.98
 
 
-def test_every_episode_has_others(small_bank: SceneBank, clutter: Clutter) -> None:
-    (home, placed), (other_home, other) = drawn(small_bank, clutter, 0), drawn(small_bank, clutter, 1)
+def test_every_episode_has_others(drawn: Drawn) -> None:
+    (home, placed), (other_home, other) = drawn(0), drawn(1)
     assert (np.asarray(home.object_index) != np.asarray(other_home.object_index)).any(-1).mean() > 0.9
     assert (np.asarray(placed.position) != np.asarray(other.position)).any((-1, -2)).mean() > 0.9
-    again = drawn(small_bank, clutter, 0)[1]
+    again = drawn(0)[1]
     np.testing.assert_array_equal(placed.position, again.position)
 
 
-def test_distances_hold_them(small_bank: SceneBank, clutter: Clutter) -> None:
+def test_distances_hold_them(clutter: Clutter, drawn: Drawn) -> None:
     """Against a loop over circles."""
-    _, placed = drawn(small_bank, clutter, 0)
+    _, placed = drawn(0)
     rng = np.random.default_rng(0)
     one = jax.tree.map(lambda x: x[0], placed)
     points = np.asarray(one.position)[rng.integers(0, NUMBER, 40), :2] + rng.normal(0.0, 1.0, (40, 2))
