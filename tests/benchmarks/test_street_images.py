@@ -11,6 +11,7 @@ import pytest
 from benchmarks.lib import shifts as s
 from benchmarks.lib.street_world import World
 from tests.support.box_bank import KERB, street_regions
+from tests.support.few_episodes import few_episodes
 from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneGraph, Source
 from urbanverse_mjx.pipeline import make_controller
@@ -28,7 +29,8 @@ def street(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     post = GraphObject("post", "bollard", place, (0.3, 0.3, HEIGHT), 0.0)
     graph = SceneGraph("toy_street", Source("hand", "Apache-2.0", "none", "none"), (post,), tuple(street_regions()))
     out = tmp_path_factory.mktemp("scene") / "toy"
-    compile_scene(toy_layout(graph, 3), toy_index(), out, make_controller(), source=TOY_SOURCE)
+    with few_episodes():
+        compile_scene(toy_layout(graph, 3), toy_index(), out, make_controller(), source=TOY_SOURCE)
     return out
 
 

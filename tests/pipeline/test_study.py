@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 
 from tests.support.box_bank import KERB, street_regions
+from tests.support.few_episodes import few_episodes
 from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
 from urbanverse_mjx import materialisation, pipeline
 from urbanverse_mjx.cli.main import main
@@ -32,9 +33,10 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, pathlib.Path]
     graph = SceneGraph("toy", Source("hand", "Apache-2.0", "none", "none"), tuple(OBJECTS), tuple(street_regions()))
     graph.save(root / "graphs" / "toy" / "graph.json.gz")
     controller = make_controller()
-    for place, name in (("ours", "toy_Cousin_01"), ("ours", "toy_Cousin_02"), ("procedural", "street_000")):
-        layout = dataclasses.replace(toy_layout(graph, 3), id=name)
-        compile_scene(layout, toy_index(), root / place / name, controller, source=TOY_SOURCE)
+    with few_episodes():
+        for place, name in (("ours", "toy_Cousin_01"), ("ours", "toy_Cousin_02"), ("procedural", "street_000")):
+            layout = dataclasses.replace(toy_layout(graph, 3), id=name)
+            compile_scene(layout, toy_index(), root / place / name, controller, source=TOY_SOURCE)
     return {name: root / name for name in ("ours", "procedural", "graphs")}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import street_regions
+from tests.support.few_episodes import few_episodes
 from tests.support.toy_assets import TOY_SOURCE, UNIT_BOX, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneBank, SceneGraph, SceneLayout, Source, ValidationError
 from urbanverse_mjx.datatypes.ground import GROUND_KINDS, KIND_INDEX, TRAVERSABLE_KINDS
@@ -208,15 +209,24 @@ def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene
     assert [p.name for p in (tmp_path / "notes").iterdir()] == ["diary.txt"]
 
 
-def test_a_scene_that_is_compiled_again_keeps_the_users_files(compiled: CompiledScene, tmp_path: pathlib.Path) -> None:
-    folder = shutil.copytree(compiled.folder, tmp_path / "scene")
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
+    """The same street with few episodes."""
+    out = tmp_path_factory.mktemp("small") / "toy"
+    with few_episodes():
+        return compile_scene(_layout(), toy_index(), out, make_controller(), source=TOY_SOURCE)
+
+
+def test_a_scene_that_is_compiled_again_keeps_the_users_files(small: CompiledScene, tmp_path: pathlib.Path) -> None:
+    folder = shutil.copytree(small.folder, tmp_path / "scene")
     for name in ("notes.md", ".git/config", "map/notes.md"):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text("mine")
     (folder / "metadata.json").write_text("damaged")
-    compile_scene(_layout(), toy_index(), folder, make_controller(), source=TOY_SOURCE)
+    with few_episodes():
+        compile_scene(_layout(), toy_index(), folder, make_controller(), source=TOY_SOURCE)
     assert [(folder / name).read_text() for name in ("notes.md", ".git/config", "map/notes.md")] == ["mine"] * 3
-    assert CompiledScene.load(folder).metadata == compiled.metadata
+    assert CompiledScene.load(folder).metadata == small.metadata
 
 
 def test_no_room_for_episodes_is_refused(tmp_path: pathlib.Path) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import street_regions
+from tests.support.few_episodes import few_episodes
 from tests.support.standing_objects import CUBE, LEANING, scene_of
 from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneGraph, SceneLayout, Source
@@ -30,8 +31,9 @@ def _layout() -> SceneLayout:
 @pytest.fixture(scope="module")
 def free(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
     out = tmp_path_factory.mktemp("scene") / "toy"
-    controller = make_controller()
-    return compile_scene(_layout(), toy_index(), out, controller, source=TOY_SOURCE, freeze_unstable=True, movable=True)
+    options = {"source": TOY_SOURCE, "freeze_unstable": True, "movable": True}
+    with few_episodes():
+        return compile_scene(_layout(), toy_index(), out, make_controller(), **options)
 
 
 @pytest.fixture(scope="module")
