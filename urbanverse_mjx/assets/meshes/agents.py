@@ -8,6 +8,7 @@ meshes of people are not scaled.
 """
 
 import dataclasses
+import functools
 
 import numpy as np
 
@@ -28,8 +29,9 @@ _APPEARANCES = (
 _SIDES = {"car": (4.74, 1.76), "cyclist": (1.80, 0.75)}
 
 
+@functools.cache
 def agent_appearances() -> tuple[AgentAppearance, ...]:
-    """Builds the appearances of all kinds of agents.
+    """Builds the appearances of all kinds of agents, once: their arrays are shared by all who ask.
 
     Raises:
       ValidationError: a recipe does not exist.
