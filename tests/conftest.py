@@ -46,8 +46,13 @@ def pytest_configure(config: pytest.Config) -> None:
     users run.
 
     Nothing that is imported dies, so Python's collector waits until the tests begin.
+
+    Bytecode is kept, as by `make test`: without it each of the processes that tests start compiles the packages that
+    it imports anew, for up to ten seconds.
     """
     gc.disable()
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
     if hasattr(config, "workerinput") or "not slow" not in config.option.markexpr:
         return
     options = {
