@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import shutil
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from trimesh.exchange import stl
 from tests.support.box_bank import street_regions
 from urbanverse_mjx.assets import build_mesh, imported_index
 from urbanverse_mjx.assets.importing.run import Options, import_folder
+from urbanverse_mjx.assets.records.store import ensure_store
 from urbanverse_mjx.assets.selection.matching import Matcher
 from urbanverse_mjx.assets.selection.search import ObjectLibrary, full_library, library
 from urbanverse_mjx.cli.main import main
@@ -25,8 +27,11 @@ Both = tuple[ObjectLibrary, ObjectLibrary, AssetRecord]
 def both(tmp_path_factory: pytest.TempPathFactory):
     """(catalogue, catalogue with an imported storage box, the box's record)."""
     plain = library()  # in the tests' cache
+    cache = tmp_path_factory.mktemp("cache")
+    (cache / "assets").mkdir()
+    shutil.copy(ensure_store(), cache / "assets")  # made anew in 10 s
     patch = pytest.MonkeyPatch()
-    patch.setenv("URBANVERSE_CACHE", str(tmp_path_factory.mktemp("cache")))
+    patch.setenv("URBANVERSE_CACHE", str(cache))
     assert full_library() is plain
     folder = tmp_path_factory.mktemp("files")
     body = trimesh.creation.box((0.613, 0.371, 0.293))
