@@ -41,6 +41,14 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
     return compile_scene(_layout(), toy_index(), out, make_controller(), source=TOY_SOURCE)
 
 
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
+    """The same street with few episodes."""
+    out = tmp_path_factory.mktemp("small") / "toy"
+    with few_episodes():
+        return compile_scene(_layout(), toy_index(), out, make_controller(), source=TOY_SOURCE)
+
+
 def test_folder_is_whole_and_loads_in_stock_mujoco(compiled: CompiledScene) -> None:
     names = {p.name for p in compiled.folder.iterdir()}
     files = {"scene.xml", "episodes.npz", "layout.json", "metadata.json", "geometry.npz"}
@@ -121,10 +129,11 @@ def test_episodes_keep_every_rule(compiled: CompiledScene) -> None:
     np.testing.assert_allclose(table.goal[:, 2], heights)
 
 
-def test_same_layout_same_files(compiled: CompiledScene, tmp_path: pathlib.Path) -> None:
-    again = compile_scene(_layout(), toy_index(), tmp_path / "again", make_controller(), source=TOY_SOURCE)
-    for path in sorted(p for p in compiled.folder.rglob("*") if p.is_file()):
-        twin = again.folder / path.relative_to(compiled.folder)
+def test_same_layout_same_files(small: CompiledScene, tmp_path: pathlib.Path) -> None:
+    with few_episodes():
+        again = compile_scene(_layout(), toy_index(), tmp_path / "again", make_controller(), source=TOY_SOURCE)
+    for path in sorted(p for p in small.folder.rglob("*") if p.is_file()):
+        twin = again.folder / path.relative_to(small.folder)
         if path.suffix == ".npz":
             with np.load(path) as a, np.load(twin) as b:
                 assert a.files == b.files
@@ -133,11 +142,11 @@ def test_same_layout_same_files(compiled: CompiledScene, tmp_path: pathlib.Path)
         else:
             assert path.read_bytes() == twin.read_bytes()
     loaded = CompiledScene.load(again.folder)
-    assert loaded.layout == compiled.layout
-    assert loaded.metadata == compiled.metadata
+    assert loaded.layout == small.layout
+    assert loaded.metadata == small.metadata
     # Not in the file: it follows from the layout.
     friction = loaded.geometry.prism_material_friction
-    np.testing.assert_array_equal(friction, compiled.geometry.prism_material_friction)
+    np.testing.assert_array_equal(friction, small.geometry.prism_material_friction)
     kinds = {GROUND_KINDS[k]: f for k, f in zip(loaded.geometry.prism_kind, friction.tolist(), strict=True)}
     assert kinds["road"] == 0.7
     assert kinds["sidewalk"] == 0.65
@@ -207,14 +216,6 @@ def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene
     with pytest.raises(ValidationError, match="folder with other files"):
         compile_scene(layout, toy_index(), tmp_path / "notes", make_controller(), source=TOY_SOURCE)
     assert [p.name for p in (tmp_path / "notes").iterdir()] == ["diary.txt"]
-
-
-@pytest.fixture(scope="module")
-def small(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
-    """The same street with few episodes."""
-    out = tmp_path_factory.mktemp("small") / "toy"
-    with few_episodes():
-        return compile_scene(_layout(), toy_index(), out, make_controller(), source=TOY_SOURCE)
 
 
 def test_a_scene_that_is_compiled_again_keeps_the_users_files(small: CompiledScene, tmp_path: pathlib.Path) -> None:
