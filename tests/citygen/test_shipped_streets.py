@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+from tests.support.built_streets import built
 from urbanverse_mjx.citygen import BUILDERS, SPLITS, build, catalogue, clearance
 from urbanverse_mjx.datatypes import PAINT_KINDS, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import height_at
@@ -130,7 +131,7 @@ def test_nothing_stands_in_another_object(graph):
 
 def test_objects_are_in_the_way_but_a_robot_gets_by(graph):
     """A disc of 1.1 m passes each pavement from end to end, and at least five objects stand in its middle half."""
-    street = BUILDERS[graph.id]()
+    street = built(graph.id)
     space = clearance.free_space(graph.ground, graph.objects)
     for side in (1, -1):
         near, far = side * street.section.half, side * street.section.front(side)
@@ -147,7 +148,7 @@ def test_objects_are_in_the_way_but_a_robot_gets_by(graph):
 def test_house_fronts_line_both_sides_and_close_both_ends(graph):
     """A ray from the middle of the street in any level direction meets a house."""
     fronts = shapely.union_all([clearance.footprint(o).buffer(0.02) for o in graph.objects if is_house(o)])
-    section = BUILDERS[graph.id]().section
+    section = built(graph.id).section
     for x in np.linspace(3.0, section.length - 3.0, 9):
         for angle in np.linspace(0.0, 2 * np.pi, 180, endpoint=False):
             ray = shapely.LineString([(x, 0.0), (x + 150 * np.cos(angle), 150 * np.sin(angle))])
