@@ -25,12 +25,17 @@ from urbanverse_mjx.process_pool import worker_pool
 KEPT = 2**28
 
 
+#: Packages that `assets` may import, by the contract of import-linter, beside the modules next to them.
+BELOW = ("assets", "datatypes", "geometry")
+
+
 @functools.cache
 def sources_key() -> str:
-    """Of all that tables come from: any module of the package, the index, Python and NumPy."""
+    """Of all that tables come from: every module that assets depend on, the index, Python and NumPy."""
     digest = hashlib.sha256(f"{sys.version} {np.__version__} {pa.__version__}".encode())
     package = pathlib.Path(urbanverse_mjx.__file__).parent
-    for path in sorted([*package.rglob("*.py"), *(p for p in settings.asset_root().rglob("*") if p.is_file())]):
+    modules = [*package.glob("*.py"), *(path for name in BELOW for path in (package / name).rglob("*.py"))]
+    for path in sorted([*modules, *(p for p in settings.asset_root().rglob("*") if p.is_file())]):
         digest.update(f"{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:16]
 
