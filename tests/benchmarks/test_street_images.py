@@ -11,8 +11,7 @@ import pytest
 from benchmarks.lib import shifts as s
 from benchmarks.lib.street_world import World
 from tests.support.box_bank import KERB, street_regions
-from tests.support.few_episodes import few_episodes
-from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
+from tests.support.toy_assets import TOY_SOURCE, few_episodes, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneGraph, Source
 from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.scene import compile_scene

@@ -1,5 +1,6 @@
 """Requirements on the six streets, checked on the committed files."""
 
+import functools
 import itertools
 import json
 import pathlib
@@ -8,13 +9,14 @@ import numpy as np
 import pytest
 import shapely
 
-from tests.support.built_streets import built
 from urbanverse_mjx.citygen import BUILDERS, SPLITS, build, catalogue, clearance
 from urbanverse_mjx.datatypes import PAINT_KINDS, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import height_at
 
 SCENES = pathlib.Path(__file__).parents[2] / "scenes"
 IDS = list(BUILDERS)
+#: The street of an id, which is only read.
+street_of = functools.cache(lambda scene_id: BUILDERS[scene_id]())
 
 
 @pytest.fixture(scope="module", params=IDS)
@@ -131,7 +133,7 @@ def test_nothing_stands_in_another_object(graph):
 
 def test_objects_are_in_the_way_but_a_robot_gets_by(graph):
     """A disc of 1.1 m passes each pavement from end to end, and at least five objects stand in its middle half."""
-    street = built(graph.id)
+    street = street_of(graph.id)
     space = clearance.free_space(graph.ground, graph.objects)
     for side in (1, -1):
         near, far = side * street.section.half, side * street.section.front(side)
@@ -148,7 +150,7 @@ def test_objects_are_in_the_way_but_a_robot_gets_by(graph):
 def test_house_fronts_line_both_sides_and_close_both_ends(graph):
     """A ray from the middle of the street in any level direction meets a house."""
     fronts = shapely.union_all([clearance.footprint(o).buffer(0.02) for o in graph.objects if is_house(o)])
-    section = built(graph.id).section
+    section = street_of(graph.id).section
     for x in np.linspace(3.0, section.length - 3.0, 9):
         for angle in np.linspace(0.0, 2 * np.pi, 180, endpoint=False):
             ray = shapely.LineString([(x, 0.0), (x + 150 * np.cos(angle), 150 * np.sin(angle))])

@@ -13,7 +13,7 @@ from typing import Any, get_args
 import pytest
 
 from tests.support.box_bank import street_regions
-from tests.support.few_episodes import few_episodes
+from tests.support.toy_assets import few_episodes
 from urbanverse_mjx import pipeline, progress
 from urbanverse_mjx.cli import scene
 from urbanverse_mjx.cli.main import main

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import shapely
 
-from tests.support.built_streets import built
 from urbanverse_mjx.assets import load_hulls
 from urbanverse_mjx.citygen import BUILDERS, clearance
 from urbanverse_mjx.datatypes import SceneGraph
@@ -94,7 +93,7 @@ def test_a_robot_gets_by_the_real_objects_on_both_pavements(street):
     reach = clearance.CLEARANCE / 2
     blocked = shapely.union_all(taken).buffer(reach, quad_segs=4)
     free = clearance.walkable(graph.ground).buffer(-reach, join_style="mitre").difference(blocked)
-    section = built(graph.id).section
+    section = BUILDERS[graph.id]().section
     for side in (1, -1):
         length = clearance.reach_along(free, side * section.half, side * section.front(side))
         assert length >= section.length - 2 * clearance.CLEARANCE

@@ -11,8 +11,7 @@ import pytest
 from PIL import Image
 
 from tests.support.box_bank import KERB, street_regions
-from tests.support.few_episodes import few_episodes
-from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
+from tests.support.toy_assets import TOY_SOURCE, few_episodes, toy_index, toy_layout
 from urbanverse_mjx import materialisation, pipeline
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import GraphObject, SceneGraph, Source, ValidationError

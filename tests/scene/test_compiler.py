@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import street_regions
-from tests.support.few_episodes import few_episodes
-from tests.support.toy_assets import TOY_SOURCE, UNIT_BOX, toy_index, toy_layout
+from tests.support.toy_assets import TOY_SOURCE, UNIT_BOX, few_episodes, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneBank, SceneGraph, SceneLayout, Source, ValidationError
 from urbanverse_mjx.datatypes.ground import GROUND_KINDS, KIND_INDEX, TRAVERSABLE_KINDS
 from urbanverse_mjx.pipeline import make_controller

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from tests.support import few_episodes
+from tests.support.toy_assets import FEW, few_episodes
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.collision import hulls
 from urbanverse_mjx.datatypes import (
@@ -216,8 +216,8 @@ def test_a_set_with_the_regional_look_is_built(monkeypatch: pytest.MonkeyPatch, 
     write_json(tmp_path / "scenes" / library.TABLE, rows)
     monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(tmp_path / "scenes"))
     monkeypatch.setattr(library, "folder", lambda name: tmp_path / "built" / name)
-    monkeypatch.setattr(building, "ROWS", few_episodes.NUMBER)
-    with few_episodes.few_episodes():
+    monkeypatch.setattr(building, "ROWS", FEW)
+    with few_episodes():
         (record,) = building.build_layout("mine", "corner")
     assert record["drawn"] > 0
     compiled = []

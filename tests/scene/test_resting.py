@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import street_regions
-from tests.support.few_episodes import few_episodes
 from tests.support.standing_objects import CUBE, LEANING, scene_of
-from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
+from tests.support.toy_assets import TOY_SOURCE, few_episodes, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneGraph, SceneLayout, Source
 from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.scene import CompiledScene, compile_scene

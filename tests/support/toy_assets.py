@@ -1,4 +1,10 @@
-"""An index of one record, a unit box, and layouts that put one scaled box where a graph has an object."""
+"""An index of one record, a unit box, and layouts that put one scaled box where a graph has an object; streets
+compiled with few episodes."""
+
+import contextlib
+import functools
+from collections.abc import Iterator
+from unittest import mock
 
 import numpy as np
 
@@ -14,6 +20,7 @@ from urbanverse_mjx.datatypes import (
     SceneGraph,
     SceneLayout,
 )
+from urbanverse_mjx.scene import EpisodeRules, episodes
 from urbanverse_mjx.scene.compiler import AssetSource
 from urbanverse_mjx.scene.hulls import convex_part
 
@@ -72,3 +79,15 @@ def toy_layout(graph: SceneGraph, seed: int = 0) -> SceneLayout:
     )
     ground = tuple(PlacedGround(g.id, g.kind, g.polygon, g.plane, material_ids(g.kind)[0]) for g in graph.ground)
     return SceneLayout(graph.id, graph.id, graph.content_hash(), seed, 0, objects, ground, sky_ids()[0], 0.3, {})
+
+
+#: Episodes of a street whose episodes do not matter; its own 256 are tried and driven for seconds.
+FEW = 24
+
+
+@contextlib.contextmanager
+def few_episodes() -> Iterator[None]:
+    """Within, a street that is compiled without rules of its own gets `FEW` episodes towards six goals."""
+    rules = functools.partial(EpisodeRules, rows=FEW, goals=6)
+    with mock.patch.object(episodes, "MIN_ROWS", FEW), mock.patch.object(episodes, "EpisodeRules", rules):
+        yield
