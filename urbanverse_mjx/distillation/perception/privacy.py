@@ -11,7 +11,7 @@ import numpy as np
 from ...datatypes import ValidationError
 
 #: Short names of detectors.
-_SHORT = {"haar": f"{__package__}.haar:detector"}
+_SHORT = {"haar": f"{__package__}.haar:detector", "centerface": f"{__package__}.published.centerface:detector"}
 
 
 class FindsPrivate(Protocol):
@@ -65,7 +65,7 @@ def _coarse(part: np.ndarray) -> np.ndarray:
 
 def blur_by_name(name: str) -> Blur:
     """Makes a blur from "module:attribute", where the attribute is a function without arguments that returns a
-    detector; "haar" stands for `haar.detector`.
+    detector; "haar" stands for `haar.detector`, "centerface" for `published.centerface.detector`.
 
     Raises:
       ValidationError: no such module or attribute.

@@ -45,7 +45,7 @@ class PerceptionModel:
 
     def __call__(self, rgb: np.ndarray, focal: float) -> FrameObservation:
         """See `Predictor`."""
-        return _full_size(self.decoded(rgb, focal).surer(MIN_SCORE), *rgb.shape[:2])
+        return full_size(self.decoded(rgb, focal).surer(MIN_SCORE), *rgb.shape[:2])
 
     def decoded(self, rgb: np.ndarray, focal: float) -> Decoded:
         """All objects of an image (H, W, 3) u8, whatever their score, at the outputs' size.
@@ -78,7 +78,8 @@ def label_of(obj: FoundObject) -> str:
     return classes.leaves()[obj.leaf] if obj.certainty >= least else classes.names()[obj.kind]
 
 
-def _full_size(seen: Decoded, height: int, width: int) -> FrameObservation:
+def full_size(seen: Decoded, height: int, width: int) -> FrameObservation:
+    """The decoded outputs at the size of the image, with labels in place of numbers."""
     rows = np.minimum(((np.arange(height) + 0.5) * seen.kinds.shape[0] / height).astype(int), seen.kinds.shape[0] - 1)
     columns = np.minimum(((np.arange(width) + 0.5) * seen.kinds.shape[1] / width).astype(int), seen.kinds.shape[1] - 1)
     at = np.ix_(rows, columns)

@@ -1,4 +1,4 @@
-"""Makes the perception model: the built-in network, or foundation models."""
+"""Makes the perception model: the built-in network, with or without a published detector, or foundation models."""
 
 import pathlib
 
@@ -7,6 +7,7 @@ from ...assets.categories import ontology
 from ...datatypes import ValidationError
 from ...distillation.perception import Predictor
 from ...distillation.perception.foundation import FoundationPredictor
+from ...distillation.perception.published.opinion import second_opinion
 from ...distillation.perception_model.inference import PerceptionModel
 from .listing import list_categories
 from .video_options import VideoOptions
@@ -25,7 +26,12 @@ def make_predictor(video: VideoOptions, frames: pathlib.Path | None = None) -> P
       ValidationError: weights or a package are missing, or the perception model is unknown.
     """
     if video.perception == "eye":
-        return PerceptionModel.load()
+        model = PerceptionModel.load()
+        return model if video.second_opinion is None else second_opinion(model, video.second_opinion)
+    if video.second_opinion is not None:
+        raise ValidationError(
+            f"--second-opinion: found --perception {video.perception}, needed the built-in network; leave one out."
+        )
     if video.perception != "foundation":
         raise ValidationError(f"--perception: found {video.perception!r}, needed one of {', '.join(PERCEPTIONS)}.")
     labels = list(ontology.categories())

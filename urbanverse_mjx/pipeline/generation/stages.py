@@ -86,6 +86,10 @@ def generate(
     options = options or GenerationOptions()
     check_options(options)
     check_packages(options.retrieval)
+    if options.video.second_opinion is not None:
+        from .predictors import make_predictor
+
+        make_predictor(options.video)  # missing weights are said before frames are taken
     given = recognise(os.fspath(source))
     with RunFolder.open(out, str(given.path)) as run, Progress(quiet) as progress:
         recording, key = _recording(run, progress, options.video, given)

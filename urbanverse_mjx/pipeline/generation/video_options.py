@@ -16,6 +16,8 @@ class VideoOptions:
       perception: model that finds objects: "eye", the built-in one, or "foundation".
       models: folder of the latter's weights.
       detector: of the latter: "owlv2" (with SAM 2) or "sam3".
+      second_opinion: published detector whose boxes are fused with the built-in model's objects, "nanodet"; None for
+        none.
       blur: detector of faces and plates, which are made unreadable before a frame is stored; None for no blurring.
       focal: mm, 35-mm equivalent focal length of the lens; None for the images' EXIF data, else an estimate.
       allow_truncated: whether a film that ends before its stated length is used as far as it goes.
@@ -33,3 +35,4 @@ class VideoOptions:
     allow_truncated: bool = False
     focal: float | None = None
     detector: str = "owlv2"
+    second_opinion: str | None = None
