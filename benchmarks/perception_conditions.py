@@ -2,6 +2,7 @@
 
     python -m benchmarks.perception_conditions --out conditions.csv
     python -m benchmarks.perception_conditions --weights perception.npz --streets 20 --frames 128 --out conditions.csv
+    python -m benchmarks.perception_conditions --second-opinion nanodet --out opinion.csv
 
 The streets are those of `perception_streets --split test`: no layout, no asset of leaves with three variants and no sky
 was in training. Rows: all frames as they are; low light, the same frames at dusk and at night; distant objects, those
@@ -35,6 +36,8 @@ from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.appearances.skies import build_sky
 from urbanverse_mjx.datatypes import SceneBank, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
+from urbanverse_mjx.distillation.perception.published import fusion, groups
+from urbanverse_mjx.distillation.perception.published.opinion import DETECTORS
 from urbanverse_mjx.distillation.perception_model import classes, network, score, weights
 from urbanverse_mjx.distillation.perception_model.augment import augment
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, decode
@@ -45,6 +48,9 @@ from urbanverse_mjx.scene.compiler import scene_geometry
 
 DISTANT = 30.0  # m
 CLUTTER = 15  # objects of 25 pixels or more in a frame
+#: What was found in an image (H, W, 3) u8 -> what is judged.
+Change = Callable[[Decoded, np.ndarray], Decoded]
+DAY = "all frames, by day, flat"
 COLUMNS: tuple[str, ...] = (
     "condition",
     "frames",
@@ -146,28 +152,39 @@ def judged(
     return out
 
 
-def look(variables: Any, views: Views, frames: int, batch: int, seed: int) -> tuple[list[JudgedObject], int]:
-    """Results of seeded frames, and their number; blocked frames are left out."""
+def look(
+    variables: Any,
+    views: Views,
+    frames: int,
+    batch: int,
+    seed: int,
+    changes: Sequence[Change] = (lambda found, rgb: found,),
+) -> list[tuple[list[JudgedObject], int]]:
+    """Results of seeded frames for each change of what was found, and the number of frames; without blocked ones."""
     model = weights.network(jnp.float32, network.blocks_of(variables))
     apply = jax.jit(lambda images: model.apply(variables, images, train=False))
     draw = jax.jit(lambda keys: (*views(keys, dye=False), *_pose(views, keys)))
     fault = jax.jit(jax.vmap(augment))
-    out: list[JudgedObject] = []
+    out: list[list[JudgedObject]] = [[] for _ in changes]
     drawn = 0
     for start in range(0, frames, batch):
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
         images, wanted, counts, scene, focal = draw(keys)
-        outputs = apply(fault(keys, images))
+        shown = fault(keys, images)
+        outputs = apply(shown)
         for i in np.flatnonzero(np.asarray(counts)):
             found = decode(jax.tree.map(lambda x, i=i: np.asarray(x[i]), outputs), network.CANONICAL_FOCAL)
+            rgb = np.round(np.clip(np.asarray(shown[i]), 0.0, 1.0) * 255.0).astype(np.uint8)
             # Targets of depth are those of the canonical camera.
             metres = (
                 network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * float(focal[i]) / network.CANONICAL_FOCAL
             )
             kinds, owner = np.asarray(wanted.classes[i]), np.asarray(wanted.owner[i])
-            out += judged(found.surer(MIN_SCORE), kinds, owner, metres, (int(scene[i]), start + int(i)))
+            at = (int(scene[i]), start + int(i))
+            for change, rows in zip(changes, out, strict=True):
+                rows += judged(change(found, rgb).surer(MIN_SCORE), kinds, owner, metres, at)
             drawn += 1
-    return out, drawn
+    return [(rows, drawn) for rows in out]
 
 
 def _pose(views: Views, keys: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -203,7 +220,7 @@ def rows_of(seen: dict[str, tuple[list[JudgedObject], int]], streets: int) -> li
         return row(name, chosen, streets, len({x.frame for x in chosen}))
 
     return [
-        row("all frames, by day, flat", plain, streets, frames),
+        row(DAY, plain, streets, frames),
         row("low light: dusk", seen["dusk"][0], streets, seen["dusk"][1]),
         row("low light: night", seen["night"][0], streets, seen["night"][1]),
         part(f"objects up to {DISTANT:g} m", lambda x: x.distance <= DISTANT),
@@ -214,6 +231,16 @@ def rows_of(seen: dict[str, tuple[list[JudgedObject], int]], streets: int) -> li
     ]
 
 
+def with_detector(name: str) -> Change:
+    """Fuses the boxes of a published detector.
+
+    Raises:
+      ValidationError: its weights were not fetched.
+    """
+    detector = DETECTORS[name]()
+    return lambda found, rgb: fusion.fuse(found, groups.to_groups(detector(rgb)), rgb.shape[:2])
+
+
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.perception_conditions", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
@@ -222,6 +249,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--frames", type=int, default=128)
     parser.add_argument("--batch", type=int, default=4)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--second-opinion", choices=sorted(DETECTORS), help="compare frames by day with and without it")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="CSV file to write")
     arguments = parser.parse_args(argv)
     if min(arguments.streets, arguments.frames, arguments.batch) < 1:
@@ -230,18 +258,30 @@ def main(argv: list[str] | None = None) -> int:
         variables, _ = weights.load(arguments.weights)
         flat = layouts(arguments.streets)
         seen: dict[str, tuple[list[JudgedObject], int]] = {}
+        numbers = (arguments.frames, arguments.batch, arguments.seed)
+        if arguments.second_opinion is not None:
+            changes = (lambda found, rgb: found, with_detector(arguments.second_opinion))
+            views = Views.of(bank_of("plain", flat), *network.SIZE, appearance=0.0)
+            both = look(variables, views, *numbers, changes)
+            names = (DAY, f"{DAY}, with {arguments.second_opinion}")
+            return _write(
+                arguments.out, [row(n, b, arguments.streets, k) for n, (b, k) in zip(names, both, strict=True)]
+            )
         level = None
         for condition in ("plain", "dusk", "night", "steep"):
             views = Views.of(bank_of(condition, flat), *network.SIZE, appearance=0.0)
             level = level or views
             views = raised(views, level) if condition == "steep" else views
-            seen[condition] = look(variables, views, arguments.frames, arguments.batch, arguments.seed)
+            seen[condition] = look(variables, views, *numbers)[0]
             sys.stderr.write(f"{condition}: {seen[condition][1]} frames\n")
     except ValidationError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
-    rows = rows_of(seen, arguments.streets)
-    with arguments.out.open("w", encoding="utf-8", newline="") as file:
+    return _write(arguments.out, rows_of(seen, arguments.streets))
+
+
+def _write(path: pathlib.Path, rows: list[dict[str, Any]]) -> int:
+    with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)

@@ -2,6 +2,7 @@
 
     python -m benchmarks.photographs --clones DIR
     python -m benchmarks.photographs --clones DIR --weights perception.npz --camvid 60
+    python -m benchmarks.photographs --clones DIR --part report --second-opinion nanodet
 
 The photographs are files of public repositories; benchmarks/photographs.json names them by repository, commit and path,
 and holds labels made by hand for them: boxes (class, left, top, right, bottom) and points (kind of ground or sky,
@@ -18,6 +19,9 @@ Conditions: low light is a median luma (Rec. 601) below `LOW_LIGHT`; clutter is 
 complex terrain (steps, slopes, unpaved paths) is marked by hand, "terrain" in the entry's "conditions"; a distant
 object is labelled and lower than `DISTANT` pixels of 1000, whatever the photograph (its precision is not defined).
 
+A third of the photographs, drawn with a fixed seed, calibrates a second opinion (`benchmarks.second_opinion`); --part
+report scores the others.
+
 With --camvid, the pixels of so many of the 233 test images of CamVid (Brostow et al., 2009) are compared with its
 labels in eleven classes, which are in the same repository. --counts writes a CSV file with the counts of each
 photograph. Prints one JSON line.
@@ -32,7 +36,7 @@ import pathlib
 import subprocess
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import PIL.Image
@@ -40,6 +44,7 @@ import PIL.Image
 from benchmarks.lib.resampling import with_interval
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.distillation.perception.published.opinion import DETECTORS, second_opinion
 from urbanverse_mjx.distillation.perception_model import classes
 from urbanverse_mjx.distillation.perception_model.decode import Decoded
 from urbanverse_mjx.distillation.perception_model.inference import MIN_SCORE, PerceptionModel
@@ -131,6 +136,16 @@ def conditions_of(image: np.ndarray, entry: dict[str, Any]) -> tuple[str, ...]:
     return tuple(name for name, there in zip(CONDITIONS, met, strict=True) if there)
 
 
+def part_of(entries: Sequence[dict[str, Any]], part: str) -> list[dict[str, Any]]:
+    """The photographs of a part: "calibration", a third drawn with a fixed seed whatever their order, "report", the
+    others, or "all"."""
+    ordered = sorted(entries, key=lambda e: (e["repository"], e["path"]))
+    drawn = np.random.default_rng(0).permutation(len(ordered))[: len(ordered) // 3]
+    chosen = {(ordered[k]["repository"], ordered[k]["path"]) for k in drawn}
+    wanted = {"calibration": (True,), "report": (False,), "all": (True, False)}[part]
+    return [e for e in entries if ((e["repository"], e["path"]) in chosen) in wanted]
+
+
 def read_file(clones: pathlib.Path, repository: str, commit: str, path: str) -> bytes:
     """A file of a repository at a commit.
 
@@ -205,8 +220,16 @@ def match(
     return distant
 
 
+class Decodes(Protocol):
+    """A model of which the objects of any score are known."""
+
+    def decoded(self, rgb: np.ndarray, focal: float, /) -> Decoded:
+        """All objects of an image (H, W, 3) u8 with a focal length in pixels."""
+        ...
+
+
 def score_photograph(
-    model: PerceptionModel, clones: pathlib.Path, entry: dict[str, Any], width: int, cut: float
+    model: Decodes, clones: pathlib.Path, entry: dict[str, Any], width: int, cut: float
 ) -> ScoredPhotograph:
     """Counts of one labelled photograph."""
     image = photograph(read_file(clones, entry["repository"], entry["commit"], entry["path"]), width)
@@ -226,10 +249,10 @@ def score_photograph(
     return ScoredPhotograph(name, conditions_of(image, entry), counts, distant, tuple(points))
 
 
-def score_boxes(model: PerceptionModel, clones: pathlib.Path, cut: float) -> list[ScoredPhotograph]:
-    """The counts of all labelled photographs."""
+def score_boxes(model: Decodes, clones: pathlib.Path, cut: float, part: str = "all") -> list[ScoredPhotograph]:
+    """The counts of the labelled photographs of a part."""
     body = v.read_json(LABELS, "labels of photographs")
-    return [score_photograph(model, clones, entry, body["width"], cut) for entry in body["photographs"]]
+    return [score_photograph(model, clones, entry, body["width"], cut) for entry in part_of(body["photographs"], part)]
 
 
 def summary(scored: Sequence[ScoredPhotograph]) -> dict[str, Any]:
@@ -264,7 +287,7 @@ def write_counts(scored: Sequence[ScoredPhotograph], path: pathlib.Path) -> None
             writer.writerow([p.name, "+".join(p.conditions), *counts])
 
 
-def score_camvid(model: PerceptionModel, clones: pathlib.Path, count: int) -> dict[str, Any]:
+def score_camvid(model: Decodes, clones: pathlib.Path, count: int) -> dict[str, Any]:
     """IoU of CamVid's classes over `count` evenly spread test images, and their mean."""
     entry = next(e for e in v.read_json(LABELS, "labels")["photographs"] if e["repository"] == CAMVID)
 
@@ -299,12 +322,16 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--clones", type=pathlib.Path, required=True, help="folder of the repositories' clones")
     parser.add_argument("--weights", type=pathlib.Path, help="default: the shipped ones")
     parser.add_argument("--camvid", type=int, default=0, metavar="IMAGES", help="compare pixels with CamVid's labels")
+    parser.add_argument("--second-opinion", choices=sorted(DETECTORS), help="fuse the boxes of a published detector")
+    parser.add_argument("--part", choices=("all", "calibration", "report"), default="all")
     parser.add_argument("--cut", type=float, default=MIN_SCORE, help="least score of detected objects")
     parser.add_argument("--counts", type=pathlib.Path, metavar="FILE.csv", help="write the counts of each photograph")
     arguments = parser.parse_args(argv)
     try:
-        model = PerceptionModel.load(arguments.weights)
-        scored = score_boxes(model, arguments.clones, arguments.cut)
+        network = PerceptionModel.load(arguments.weights)
+        asked = arguments.second_opinion
+        model: Decodes = network if asked is None else second_opinion(network, asked)
+        scored = score_boxes(model, arguments.clones, arguments.cut, arguments.part)
         table = summary(scored)
         if arguments.counts is not None:
             write_counts(scored, arguments.counts)
