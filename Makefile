@@ -13,10 +13,12 @@ ARGS ?=
 # Test processes: one for each core, at most 4 (each holds 2 to 3 GB). TEST_WORKERS=0 runs them in one, as --pdb needs.
 TEST_WORKERS ?= logical
 PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
+# What `make test-newer` runs
+NEWER ?= tests/simulation tests/robots tests/scene
 # What `make train` trains: CocoNav, Go2Nav, Go2Joystick
 ENV ?= CocoNav
 
-.PHONY: help setup setup-dev setup-torch train test test-slow test-torch test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock licences advisories wheel clean distclean
+.PHONY: help setup setup-dev setup-torch setup-newer train test test-slow test-torch test-newer test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock licences advisories wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -39,6 +41,12 @@ setup-torch: $(VENV)/.stamp-torch
 $(VENV)/.stamp-torch: requirements-torch.lock $(VENV)/.stamp-dev
 	@.ci/setup torch >&2
 
+setup-newer: $(VENV)/.stamp-newer
+	@:
+
+$(VENV)/.stamp-newer: requirements-newer.lock $(VENV)/.stamp-dev
+	@.ci/setup newer >&2
+
 setup-docs: $(VENV)/.stamp-docs
 	@:
 
@@ -56,6 +64,9 @@ test-slow: setup-dev ## run the tests that take minutes
 
 test-torch: setup-torch ## run the tests that need PyTorch, which the others skip (installs 5 GB of its packages into .venv/torch)
 	@JAX_PLATFORMS=cpu CUDA_VISIBLE_DEVICES= OMP_NUM_THREADS=1 PYTHONPATH=$(VENV)/torch $(BIN)/python $(PYTEST) -m "torch and not slow and not gpu" $(ARGS)
+
+test-newer: setup-newer ## run the tests of engines, robots and scenes with MuJoCo 4, without mujoco-mjx (installs it into .venv/newer)
+	@$(VENV)/newer/bin/python $(PYTEST) $(NEWER) $(ARGS)
 
 test-gpu: setup-dev ## run the tests that need a CUDA device
 	@$(BIN)/python -m pytest -q -m gpu $(ARGS)

@@ -11,6 +11,7 @@ import sys
 import pytest
 
 from tests.support.box_bank import box_bank
+from tests.support.engine_versions import HAS_MJX
 from tests.support.kept_programs import remove_least_recent
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank
@@ -109,9 +110,20 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = [item for part in parts for item in part]
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Marks what runs the MJX engine: a parameter `impl` that names it, or one of its fixtures."""
+    called = getattr(item, "callspec", None)
+    by_name = called is not None and called.params.get("impl") == "jax"
+    if by_name or not {"jax_engine", "jax_step"}.isdisjoint(getattr(item, "fixturenames", ())):
+        item.add_marker("mjx")
+
+
 @pytest.hookimpl(tryfirst=True)  # before fixtures, which may import the packages
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skips a test marked `torch` where its packages are missing; fails it where such tests were asked for."""
+    """Skips a test marked `torch` where its packages are missing; fails it where such tests were asked for. Skips one
+    marked `mjx` with a MuJoCo that has no mujoco-mjx."""
+    if not HAS_MJX and item.get_closest_marker("mjx"):
+        pytest.skip("needs mujoco-mjx, which MuJoCo 4 has not")
     needed = {name for mark in item.iter_markers("torch") for name in ("torch", *mark.args)}
     missing = sorted(name for name in needed if importlib.util.find_spec(name) is None)
     if missing:

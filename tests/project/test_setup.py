@@ -5,6 +5,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import venv
 
 import pytest
 
@@ -120,3 +121,60 @@ def test_pytorch_is_not_begun_on_a_disk_that_it_would_fill(clone: pathlib.Path) 
     assert done.returncode == 1
     assert "found 11 GB free on the disk, needed 12 to install PyTorch" in done.stderr
     assert not (clone / "calls").exists()
+
+
+#: Stands in for pip: puts MuJoCo 4 into the folder that it is given, and fails where a file says so.
+PIP = """
+import pathlib, sys
+asked = sys.argv[1:]
+assert asked[:2] == ["install", "--no-deps"], asked
+assert asked[-3:] == ["--require-hashes", "-r", "requirements-newer.lock"], asked
+folder = pathlib.Path(asked[asked.index("--target") + 1])
+(folder / "mujoco").mkdir()
+(folder / "mujoco" / "__init__.py").write_text(
+    "__path__ = __import__('pkgutil').extend_path(__path__, __name__)\\nversion = 4"
+)
+(folder / "mujoco-4.0.0.dist-info").mkdir()
+(folder / "mujoco-4.0.0.dist-info" / "METADATA").write_text("Name: mujoco\\nVersion: 4.0.0")
+sys.exit(pathlib.Path("fails").exists())
+"""
+ASK = """
+import importlib.metadata, importlib.util, mujoco, mujoco_warp_pbr
+print(mujoco.version, importlib.metadata.version("mujoco"), importlib.metadata.version("mujoco-warp-pbr"))
+print(importlib.util.find_spec("mujoco.mjx"), [d.name for d in importlib.metadata.distributions()].count("mujoco-mjx"))
+"""
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_newer_engines_take_the_place_of_the_older_ones_alone(fails: bool, clone: pathlib.Path) -> None:
+    """In an environment of their own that has all other packages. Neither the older MuJoCo is found there, though the
+    newer one looks for parts of itself in every folder on the path, nor mujoco-mjx. Nothing is left of a failure."""
+    (clone / "bin" / "ln").symlink_to(str(shutil.which("ln")))
+    venv.create(clone / ".venv", symlinks=True)
+    packages = next((clone / ".venv" / "lib").glob("python3*/site-packages"))
+    texts = {
+        "pip/__main__.py": PIP,
+        "mujoco/__init__.py": "version = 3",
+        "mujoco/mjx/__init__.py": "",
+        "mujoco_warp_pbr/__init__.py": "",
+        **{
+            f"{name.replace('-', '_')}-{version}.dist-info/METADATA": f"Name: {name}\nVersion: {version}"
+            for name, version in (("mujoco", "3.17.0"), ("mujoco-mjx", "3.17.0"), ("mujoco-warp-pbr", "0.2.0"))
+        },
+    }
+    for name, text in texts.items():
+        (packages / name).parent.mkdir(exist_ok=True)
+        (packages / name).write_text(text)
+    (clone / ".venv" / "newer" / "old").mkdir(parents=True)
+    if fails:
+        (clone / "fails").touch()
+    done = setup(clone, "newer")
+    assert done.returncode == int(fails), done.stdout + done.stderr
+    assert (clone / ".venv" / "newer").exists() is not fails
+    assert (clone / ".venv" / ".stamp-newer").exists() is not fails
+    assert (packages / "mujoco" / "__init__.py").read_text() == "version = 3"
+    if not fails:
+        assert not (clone / ".venv" / "newer" / "old").exists()
+        ask = [str(clone / ".venv" / "newer" / "bin" / "python"), "-c", ASK]
+        answer = subprocess.run(ask, capture_output=True, text=True, check=True).stdout
+        assert answer.split() == ["4", "4.0.0", "0.2.0", "None", "0"]

@@ -58,19 +58,21 @@ def test_no_path_of_a_machine_is_tracked() -> None:
 
 def test_locks_hold_hashes_and_no_address() -> None:
     locks = sorted(ROOT.glob("requirements*.lock"))
-    assert len(locks) == 5
+    assert len(locks) == 6
     for lock in locks:
         text = lock.read_text(encoding="utf-8")
         assert "://" not in text
         assert "index-url" not in text
         entries = re.split(r"\n(?=[a-z0-9])", text.strip())
-        assert len(entries) > 15
+        assert len(entries) > (3 if lock.name == "requirements-newer.lock" else 15)
         assert all("==" in entry and "--hash=sha256:" in entry for entry in entries)
 
 
 def test_the_locks_agree_with_each_other() -> None:
     versions: dict[str, set[str]] = {}
     for lock in ROOT.glob("requirements*.lock"):
+        if lock.name == "requirements-newer.lock":  # what it names is newer than in the others: that is its use
+            continue
         for name, version in re.findall(r"^([a-z0-9-]+)==([^\s\\;]+)", lock.read_text(encoding="utf-8"), re.MULTILINE):
             # PyTorch's CUDA lies in a folder of its own, which JAX does not use.
             if not (lock.name == "requirements-torch.lock" and name.startswith(("nvidia-", "cuda-"))):

@@ -76,6 +76,7 @@ def test_a_bound_on_the_reach_holds_for_every_robot() -> None:
         assert robot.circumradius - 1e-6 <= bound <= robot.circumradius + slack
 
 
+@pytest.mark.mjx
 def test_a_robot_from_outside_drives_to_its_waypoints(folder: pathlib.Path, small_bank: SceneBank) -> None:
     options = {"preset": "cpu", "scenes": "all", "vision_config.height": 18, "vision_config.width": 32, "impl": "jax"}
     free = {"terminate_on_hit": False, "terminate_off_traversable": False, "success_radius": 1e-3}

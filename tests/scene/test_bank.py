@@ -127,6 +127,7 @@ def test_what_cannot_be_packed_is_refused() -> None:
         pack([scene], ["dev"], box_skies())
 
 
+@pytest.mark.mjx
 def test_a_bank_from_before_has_uniform_ground_and_says_so(tmp_path, small_bank: SceneBank) -> None:
     rows = small_bank.prism_hull >= 0
     assert set(small_bank.prism_material_friction[rows].astype(float).round(2).tolist()) == {0.35, 0.65, 0.75}

@@ -78,6 +78,7 @@ def prove(
     }
 
 
+@pytest.mark.mjx
 def test_no_contact_is_missed_on_ragged_ground() -> None:
     geometry = box_scene(0, num_objects=80, regions=ragged_regions(0))
     bank = pack([geometry], ["train"], box_skies())
@@ -86,6 +87,7 @@ def test_no_contact_is_missed_on_ragged_ground() -> None:
     assert done["contacts"] > 4.2 * done["free"], "wheels stand on several pieces at once"
 
 
+@pytest.mark.mjx
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["coco", "go2", "wheelchair"])
 def test_no_contact_is_missed_in_the_densest_poses_of_distilled_streets(name: str) -> None:

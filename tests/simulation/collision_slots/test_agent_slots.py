@@ -16,7 +16,6 @@ from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.collision_slots import agent_slots
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.parity import c_mujoco
 from urbanverse_mjx.simulation.warp_engine.agents import prism_distance
 
@@ -209,8 +208,11 @@ def test_runs_into_agents_are_those_of_c_mujoco(impl: str) -> None:
     assert max(after) < 0.05, after
 
 
+@pytest.mark.mjx
 def test_without_agents_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPatch) -> None:
     """The program of an engine without agents is the one it was: same text with all agent functions broken."""
+    from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
     engine = JaxEngine(free_bank(), make_coco("differential"), control_dt=0.02)
     qpos = first_qpos(engine.robot, engine.physics.model.nq)
     state = jax.eval_shape(engine.init, 0, qpos, np.zeros(engine.physics.model.nv))

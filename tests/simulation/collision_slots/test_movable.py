@@ -19,7 +19,6 @@ from urbanverse_mjx.scene.mjcf import scene_mjcf
 from urbanverse_mjx.simulation.collision_slots import body_contact, body_slots, body_table
 from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.jax_engine import JaxEngine, body_dynamics
 
 SIZES = Sizes(bodies=3, awake=2, hulls=4)
 ENGINES = [pytest.param("jax", marks=pytest.mark.slow), "warp"]
@@ -133,6 +132,7 @@ def test_bodies_push_each_other(impl: str) -> None:
     assert gap > 0.4, "boxes of 0.5 and 0.4 m do not stand in each other"
 
 
+@pytest.mark.mjx
 @pytest.mark.slow
 def test_both_engines_do_the_same() -> None:
     """To 1 mm to the end of the control step in which they touch, and for 0.6 s more no farther from each other than
@@ -211,6 +211,7 @@ def test_more_bodies_in_reach_than_may_be_awake_are_told() -> None:
     assert int(state.slot_overflow) == 1
 
 
+@pytest.mark.mjx
 def test_sizes_and_counts_are_checked() -> None:
     bank, robot = box_bank(1, num_objects=1), make_coco("differential")
     with pytest.raises(ValidationError, match=r"movable\.awake"):
@@ -224,8 +225,11 @@ def test_sizes_and_counts_are_checked() -> None:
         jax.eval_shape(plain.init, 0, np.zeros(11), np.zeros(10), np.full(2, -1))
 
 
+@pytest.mark.mjx
 def test_without_bodies_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPatch) -> None:
     """The program of an engine without body slots is the same text with every function of bodies broken."""
+    from urbanverse_mjx.simulation.jax_engine import JaxEngine, body_dynamics
+
     bank, robot = box_bank(1, num_objects=1), make_coco("differential")
     programs = []
     for movable in (None, Sizes(0)):

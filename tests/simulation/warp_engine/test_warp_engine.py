@@ -18,7 +18,6 @@ from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation import engines
 from urbanverse_mjx.simulation.collision_slots import hull_contact
 from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
-from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.warp_engine import WarpEngine, contact, kernels
 from urbanverse_mjx.simulation.warp_engine import batch as warp_batch
 from urbanverse_mjx.simulation.warp_engine.batch import WorldBatch
@@ -214,9 +213,12 @@ def slots_of(engine: WarpEngine, scene: np.ndarray, place: np.ndarray) -> tuple[
     return np.concatenate([owner, np.where(prisms < 0, -2, -1)], 1), nearby.missing.numpy().sum(1)
 
 
+@pytest.mark.mjx
 @pytest.mark.parametrize("max_contacts", [3, 60])
 def test_contacts_are_those_of_the_mjx_engine(small_bank: SceneBank, max_contacts: int) -> None:
     """Balls at random places, deep and shallow, at faces, edges and corners: distance, normal, place, friction."""
+    from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
     robot, rng = make_coco(), np.random.default_rng(0)
     engine = WarpEngine(small_bank, robot, control_dt=CONTROL_DT, num_contacts=max_contacts)
     other = JaxEngine(small_bank, robot, control_dt=CONTROL_DT, num_contacts=100)
@@ -282,9 +284,12 @@ def pile(number: int) -> SceneBank:
     return dataclasses.replace(bank, **same, hull_grid=hulls)
 
 
+@pytest.mark.mjx
 @pytest.mark.parametrize("number", [0, 1, 16])
 def test_slots_are_those_of_the_mjx_engine(small_bank: SceneBank, number: int) -> None:
     """2,000 places: the same hulls in the same order, and as many without a slot."""
+    from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
     robot = make_coco()
     ours = WarpEngine(small_bank, robot, control_dt=CONTROL_DT)
     ours.num_slots = number  # as where nothing was counted, off the traversable ground
@@ -390,7 +395,10 @@ def test_the_general_engine_is_warp_on_cuda_alone(monkeypatch: pytest.MonkeyPatc
         assert engines.general_impl("auto") == impl
 
 
+@pytest.mark.mjx
 def test_auto_is_fused_where_the_robot_allows_it(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
+    from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
     robot = make_coco()
     made = engines.make_engine(small_bank, robot)
     assert isinstance(made, WarpEngine)
@@ -403,7 +411,10 @@ def test_auto_is_fused_where_the_robot_allows_it(small_bank: SceneBank, monkeypa
     assert isinstance(engines.make_engine(small_bank, robot), JaxEngine)
 
 
+@pytest.mark.mjx
 def test_engines_by_name(small_bank: SceneBank) -> None:
+    from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
     robot = make_coco()
     made = engines.make_engine(small_bank, robot, impl="warp", control_dt=0.1, physics_dt=0.005)
     assert isinstance(made, WarpEngine)
