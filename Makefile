@@ -41,7 +41,7 @@ setup-torch: $(VENV)/.stamp-torch
 $(VENV)/.stamp-torch: requirements-torch.lock $(VENV)/.stamp-dev
 	@.ci/setup torch >&2
 
-setup-newer: $(VENV)/.stamp-newer
+setup-newer: $(VENV)/.stamp-newer ## the same with MuJoCo 4 and without mujoco-mjx, in .venv/newer
 	@:
 
 $(VENV)/.stamp-newer: requirements-newer.lock $(VENV)/.stamp-dev

@@ -100,6 +100,16 @@ def test_a_machine_with_a_bank_trains_without_what_makes_scenes(command, monkeyp
     assert cli.ON_A_BANK != set(cli.COMMANDS)
 
 
+def test_commands_that_run_no_policy_need_no_mjx(command, monkeypatch) -> None:
+    command(lambda argv: None)
+    monkeypatch.setattr(cli, "missing", lambda: ["mujoco-mjx"])
+    assert cli.main(["probe"]) == 2
+    monkeypatch.setattr(cli, "WITHOUT_MJX", frozenset({"probe"}))
+    assert cli.main(["probe"]) == 0
+    monkeypatch.setattr(cli, "missing", lambda: ["mujoco-mjx", "jax"])
+    assert cli.main(["probe"]) == 2
+
+
 def test_what_is_declared_is_what_the_project_file_lists_and_is_installed() -> None:
     names = list(map(packages.name_of, packages.declared()))
     assert {"coacd", "opencv-python-headless", "mujoco", "jax"} <= set(names)

@@ -46,6 +46,8 @@ COMMANDS = {
 }
 #: Commands that need only a bank, not the libraries that make one.
 ON_A_BANK = frozenset({"train", "evaluate", "benchmark", "export-policy", "export-gait", "list-envs", "simulate-robot"})
+#: Commands that run no policy, and so neither Brax nor the MJX that it imports: MuJoCo 4 has no mujoco-mjx.
+WITHOUT_MJX = frozenset({"assets", "gen", "list-envs", "robot", "scene", "schema", "study"})
 
 
 def usage() -> str:
@@ -131,7 +133,9 @@ def _run(name: str, argv: list[str], cache: pathlib.Path | None) -> int:
 
 def _needs(name: str, package: str) -> bool:
     """Whether a command needs a package of the default installation."""
-    return package in ON_A_ROBOT if name == "deploy" else not (name in ON_A_BANK and package in MAKERS)
+    if name == "deploy":
+        return package in ON_A_ROBOT
+    return not (name in ON_A_BANK and package in MAKERS) and not (name in WITHOUT_MJX and package == "mujoco-mjx")
 
 
 def _refuse(sentence: str) -> int:
