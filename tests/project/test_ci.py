@@ -80,3 +80,31 @@ def test_a_missing_package_skips_a_test_and_fails_it_where_it_was_asked_for(expr
         conftest.pytest_runtest_setup(item)
     marks.clear()
     conftest.pytest_runtest_setup(item)
+
+
+@pytest.mark.parametrize(
+    ("item", "marks"),
+    [
+        ({"callspec": types.SimpleNamespace(params={"impl": "jax"}), "fixturenames": ["impl"]}, ["mjx"]),
+        ({"callspec": types.SimpleNamespace(params={"impl": "warp"}), "fixturenames": ["impl"]}, []),
+        ({"fixturenames": ["small_bank", "jax_step"]}, ["mjx"]),
+        ({"fixturenames": ["small_bank"]}, []),
+        ({}, []),
+    ],
+)
+def test_what_runs_the_mjx_engine_is_marked_and_skipped_where_mujoco_has_no_mjx(
+    item: dict[str, Any], marks: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    added = list[str]()
+    collected: Any = types.SimpleNamespace(add_marker=added.append, **item)
+    conftest.pytest_itemcollected(collected)
+    assert added == marks
+    collected.get_closest_marker = lambda name: name in added
+    collected.iter_markers = lambda _: []
+    conftest.pytest_runtest_setup(collected)
+    monkeypatch.setattr(conftest, "HAS_MJX", False)
+    if marks:
+        with pytest.raises(pytest.skip.Exception, match="needs mujoco-mjx"):
+            conftest.pytest_runtest_setup(collected)
+    else:
+        conftest.pytest_runtest_setup(collected)

@@ -274,7 +274,7 @@ def test_stored_advisories_are_read_in_every_form_and_named(tmp_path: pathlib.Pa
         assert dependencies.main(["advisories", str(path)]) == 1
         first, last = capsys.readouterr().out.splitlines()
         assert re.fullmatch(r"requirements-cuda\.lock: numpy \S+ is affected by OSV-1", first)
-        assert last == "2 advisories, 1 of them about versions in 5 locks"
+        assert last == "2 advisories, 1 of them about versions in 6 locks"
     array.write_text(json.dumps(rows[1:]))
     assert dependencies.main(["advisories", str(array)]) == 0
 
