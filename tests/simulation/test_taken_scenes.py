@@ -13,7 +13,6 @@ from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, starts
 from urbanverse_mjx.datatypes import BankShards, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 #: In another order than in the whole bank, and not all.
@@ -27,11 +26,10 @@ def taken(small_bank: SceneBank, tmp_path: pathlib.Path) -> SceneBank:
 
 
 @pytest.mark.parametrize("impl", ["warp-fused", "jax"])
-def test_robots_drive_alike(
-    small_bank: SceneBank, taken: SceneBank, impl: str, jax_engine: JaxEngine, jax_step: Any
-) -> None:
+def test_robots_drive_alike(small_bank: SceneBank, taken: SceneBank, impl: str, request: pytest.FixtureRequest) -> None:
+    jax_engine, jax_step = (request.getfixturevalue(n) if impl == "jax" else None for n in ("jax_engine", "jax_step"))
     robot = make_coco("differential")
-    whole = jax_engine if impl == "jax" else make_engine(small_bank, robot, impl, CONTROL_DT)
+    whole: Any = jax_engine or make_engine(small_bank, robot, impl, CONTROL_DT)
     alone = make_engine(taken, robot, impl, CONTROL_DT)
     state, ctrl = starts(whole, small_bank, number=24)
     # As many as `jax_step` is compiled for.
@@ -39,7 +37,7 @@ def test_robots_drive_alike(
     assert len({int(state.scene[row]) for row in rows}) == 2
     state, ctrl = jax.tree.map(lambda x: x[rows], (state, ctrl))
     place = np.array([TAKEN.index(int(scene)) for scene in state.scene], np.int32)
-    step = [jax_step if impl == "jax" else jax.jit(jax.vmap(whole.step)), jax.jit(jax.vmap(alone.step))]
+    step = [jax_step or jax.jit(jax.vmap(whole.step)), jax.jit(jax.vmap(alone.step))]
     first, second, hits = state, state._replace(scene=jnp.asarray(place)), 0
     for _ in range(20):
         first, second = step[0](first, ctrl), step[1](second, ctrl)
