@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.lib.figures import save_figure
 from urbanverse_mjx.datatypes import BenchmarkReport
 
 ROOT = pathlib.Path(__file__).parents[1]
@@ -232,7 +233,7 @@ def draw(scores: dict[tuple[str, str], dict[str, Score]], path: pathlib.Path) ->
         axis.set(title=title, xlabel="success rate, % (95 % interval)", xlim=(-3, 103))
         axis.set_yticks(range(len(labels)), labels)
         axis.grid(axis="x", alpha=0.4)
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path, dpi=110)
     plt.close(figure)
 
 

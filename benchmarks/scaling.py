@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks import results
+from benchmarks.lib.figures import save_figure
 from urbanverse_mjx.scene import library
 
 #: Prefix of the studies of the privileged teacher.
@@ -323,7 +324,7 @@ def draw(rows: Rows, path: pathlib.Path) -> None:
         axis.set(xlabel=f"number of {TITLES[name]}")
         axis.grid(alpha=0.4)
     axes[0][0].set(ylabel="success on CraftBench, % (95 % interval)")
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path, dpi=110)
     plt.close(figure)
 
 

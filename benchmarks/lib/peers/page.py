@@ -11,6 +11,7 @@ import numpy as np
 
 from benchmarks import results
 from benchmarks.lib import report, tables
+from benchmarks.lib.figures import save_figure
 from benchmarks.lib.peers.plan import KEY, PEERS, PLAN, Case, key_of, same_process
 
 TABLE = "peers.csv"
@@ -213,7 +214,7 @@ def draw(rows: Sequence[Mapping[str, str]], path: pathlib.Path) -> None:
             known.setdefault(label, handle)
     columns = min(len(known), 2 * len(panels))
     figure.legend(known.values(), known.keys(), loc="outside lower center", ncols=columns, fontsize="small")
-    figure.savefig(path, dpi=100)
+    save_figure(figure, path, dpi=100)
     plt.close(figure)
 
 
