@@ -223,8 +223,8 @@ def test_no_kerb_is_under_the_trunk(small_bank: SceneBank) -> None:
     beside = jnp.asarray([border[0] + 0.6, border[1], np.pi / 2], jnp.float32)
     feet = planner._to_edge.at(0, *placed(astride, planner._body.feet))
     assert float(feet.min()) > 0.1
-    assert float(planner._gap(0, astride, None)) < 0.0
-    assert float(planner._gap(0, beside, None)) > 0.1
+    assert float(planner._gap(0, astride)) < 0.0
+    assert float(planner._gap(0, beside)) > 0.1
 
 
 def test_no_edge_lies_between_two_predictions(small_bank: SceneBank) -> None:
@@ -232,7 +232,7 @@ def test_no_edge_lies_between_two_predictions(small_bank: SceneBank) -> None:
     planner, border = _flank(small_bank)
     for first in np.arange(0.0, 0.6, 0.02):
         path = [jnp.asarray([border[0] + first + 0.6 * k, border[1], np.pi], jnp.float32) for k in range(-2, 3)]
-        assert min(float(planner._gap(0, pose, None)) for pose in path) < 0.02
+        assert min(float(planner._gap(0, pose)) for pose in path) < 0.02
 
 
 def test_the_planner_looks_not_across_an_edge(small_bank: SceneBank) -> None:
@@ -271,13 +271,13 @@ def test_a_plan_to_wait_begins_at_once_among_still_things(small_bank: SceneBank)
     onwards = int(real[waiting].argmin())
     costs = jnp.asarray(real).at[waiting, onwards].set(real.min() - 1.0)
     for moved, begins in ((state, True), (state.at[3].set(0.5), False)):
-        command, cost = planner._at_once(jnp.int32(0), moved, route, costs)
+        command, cost = planner._at_once(jnp.int32(0), moved, route, None, costs)
         assert bool(np.isfinite(cost)) == begins
         if begins:
             assert float(np.abs(command).max()) > 0.2
             assert float(cost) == pytest.approx(float(costs.min()), abs=0.01)
             assert float(cost) < float(costs.min())
-    assert not np.isfinite(planner._at_once(jnp.int32(0), state, route, jnp.asarray(real))[1]), "it need not wait"
+    assert not np.isfinite(planner._at_once(jnp.int32(0), state, route, None, jnp.asarray(real))[1]), "it need not wait"
 
 
 def test_a_field_without_its_padding_has_the_same_values_everywhere() -> None:

@@ -207,6 +207,7 @@ class _Ahead(NamedTuple):
     left: Any
     driving: Any
     part: Any
+    near: Any
 
 
 class Planner:
@@ -219,10 +220,14 @@ class Planner:
         to obstacles; None for no such cost.
 
     Attributes:
-      STILL: whether waiting opens no way where there are no agents.
+      BEGINS_AMONG_AGENTS: whether a plan to wait that can begin at once does so where there are agents, too.
+      AGENT_DEPTH: 1/m, what each metre nearer to an agent than the distance to keep counts beside contact with one, and
+        both beside contact with the street; None for contact alone, whichever it is. Contact is a question of yes or
+        no: where all commands come too near to somebody, the cheapest would drive on, through a wall as well.
     """
 
-    STILL = True
+    BEGINS_AMONG_AGENTS = False
+    AGENT_DEPTH: float | None = None
 
     def __init__(self, env: NavEnv, people: bool = True, comfort: tuple[float, float] | None = None) -> None:
         robot = env.robot
@@ -292,25 +297,26 @@ class Planner:
         return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
 
     def _first_costs(self, nav: NavState, route: RouteField) -> tuple[Any, Any]:
-        """(n, 2) commands of the first phase and (n,) their costs with the best of the second. Where nothing moves, the
-        last command is that of the second phase of a plan to wait, see `_at_once`."""
+        """(n, 2) commands of the first phase and (n,) their costs with the best of the second. Where nothing moves, or
+        with `BEGINS_AMONG_AGENTS`, the last command is that of the second phase of a plan to wait, see `_at_once`."""
         xy, quaternion = nav.sim.xpos[self._root, :2], nav.sim.xquat[self._root]
         yaw = rotations.yaw_of(quaternion)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         agents = self._agents(nav) if self._people else None
         state = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw, speed, nav.sim.qvel[5]]))
         costs = self.costs(nav.sim.scene, state, route, agents)
-        if agents is not None or not self.STILL:
+        if agents is not None and not self.BEGINS_AMONG_AGENTS:
             return self.first, costs.min(1)
-        command, cost = self._at_once(nav.sim.scene, state, route, costs)
+        command, cost = self._at_once(nav.sim.scene, state, route, agents, costs)
         return jnp.concatenate([self.first, command[None]]), jnp.append(costs.min(1), cost)
 
-    def _at_once(self, scene: Any, state: Any, route: RouteField, costs: Any) -> tuple[Any, Any]:
+    def _at_once(self, scene: Any, state: Any, route: RouteField, agents: Any, costs: Any) -> tuple[Any, Any]:
         """The command (2,) after the wait of the cheapest plan, and its cost: a little less than that of waiting if the
         robot stands and can begin without contact, else infinite.
 
-        Where nothing moves such a plan can begin at once. Its end then differs, because the predictions end at the same
-        time, and may be dearer; a robot that waits for that reason has the same choice in every step and never starts.
+        Where nothing is to be waited for such a plan can begin at once. Its end then differs, because the predictions
+        end at the same time, and may be dearer; a robot that waits for that reason has the same choice in every step
+        and never starts.
         """
         waiting = jnp.argmin(jnp.abs(self.first).sum(-1))
         after = jnp.argmin(costs[waiting])
@@ -320,7 +326,7 @@ class Planner:
         command = jnp.where(after < held, self._after[jnp.minimum(after, held - 1)], followed)
         waits = (jnp.argmin(costs.min(1)) == waiting) & (jnp.abs(state[3:]).max() < _OPTIONS.standing)
         least = costs[waiting, after]
-        begins = self.costs(scene, state, route, None, command[None]).min() < least + 0.5 * _OPTIONS.touch_cost
+        begins = self.costs(scene, state, route, agents, command[None]).min() < least + 0.5 * _OPTIONS.touch_cost
         return command, jnp.where(waits & begins, least - 1e-3, jnp.inf)
 
     def costs(self, scene: Any, state: Any, route: RouteField, agents: Any, first: Any = None) -> Any:
@@ -333,7 +339,8 @@ class Planner:
           first: (first, 2) m/s, rad/s, other commands of the first phase than `self.first`.
         """
         zero = jnp.float32(0.0)
-        start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0), route.first_part())
+        begins = route.first_part()
+        start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0), begins, zero)
 
         dts, numbers = jnp.asarray(self._steps, jnp.float32), jnp.arange(len(_OPTIONS.steps))
         ends = jnp.cumsum(dts)
@@ -405,10 +412,17 @@ class Planner:
         pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt, slope)
         part = route.part(ahead.part, pose[:2])
         route = route.on(part)
-        gap, driving, uneasy = self._gap(scene, pose, route), ahead.driving, None
+        gap, driving, uneasy, near = self._gap(scene, pose), ahead.driving, None, ahead.near
+        sooner = 2.0 - k / len(_OPTIONS.steps)
+        hit_gap = gap
         if agents is not None:
             to_agents = self._agent_gap(agents, pose[:2], end)
             gap = jnp.minimum(gap, to_agents)
+            if self.AGENT_DEPTH is None:
+                hit_gap = gap
+            else:
+                depth = jnp.maximum(_OPTIONS.touch_distance - to_agents, 0.0)
+                near = jnp.maximum(near, driving * ((depth > 0.0) * sooner + self.AGENT_DEPTH * depth))
             if self._comfort is not None:
                 distance, weight = self._comfort
                 free = to_agents + _OPTIONS.agent_distance + _OPTIONS.agent_drift * end
@@ -417,19 +431,20 @@ class Planner:
         shy = dt / self._slower * driving * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
         if uneasy is not None:
             shy += dt / self._slower * driving * uneasy
-        touched = driving * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
+        touched = driving * (hit_gap < _OPTIONS.touch_distance) * sooner
         here = _field_at(route, pose, 0.0)
         nose = self._nose(scene, route, pose, here)
         # The episode ends when the goal is reached, so later costs are ignored.
         driving = driving * (here > _OPTIONS.goal_distance)
         to_go = 0.5 * (here + nose) - _OPTIONS.goal_distance + _OPTIONS.nose
-        left = driving * (to_go + self._more_to_go(route, pose))
+        left = driving * (to_go + self._more_to_go(scene, route, pose))
         mean = ahead.mean + left * dt / self._steps.sum()
-        return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving, part)
+        touched = jnp.maximum(ahead.touched, touched)
+        return _Ahead(pose, v, w, ahead.shy + shy, mean, touched, left, driving, part, near)
 
-    def _more_to_go(self, route: Any, pose: Any) -> Any:
+    def _more_to_go(self, scene: Any, route: Any, pose: Any) -> Any:
         """Cost-metres at a pose beside those to the goal; 0 here."""
-        del route, pose
+        del scene, route, pose
         return 0.0
 
     def _slope(self, scene: Any, pose: Any) -> tuple[Any, Any]:
@@ -441,9 +456,8 @@ class Planner:
         ahead, left = jnp.clip(jnp.asarray(self._plane, jnp.float32) @ height, -_OPTIONS.max_slope, _OPTIONS.max_slope)
         return ahead, left
 
-    def _gap(self, scene: Any, pose: Any, route: Any) -> Any:
+    def _gap(self, scene: Any, pose: Any) -> Any:
         """m, least distance of discs to hulls, and of feet and low parts to an edge."""
-        del route
         to_hull = self._to_hull.at(scene, *placed(pose, self._body.discs))
         to_edge = self._to_edge.at(scene, *placed(pose, np.concatenate([self._body.feet, self._body.low])))
         return jnp.minimum(
@@ -485,7 +499,7 @@ def _cost(ahead: _Ahead) -> Any:
         ahead.left
         + _OPTIONS.mean_weight * ahead.mean
         + _OPTIONS.margin_cost * ahead.shy
-        + _OPTIONS.touch_cost * ahead.touched
+        + _OPTIONS.touch_cost * (ahead.touched + ahead.near)
     )
 
 

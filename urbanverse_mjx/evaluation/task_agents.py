@@ -47,10 +47,14 @@ ANTICIPATION = TIMES[-1]
 APPROACH_SPEED, SPARE_TIME = 1.2, 0.6
 #: m around the way from one waypoint to the next, margin of the window of its field.
 LEG_MARGIN = 5.0
-#: m between the robot's centre and a crosswalk before which it waits: COCO's nose is 0.6 m ahead; and beside others.
-KERB_DISTANCE, SIDE_DISTANCE = 0.75, 0.25
+#: m between the robot's centre and a crosswalk before which it waits: COCO's wheels are behind the ramp then, on which
+#: it rolls down at a command to stand; and beside others.
+KERB_DISTANCE, SIDE_DISTANCE = 2.0, 0.25
 #: Cost of a metre to the end of a crosswalk that the robot has to leave; one on the route costs 1.
 LEAVING_COST = 3.0
+#: Cost of a metre nearer to a closed crosswalk than the robot has to keep, and of being on it. More than what can be
+#: gained on the way over it, and less than contact.
+NEARER_COST, ENTRY_COST = 10.0, 60.0
 
 
 class PersonFollower(RouteFollower):
@@ -74,7 +78,7 @@ class RouteLegs(NamedTuple):
       rest: (W,) cost-metres from each waypoint past the others to the goal.
       places: (W, 2) m, the waypoints; those after the goal repeat it.
       waypoint: () i32, the next one.
-      kept: (C,) m from each crosswalk that the robot's centre has to keep, minus infinity where it may enter.
+      kept: (C,) m from each crosswalk that the robot's centre should keep, minus infinity where it may enter.
       exit_at: (2,) m, middle of the end of a crosswalk by which the robot has to leave it. outwards: (2,) unit vector
         there, 0 if it does not have to.
     """
@@ -108,9 +112,14 @@ class RouteLegs(NamedTuple):
 
 class SignalPlanner(Planner):
     """The ceiling of `FollowRoute`: drives past the waypoints in their order, enters crosswalks while their signals let
-    it, and leaves one on which people must not be any more by the shorter way."""
+    it, and leaves one on which people must not be any more by the shorter way.
 
-    STILL = False
+    A closed crosswalk is no obstacle, because contact is a question of yes or no: a robot that comes to stand a
+    centimetre too late would have contact whatever it does, and might as well drive on.
+    """
+
+    BEGINS_AMONG_AGENTS = True
+    AGENT_DEPTH = 2.0
 
     def __init__(self, env: NavEnv) -> None:
         super().__init__(env)
@@ -154,8 +163,8 @@ class SignalPlanner(Planner):
         # The nose stays off the next one of the route; past others the way may be narrow.
         next_one = jnp.arange(len(away)) == self._task.light(nav).row
         kept = jnp.where(next_one, KERB_DISTANCE, SIDE_DISTANCE)
-        # A robot that is nearer already, because one was closed just now, keeps where it is.
-        kept = jnp.minimum(kept, away - 0.05)
+        # A robot that is nearer already does not turn round.
+        kept = jnp.minimum(kept, away)
         closed = self.closed(nav) & (away > 0.0)
         exit_at, outwards = self._exit(nav)
         kept = jnp.where(closed, kept, -jnp.inf)
@@ -188,13 +197,12 @@ class SignalPlanner(Planner):
         enters = (phase == UNSIGNALLED) | ((phase == WALK) & (left > arrives))
         return ~enters & (jnp.arange(len(phase)) != state.inside)
 
-    def _gap(self, scene: Any, pose: Any, route: RouteLegs) -> Any:
-        to_crosswalk = (self._crosswalks.away(scene, pose[:2]) - route.kept).min()
-        return jnp.minimum(super()._gap(scene, pose, route), to_crosswalk)
-
-    def _more_to_go(self, route: RouteLegs, pose: Any) -> Any:
+    def _more_to_go(self, scene: Any, route: RouteLegs, pose: Any) -> Any:
         to_exit = ((route.exit_at - pose[:2]) * route.outwards).sum()
-        return LEAVING_COST * jnp.maximum(to_exit, 0.0)
+        away = self._crosswalks.away(scene, pose[:2])
+        nearer = jnp.maximum(route.kept - away, 0.0).max()
+        enters = ((away <= 0.0) & jnp.isfinite(route.kept)).any()
+        return LEAVING_COST * jnp.maximum(to_exit, 0.0) + NEARER_COST * nearer + ENTRY_COST * enters
 
 
 class ObjectPlanner(Planner):

@@ -263,24 +263,43 @@ def test_the_planners_cost_leads_past_every_waypoint(planner: SignalPlanner, leg
     assert float(legs.at(begun.start[:2])) > rest[0]
 
 
-def test_the_planner_waits_before_a_closed_crosswalk_and_enters_an_open_one(
-    env: NavEnv, planner: SignalPlanner, legs: Any, begun: Any
-) -> None:
-    """Where the first route comes to it. It stands as long as it is closed, whatever lies behind."""
+@pytest.fixture(scope="module")
+def before_crosswalk(env: NavEnv, begun: Any) -> Any:
+    """Where the first route comes to the crosswalk: m before it, seconds and m/s -> the state there."""
     arc = float(env.task._arc[0, 0, 0])  # type: ignore[attr-defined]
     corners = np.concatenate([np.asarray(begun.start)[None, :2], np.asarray(begun.waypoints)[:, :2]])
     ends = np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=-1))
     k = int(np.searchsorted(ends, arc))
     along = (corners[k + 1] - corners[k]) / np.linalg.norm(corners[k + 1] - corners[k])
-    xy = corners[k] + (arc - (ends[k - 1] if k else 0.0) - 0.85) * along
     yaw = float(np.arctan2(along[1], along[0]))
-    act = jax.jit(planner.act)
-    for seconds, speed in ((5.0, 0.5), (21.0, 0.0), (40.0, 0.0), (59.0, 0.0), (60.5, 0.5)):
-        nav = posed(env, begun, tuple(xy), yaw, seconds)._replace(
-            waypoint=jnp.int32(k), route_done=jnp.float32(arc - 0.85)
-        )
-        forward = float(act(nav, legs)[0])
-        assert (forward > 0.3) if speed else (forward < 0.02), (seconds, forward)
+
+    def state(metres: float, seconds: float, speed: float) -> Any:
+        xy = corners[k] + (arc - (ends[k - 1] if k else 0.0) - metres) * along
+        nav = posed(env, begun, tuple(xy), yaw, seconds)
+        nav = nav._replace(waypoint=jnp.int32(k), route_done=jnp.float32(arc - metres))
+        return nav._replace(sim=nav.sim._replace(qvel=nav.sim.qvel.at[:2].set(speed * along)))
+
+    return state
+
+
+@pytest.fixture(scope="module")
+def act(planner: SignalPlanner, legs: Any) -> Any:
+    return jax.jit(lambda nav: planner.act(nav, legs)[0])
+
+
+def test_the_planner_waits_before_a_closed_crosswalk_and_enters_an_open_one(before_crosswalk: Any, act: Any) -> None:
+    """It stands as long as it is closed, whatever lies behind."""
+    for seconds, enters in ((5.0, True), (21.0, False), (40.0, False), (59.0, False), (60.5, True)):
+        forward = float(act(before_crosswalk(0.85, seconds, 0.0)))
+        assert (forward > 0.3) if enters else (forward < 0.02), (seconds, forward)
+
+
+@pytest.mark.parametrize(("metres", "speed"), [(0.8, 0.7), (0.8, 0.4), (0.5, 0.4), (0.3, 0.0)])
+def test_a_robot_that_stops_too_near_to_a_closed_crosswalk_does_not_drive_on(
+    before_crosswalk: Any, act: Any, metres: float, speed: float
+) -> None:
+    """It comes nearer than it should whatever it does, which is no reason to enter."""
+    assert float(act(before_crosswalk(metres, 40.0, speed))) < 0.02
 
 
 @pytest.mark.parametrize(
