@@ -14,10 +14,8 @@ import pathlib
 import sys
 from typing import Any
 
-from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, Streets, brief, load, named_scenes, parsed_options, save_result
+from benchmarks.lib.unseen import Streets, begin, brief, load, named_scenes, parsed_options, save_result
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
 
 def arguments() -> argparse.Namespace:
@@ -58,9 +56,7 @@ def trained(args: argparse.Namespace, env: Any) -> pathlib.Path:
 
 def main() -> int:
     args = arguments()
-    tables_as_arguments()
-    keep_compiled()
-    log = Log(args.out)
+    log = begin(args.out)
     streets: Streets = load(args.train, args.test, [], args.episodes, log)
     chosen = named_scenes(args.scenes, streets.train)
     overrides = {"preset": args.preset, "impl": args.impl, "scenes": ",".join(chosen)}

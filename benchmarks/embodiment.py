@@ -311,14 +311,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     elif args.page:
         write_page()
     else:
-        from benchmarks.lib.caching import keep_compiled
-        from benchmarks.lib.unseen import Log, save_result
-        from urbanverse_mjx.training.brax_compat import tables_as_arguments
+        from benchmarks.lib.unseen import begin, save_result
 
         args.out = args.out.absolute()
-        tables_as_arguments()
-        keep_compiled()
-        log = Log(args.out)
+        log = begin(args.out)
         result = train(args, log) if args.role == "train" else score(args, log)
         save_result(args.out, result)
         print(json.dumps({k: x for k, x in result.items() if k != "agents"}))

@@ -21,12 +21,10 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
-from benchmarks.lib.caching import keep_compiled
-from benchmarks.lib.unseen import Log, brief, load, named_scenes, parsed_options, save_result, steps_of
+from benchmarks.lib.unseen import Log, begin, brief, load, named_scenes, parsed_options, save_result, steps_of
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
-from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
 SAVED_AS = {"student": "student", "finetune": "finetuned"}
 """Folder in `--out` of a stage's best parameters so far."""
@@ -249,9 +247,7 @@ def arguments() -> argparse.Namespace:
 
 def main() -> int:
     args = arguments()
-    tables_as_arguments()
-    keep_compiled()
-    log = Log(args.out)
+    log = begin(args.out)
     bank, chosen, suite = load(args.train, args.test, args.holdout, args.validation_episodes, log)
     chosen = named_scenes(args.scenes, chosen)
     height, width = (int(n) for n in args.size.split("x"))

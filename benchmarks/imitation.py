@@ -23,7 +23,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from benchmarks.lib.unseen import Log, Streets, brief, load, parsed_options, save_result, steps_of
+from benchmarks.lib.unseen import Log, Streets, begin, brief, load, parsed_options, save_result, steps_of
 from urbanverse_mjx.datatypes import validation as v
 
 if TYPE_CHECKING:
@@ -211,16 +211,12 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    from benchmarks.lib.caching import keep_compiled
     from urbanverse_mjx.evaluation import blank_image
-    from urbanverse_mjx.training.brax_compat import tables_as_arguments
     from urbanverse_mjx.training.policy import load_policy
 
     args = arguments(argv)
     args.out = args.out.absolute()
-    tables_as_arguments()
-    keep_compiled()
-    log = Log(args.out)
+    log = begin(args.out)
     streets = load(args.train, args.test, args.holdout, args.episodes, log, args.train_scenes)
     env = environment(args, streets)
     if args.role == "record":

@@ -51,20 +51,16 @@ def train(args: argparse.Namespace) -> dict[str, Any]:
     import jax
     from ml_collections import ConfigDict
 
-    from benchmarks.lib.caching import keep_compiled
-    from benchmarks.lib.unseen import Log, brief, load, parsed_options
+    from benchmarks.lib.unseen import begin, brief, load, parsed_options
     from urbanverse_mjx.envs import registry
     from urbanverse_mjx.envs.registry import with_overrides
-    from urbanverse_mjx.training.brax_compat import tables_as_arguments
     from urbanverse_mjx.training.config import default_ppo_config
     from urbanverse_mjx.training.policy import load_policy
     from urbanverse_mjx.training.record import FILE
     from urbanverse_mjx.training.run_folder import at_work
     from urbanverse_mjx.training.teacher_student import COMPLETE, IMITATION, TEACHER, TeacherStudent
 
-    tables_as_arguments()
-    keep_compiled()
-    log = Log(args.out)
+    log = begin(args.out)
     streets = load(args.train, args.test, [], args.episodes, log)
     overrides = {"preset": "best", "impl": args.impl, "scenes": ",".join(streets.train), **parsed_options(args.env)}
     env = registry.load("CocoNav", config_overrides=overrides, bank=streets.bank)

@@ -366,13 +366,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     elif args.page:
         write_pages()
     else:
-        from benchmarks.lib.caching import keep_compiled
-        from benchmarks.lib.unseen import Log, save_result
-        from urbanverse_mjx.training.brax_compat import tables_as_arguments
+        from benchmarks.lib.unseen import begin, save_result
 
-        tables_as_arguments()
-        keep_compiled()
-        log = Log(args.out)
+        log = begin(args.out)
         save_result(args.out, measure(args, log))
     return 0
 

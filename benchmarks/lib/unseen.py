@@ -29,6 +29,17 @@ class Log:
         print(line, file=sys.stderr, flush=True)
 
 
+def begin(folder: pathlib.Path) -> Log:
+    """Opens the log of a training in a folder. From then on this process keeps what JAX compiles, and tables of streets
+    are arguments of Brax's programs."""
+    from benchmarks.lib.caching import keep_compiled
+    from urbanverse_mjx.training.brax_compat import tables_as_arguments
+
+    tables_as_arguments()
+    keep_compiled()
+    return Log(folder)
+
+
 class Streets(NamedTuple):
     """bank: of all scenes. train: ids of those to train on. suite: episodes on the others."""
 

@@ -123,8 +123,7 @@ def test_a_training_that_ends_while_it_scores_is_not_done(
             raise KeyboardInterrupt
         return {"craftbench": {"summary": {"SR": {"mean": 50.0}}, "ends": {}, "by_scene": {}}}
 
-    for name in ("tables_as_arguments", "keep_compiled"):
-        monkeypatch.setattr(generalise, name, lambda: None)
+    monkeypatch.setattr(generalise, "begin", generalise.Log)
     suite = types.SimpleNamespace(score=score, check=lambda env: None)
     monkeypatch.setattr(generalise, "load", lambda *given: (None, ["s"], suite))
     monkeypatch.setattr(generalise.registry, "load", lambda *given, **named: None)
