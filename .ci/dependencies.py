@@ -241,8 +241,9 @@ in a wheel, is reviewed first. `make wheel` writes the same as CycloneDX (JSON) 
 * `warp-lang` contains libraries under NVIDIA's agreements.
 * On a machine with a GPU, `make setup` adds {further} packages of JAX and NVIDIA, which this page does not list; their
   wheels contain their licences.
-* The licences of extras (`foundation`, `cluster` and others) and of model weights are not listed either. Those of the weights that
-  `urbanverse gen weights` downloads are in [perception](decisions/gen_perception.md#a-second-opinion) and beside the weights in the cache.
+* The licences of extras (`foundation`, `cluster` and others) and of model weights are not listed either. Those of the
+  weights that `urbanverse gen weights` downloads are in [perception](decisions/gen_perception.md#a-second-opinion) and
+  beside the weights in the cache.
 
 ## Packages
 

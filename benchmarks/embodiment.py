@@ -81,14 +81,13 @@ def make_envs(args: argparse.Namespace, log: "Log") -> list["NavEnv"]:
     """The environments of all robots, on the first scenes of the banks to train on."""
     import concurrent.futures
 
-    from benchmarks.lib.banks import first_scenes
+    from benchmarks.lib.banks import first_scenes, joined
     from benchmarks.lib.unseen import parsed_options
-    from urbanverse_mjx.datatypes import bank_join
 
     banks = [SceneBank.load(path) for path in args.train]
     if args.train_scenes is not None:
         banks = [first_scenes(bank, min(args.train_scenes, bank.num_scenes)) for bank in banks]
-    bank = bank_join.join(banks) if len(banks) > 1 else banks[0]
+    bank = joined(banks)
     log(loaded=bank.num_scenes)
 
     def make(robot: str) -> "NavEnv":
@@ -116,7 +115,7 @@ def train(args: argparse.Namespace, log: "Log") -> dict[str, Any]:
     config.num_timesteps = len(args.robots) * args.steps
     folder = args.out / TRAINING
     if steps_of(folder) < max(int(config.num_timesteps) // each, 1) * each:
-        begun = any((folder / name).is_file() for name in (iterative.STATE, iterative.STATE_BEFORE))
+        begun = iterative.begun(folder)
         envs = make_envs(args, log)
         folder.mkdir(parents=True, exist_ok=True)
         with at_work(folder):

@@ -137,7 +137,7 @@ def fitted(
     student = None if start is None else load_compatible_student(start, env, config)
     each = learner.steps_per_iteration
     if steps_of(folder) < max(int(config.num_timesteps) // each, 1) * each:
-        begun = any((folder / name).is_file() for name in (iterative.STATE, iterative.STATE_BEFORE))
+        begun = iterative.begun(folder)
         folder.mkdir(parents=True, exist_ok=True)
         with at_work(folder):
             begin = learner.begin if student is None else lambda: learner.begin(student)

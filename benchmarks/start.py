@@ -17,9 +17,10 @@ import time
 import jax
 import jax.numpy as jnp
 
+from benchmarks.lib.banks import joined
 from benchmarks.lib.caching import keep_compiled
 from benchmarks.lib.memory import peak_device_mib, peak_rss_mib, rss_mib
-from urbanverse_mjx.datatypes import BankShards, SceneBank, bank_join
+from urbanverse_mjx.datatypes import BankShards, SceneBank
 from urbanverse_mjx.envs import registry
 
 
@@ -61,7 +62,7 @@ def main(argv: list[str] | None = None) -> int:
     stage("empty process")
     parts = [_load(path, args.scenes) for path in args.banks]
     stage("load")
-    bank = bank_join.join(parts) if len(parts) > 1 else parts[0]
+    bank = joined(parts)
     del parts
     stage("join")
     overrides = {

@@ -262,7 +262,7 @@ def train(
     given = {k: x for k, x in own.items() if x is not None} | parsed_options(args.set)
     config = with_overrides(ConfigDict(config.to_dict()), given)
     file, begin = folder / "seconds.json", time.monotonic()
-    begun = any((folder / name).is_file() for name in (iterative.STATE, iterative.STATE_BEFORE))
+    begun = iterative.begun(folder)
     if begun and RunRecord.load(folder).ppo != json.loads(json.dumps(config.to_dict())):
         raise ValidationError(f"{folder}: found a training with other options, needed these; take another --out.")
     if not file.is_file():

@@ -153,13 +153,13 @@ def suite_of(env: "NavEnv", episodes: int) -> "Suite":
 
 def train(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any]:
     """Trains the policies; returns agent -> policy folder."""
-    from urbanverse_mjx.datatypes import bank_join
+    from benchmarks.lib.banks import joined
     from urbanverse_mjx.envs import NavEnv, registry
     from urbanverse_mjx.training.policy import latest_policy
     from urbanverse_mjx.training.teacher_student import TEACHER, TeacherStudent
 
     banks = [SceneBank.load(path) for path in args.train]
-    bank = bank_join.join(banks) if len(banks) > 1 else banks[0]
+    bank = joined(banks)
     chosen = [name for part in banks for name in part.scene_ids[: args.train_scenes]]
     config = training_config(args)
     folder = args.out / "training"

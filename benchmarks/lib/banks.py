@@ -1,13 +1,19 @@
 """Makes smaller banks from a large one with fewer scenes or hulls, without the scene compiler."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.datatypes import SceneBank, ValidationError, bank_join
 
 #: Arrays of a bank with a leading scene axis.
 _BY_SCENE = ("inst_", "prism_", "grid_origin", "hull_grid", "map_kind", "map_origin", "episode_", "slot_", "scene_sky")
+
+
+def joined(banks: Sequence[SceneBank]) -> SceneBank:
+    """Returns one bank with the scenes of all; a single one is not copied."""
+    return bank_join.join(banks) if len(banks) > 1 else banks[0]
 
 
 def first_scenes(bank: SceneBank, count: int) -> SceneBank:

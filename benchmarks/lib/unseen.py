@@ -8,9 +8,9 @@ import time
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from benchmarks.lib.banks import first_scenes
+from benchmarks.lib.banks import first_scenes, joined
 from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import SceneBank, bank_join
+from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.evaluation.held_out import Suite
 
@@ -71,7 +71,7 @@ def load(
     if first is not None:  # every scene that is there costs memory, whether it is trained on or not
         trained = [first_scenes(bank, min(first, bank.num_scenes)) for bank in trained]
     by_name = dict(zip((path.parent.name for path in test), tests, strict=True))
-    bank = bank_join.join([*trained, *by_name.values()]) if len(trained) + len(by_name) > 1 else trained[0]
+    bank = joined([*trained, *by_name.values()])
     own = [part.scene_ids for part in trained]
     ids = [name for part in own for name in part]
     held = {

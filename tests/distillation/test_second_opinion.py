@@ -69,6 +69,14 @@ def test_a_box_confirms_an_object_and_raises_its_probability() -> None:
     np.testing.assert_array_equal(fused.depth, seen.depth)
 
 
+def test_the_options_say_how_much_an_object_and_its_box_overlap() -> None:
+    """They overlap by 0.6."""
+    seen, found = scene(("car", 0.6, (10, 20, 20, 26))), boxes(("bus", 0.9, (10, 20, 20, 30)))
+    assert names(fuse(seen, found, SIZE, PLAIN)) == ["bus"]
+    (one,) = fusion.candidates(seen, found, SIZE, dataclasses.replace(PLAIN, same=0.7))
+    assert one.partner == -1
+
+
 @pytest.mark.parametrize(("score", "name"), [(0.8, "bus"), (0.5, "car")])
 def test_the_surer_of_two_classes_counts(score: float, name: str) -> None:
     fused = fuse(scene(("car", 0.6, (10, 12, 24, 26))), boxes(("bus", score, (10, 12, 24, 26))), SIZE, PLAIN)

@@ -1,6 +1,7 @@
 """The privileged planner: its model of COCO against C MuJoCo, its waypoints, its maps, and that it arrives."""
 
 import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -278,6 +279,77 @@ def test_a_plan_to_wait_begins_at_once_among_still_things(small_bank: SceneBank)
             assert float(cost) == pytest.approx(float(costs.min()), abs=0.01)
             assert float(cost) < float(costs.min())
     assert not np.isfinite(planner._at_once(jnp.int32(0), state, route, None, jnp.asarray(real))[1]), "it need not wait"
+
+
+class _Graded(Planner):
+    """As `SignalPlanner` weighs nearness to agents."""
+
+    BEGINS_AMONG_AGENTS = True
+    AGENT_DEPTH = 2.0
+
+
+@pytest.fixture(scope="module")
+def by_class(small_bank: SceneBank) -> dict[type[Planner], tuple[Planner, RouteField, np.ndarray]]:
+    """Planner, route and start (x, y, heading) of the same episode."""
+    env = unicycle_env(bank_for("clean", small_bank))
+    found = {}
+    for kind in (Planner, _Graded):
+        planner = kind(env)
+        route = jax.tree.map(lambda x: x[0], planner.prepare(np.zeros(1, np.int32), np.zeros(1, np.int32)))
+        found[kind] = planner, route, np.asarray(env.bank.episode_start[0, 0])[[0, 1, 3]]
+    return found
+
+
+def _standing_and_ahead(planner: Planner, costs: Any) -> tuple[float, float]:
+    """Least costs to stand first, and to drive straight on at full speed first."""
+    first = np.asarray(planner.first)
+    stand, ahead = int(np.abs(first).sum(1).argmin()), int((first[:, 0] - np.abs(first[:, 1])).argmax())
+    return float(costs[stand].min()), float(costs[ahead].min())
+
+
+def _person(start: np.ndarray, ahead: float) -> Any:
+    """(1, 6), somebody who stands in front of a robot's centre; see `Planner._agents`."""
+    place = start[:2] + ahead * np.array([np.cos(start[2]), np.sin(start[2])])
+    return jnp.asarray([[*place, 0.0, 0.0, 0.3, 1.0]], jnp.float32)
+
+
+def test_a_robot_too_near_to_somebody_does_not_come_nearer(by_class: Any) -> None:
+    """All commands come too near: contact alone prefers to drive through, the depth to stand."""
+    for kind, stands in ((Planner, False), (_Graded, True)):
+        planner, route, start = by_class[kind]
+        state = jnp.asarray([*start, 0.0, 0.0], jnp.float32)
+        stand, ahead = _standing_and_ahead(planner, planner.costs(jnp.int32(0), state, route, _person(start, 0.7)))
+        assert min(stand, ahead) > 1000.0
+        assert (stand < ahead) == stands
+
+
+def test_contact_with_the_street_counts_beside_that_with_agents(small_bank: SceneBank, by_class: Any) -> None:
+    """Over the edge of a kerb, with somebody too near behind."""
+    _, border = _flank(small_bank)
+    start = np.array([border[0] - 1.0, border[1], 0.0])
+    state = jnp.asarray([*start, 2.0, 0.0], jnp.float32)
+    more = {}
+    for kind in (Planner, _Graded):
+        planner, route, _ = by_class[kind]
+        for name, agents in (("alone", None), ("among", _person(start, -0.3))):
+            costs = np.asarray(planner.costs(jnp.int32(0), state, route, agents))
+            more[kind, name] = float(costs.max() - costs.min())
+    assert more[Planner, "alone"] == more[_Graded, "alone"] > 900.0
+    assert more[Planner, "among"] < 900.0
+    assert more[_Graded, "among"] > 900.0
+
+
+def test_a_plan_to_wait_begins_among_agents_unless_one_is_in_the_way(by_class: Any) -> None:
+    planner, route, start = by_class[_Graded]
+    state = jnp.asarray([*start, 0.0, 0.0], jnp.float32)
+    for metres, begins in ((-5.0, True), (1.2, False)):
+        agents = _person(start, metres)
+        real = np.asarray(planner.costs(jnp.int32(0), state, route, agents))
+        waiting = int(np.abs(np.asarray(planner.first)).sum(1).argmin())
+        after = np.asarray(planner._after)
+        onwards = int((after[:, 0] - np.abs(after[:, 1])).argmax())
+        costs = jnp.asarray(real).at[waiting, onwards].set(min(real.min() - 1.0, 5.0))
+        assert bool(np.isfinite(planner._at_once(jnp.int32(0), state, route, agents, costs)[1])) == begins
 
 
 def test_a_field_without_its_padding_has_the_same_values_everywhere() -> None:

@@ -52,7 +52,7 @@ def test_every_robot_is_told_apart_by_numbers_of_order_one(robots: dict[str, Rob
     assert np.abs(values).max() <= 2.0
     values = np.array([describe(robot) for name, robot in robots.items() if name != "arm"])  # COCO with a mast
     apart = np.abs(values[:, None] - values).max(-1)
-    assert apart[~np.eye(len(values), dtype=bool)].min() > 0.04
+    assert apart[~np.identity(len(values), dtype=bool)].min() > 0.04
 
 
 def test_drives_are_those_of_the_table(robots: dict[str, RobotSpec]) -> None:

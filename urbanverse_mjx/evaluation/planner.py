@@ -412,15 +412,12 @@ class Planner:
         pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt, slope)
         part = route.part(ahead.part, pose[:2])
         route = route.on(part)
-        gap, driving, uneasy, near = self._gap(scene, pose), ahead.driving, None, ahead.near
-        sooner = 2.0 - k / len(_OPTIONS.steps)
-        hit_gap = gap
+        to_street, driving, uneasy, near = self._gap(scene, pose), ahead.driving, None, ahead.near
+        gap, sooner = to_street, 2.0 - k / len(_OPTIONS.steps)
         if agents is not None:
             to_agents = self._agent_gap(agents, pose[:2], end)
             gap = jnp.minimum(gap, to_agents)
-            if self.AGENT_DEPTH is None:
-                hit_gap = gap
-            else:
+            if self.AGENT_DEPTH is not None:
                 depth = jnp.maximum(_OPTIONS.touch_distance - to_agents, 0.0)
                 near = jnp.maximum(near, driving * ((depth > 0.0) * sooner + self.AGENT_DEPTH * depth))
             if self._comfort is not None:
@@ -431,7 +428,8 @@ class Planner:
         shy = dt / self._slower * driving * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
         if uneasy is not None:
             shy += dt / self._slower * driving * uneasy
-        touched = driving * (hit_gap < _OPTIONS.touch_distance) * sooner
+        touching = gap if self.AGENT_DEPTH is None else to_street
+        touched = driving * (touching < _OPTIONS.touch_distance) * sooner
         here = _field_at(route, pose, 0.0)
         nose = self._nose(scene, route, pose, here)
         # The episode ends when the goal is reached, so later costs are ignored.

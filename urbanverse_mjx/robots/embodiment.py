@@ -3,7 +3,7 @@
 In: `RobotSpec`. Out: (18,) f32, see `FIELDS`. When: once, at construction of an environment.
 
 Lengths are those of the collision spheres in the pose at rest, from the root body's origin, whose heading frame is that
-of all observations and actions: a policy that is told where the robot ends can leave room for a tail that swings out.
+of all observations and actions: a policy that is told where the robot ends can keep a tail clear that swings out.
 """
 
 from collections.abc import Callable

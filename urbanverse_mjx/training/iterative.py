@@ -154,6 +154,11 @@ class Iterations:
         return good, rates
 
 
+def begun(folder: pathlib.Path) -> bool:
+    """Whether a run folder holds a state from which `Iterations` can go on."""
+    return any((folder / name).is_file() for name in (STATE, STATE_BEFORE))
+
+
 def _named(reported: dict[str, float]) -> dict[str, float]:
     """Metrics of a learner under the names of the log; undefined ones (without ended episodes) are left out."""
     ended = reported.get("ended")

@@ -252,7 +252,7 @@ def _steps_done(folder: pathlib.Path) -> int:
 
 def _continue(stage: Iterations) -> TrainingResult:
     """Runs a stage to its end, from its newest state if there is one."""
-    begun = any((stage.folder / name).is_file() for name in (iterative.STATE, iterative.STATE_BEFORE))
+    begun = iterative.begun(stage.folder)
     state = stage.first_state(begun)
     if begun:
         stage.replace_missing_policy(state)

@@ -294,7 +294,7 @@ def test_the_planner_waits_before_a_closed_crosswalk_and_enters_an_open_one(befo
         assert (forward > 0.3) if enters else (forward < 0.02), (seconds, forward)
 
 
-@pytest.mark.parametrize(("metres", "speed"), [(0.8, 0.7), (0.8, 0.4), (0.5, 0.4), (0.3, 0.0)])
+@pytest.mark.parametrize(("metres", "speed"), [(1.9, 0.0), (0.8, 0.7), (0.8, 0.4), (0.5, 0.4), (0.3, 0.0)])
 def test_a_robot_that_stops_too_near_to_a_closed_crosswalk_does_not_drive_on(
     before_crosswalk: Any, act: Any, metres: float, speed: float
 ) -> None:

@@ -62,13 +62,21 @@ def rows_kept(found: Boxes, most: float = 0.6) -> list[int]:
         low = np.maximum(found.box[i, :2], found.box[kept, :2])
         high = np.minimum(found.box[i, 2:], found.box[kept, 2:])
         shared = np.prod(np.maximum(high - low, 0.0), axis=-1)
-        joint = _area(found.box[i]) + _area(found.box[kept]) - shared
+        joint = area_of(found.box[i]) + area_of(found.box[kept]) - shared
         if not (shared > most * joint).any():
             kept.append(int(i))
     return kept
 
 
-def _area(box: np.ndarray) -> np.ndarray:
+def overlap(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n, m) intersection over union of boxes (n, 4) and (m, 4)."""
+    sides = np.minimum(a[:, None, 2:], b[None, :, 2:]) - np.maximum(a[:, None, :2], b[None, :, :2])
+    shared = np.prod(np.maximum(sides, 0.0), -1)
+    return shared / np.maximum(area_of(a)[:, None] + area_of(b)[None] - shared, 1e-9)
+
+
+def area_of(box: np.ndarray) -> np.ndarray:
+    """(...) areas of boxes (..., 4)."""
     return (box[..., 2] - box[..., 0]) * (box[..., 3] - box[..., 1])
 
 

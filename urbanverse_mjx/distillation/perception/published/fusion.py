@@ -14,7 +14,7 @@ from scipy.special import expit, logit
 
 from ...perception_model import classes
 from ...perception_model.decode import Decoded, FoundObject
-from ..foundation.boxes import Boxes
+from ..foundation.boxes import Boxes, area_of, overlap
 from . import groups
 
 
@@ -54,7 +54,7 @@ class Candidate:
     partner: int
 
 
-def candidates(seen: Decoded, found: Boxes, size: tuple[int, int]) -> list[Candidate]:
+def candidates(seen: Decoded, found: Boxes, size: tuple[int, int], options: FusionOptions = OPTIONS) -> list[Candidate]:
     """The boxes in a fixed order, each with its evidence and at most one object.
 
     Args:
@@ -65,7 +65,7 @@ def candidates(seen: Decoded, found: Boxes, size: tuple[int, int]) -> list[Candi
     order = np.lexsort((*found.box.T, found.label, -found.score))
     found = found.take(order.tolist())
     box = found.box * scale
-    partner = _partners(seen, box, found.label)
+    partner = _partners(seen, box, found.label, options.same)
     return [
         Candidate(int(k), b, evidence(seen, int(k), float(s), b, int(p)), int(p))
         for k, s, b, p in zip(found.label, found.score, box, partner, strict=True)
@@ -82,7 +82,7 @@ def evidence(seen: Decoded, kind: int, score: float, box: np.ndarray, partner: i
     share = float(agreed[seen.kinds[rows, columns]].mean())
     same = partner >= 0 and agreed[seen.objects[partner].kind]
     prior = seen.objects[partner].score if same else 0.0
-    side = float(np.log(max(_area(box), 1.0) / seen.kinds.size) / 2.0)
+    side = float(np.log(max(area_of(box), 1.0) / seen.kinds.size) / 2.0)
     sign = float(classes.names()[kind] == "traffic sign")
     return 1.0, float(logit(np.clip(score, 0.01, 0.99))), share, prior, side, sign
 
@@ -97,7 +97,7 @@ def fuse(seen: Decoded, found: Boxes, size: tuple[int, int], options: FusionOpti
     """
     objects = list(seen.objects)
     new: list[tuple[float, Candidate]] = []
-    for one in candidates(seen, found, size):
+    for one in candidates(seen, found, size, options):
         score = float(expit(np.dot(options.trust, one.evidence)))
         if one.partner < 0:
             if score >= options.least:
@@ -126,8 +126,8 @@ def _relabelled(fused: Decoded, before: Decoded) -> Decoded:
     return dataclasses.replace(fused, kinds=kinds)
 
 
-def _partners(seen: Decoded, box: np.ndarray, label: np.ndarray) -> np.ndarray:
-    """(k,) number of the object that each box overlaps by half, -1 = none; pairs of the same class first, then those
+def _partners(seen: Decoded, box: np.ndarray, label: np.ndarray, same: float) -> np.ndarray:
+    """(k,) number of the object that each box overlaps by `same`, -1 = none; pairs of the same class first, then those
     that overlap most."""
     out = np.full(len(box), -1)
     if not len(box) or not seen.objects:
@@ -135,7 +135,7 @@ def _partners(seen: Decoded, box: np.ndarray, label: np.ndarray) -> np.ndarray:
     own = object_boxes(seen)
     shared = overlap(box, own)
     agree = np.stack([groups.confirmed(classes.names()[int(k)]) for k in label])[:, [o.kind for o in seen.objects]]
-    rows, columns = np.nonzero(shared >= OPTIONS.same)
+    rows, columns = np.nonzero(shared >= same)
     order = np.lexsort((columns, rows, -shared[rows, columns], ~agree[rows, columns]))
     free = np.ones(len(own), bool)
     for i, j in zip(rows[order], columns[order], strict=True):
@@ -153,17 +153,6 @@ def object_boxes(seen: Decoded) -> np.ndarray:
         r, c = rows[owner == number], columns[owner == number]
         out[number] = c.min(), r.min(), c.max() + 1, r.max() + 1
     return out
-
-
-def overlap(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(n, m) intersection over union of boxes (n, 4) and (m, 4)."""
-    sides = np.minimum(a[:, None, 2:], b[None, :, 2:]) - np.maximum(a[:, None, :2], b[None, :, :2])
-    shared = np.prod(np.maximum(sides, 0.0), -1)
-    return shared / np.maximum(_area(a)[:, None] + _area(b)[None] - shared, 1e-9)
-
-
-def _area(box: np.ndarray) -> np.ndarray:
-    return (box[..., 2] - box[..., 0]) * (box[..., 3] - box[..., 1])
 
 
 def _not_repeated(

@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 
 from ....datatypes import validation as v
-from ..foundation.boxes import Boxes, rows_kept
+from ..foundation.boxes import Boxes, joined, rows_kept
 from . import weights
 
 #: The network's normalisation of blue, green and red (configuration `nanodet-g` of its authors).
@@ -69,7 +69,7 @@ class NanoDet:
             crop = rgb[top : top + side, left : left + side]
             found = self._boxes(crop)
             parts.append(_inside(found, (left, top), crop.shape[:2], rgb.shape[:2], self.options.cut_off))
-        return by_class(_joined(parts), self.options.overlap)
+        return by_class(joined(parts, [0] * len(parts)), self.options.overlap)
 
     def _boxes(self, rgb: np.ndarray) -> Boxes:
         given = self.session.get_inputs()[0]
@@ -122,7 +122,7 @@ def decode(outputs: Sequence[np.ndarray], side: int, least: float) -> Boxes:
         corners = np.concatenate([centre - reach[:, :2], centre + reach[:, 2:]], 1)
         cell, label = np.nonzero(score >= least)
         parts.append(Boxes(corners[cell], label, score[cell, label].astype(np.float64)))
-    return _joined(parts)
+    return joined(parts, [0] * len(parts))
 
 
 def tiles(height: int, width: int, options: NanoDetOptions = _OPTIONS) -> list[tuple[int, int, int]]:
@@ -159,14 +159,6 @@ def _inside(
     keep &= (box[:, 3] < height - margin) | (top + height >= image[0])
     moved = dataclasses.replace(found, box=box + np.array([left, top, left, top]))
     return moved.take(np.flatnonzero(keep).tolist())
-
-
-def _joined(parts: Sequence[Boxes]) -> Boxes:
-    return Boxes(
-        np.concatenate([p.box for p in parts]).reshape(-1, 4),
-        np.concatenate([p.label for p in parts]),
-        np.concatenate([p.score for p in parts]),
-    )
 
 
 def by_class(found: Boxes, overlap: float) -> Boxes:
