@@ -221,11 +221,12 @@ def page_text(folder: pathlib.Path = results.SCORES) -> str:
     parts = ["\n".join([f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}", *lines])] if lines else []
     full = streets.Size()
     wanted = f"{full.blocks} x {full.block:g} m"
-    absent = [f"{name} ({r})" for name, r in DRIVERS if len(found.get((name, r, wanted), ())) < total()]
+    driven = {(name, r): len(found.get((name, r, wanted), ())) for name, r in DRIVERS}
+    absent = [f"{total() - n} of {name} ({r})" for (name, r), n in driven.items() if n < total()]
     if absent:
         parts.append(
-            f"Not run yet: all {total()} missions of {', '.join(absent)}; `python -m benchmarks.missions --out OUT` "
-            "runs what is missing."
+            f"Not run yet, of {total()} missions: {', '.join(absent)}; `python -m benchmarks.missions --out OUT` runs "
+            "what is missing."
         )
     return "\n\n".join(parts)
 
