@@ -18,7 +18,7 @@ NEWER ?= tests/simulation tests/robots tests/scene
 # What `make train` trains: CocoNav, Go2Nav, Go2Joystick
 ENV ?= CocoNav
 
-.PHONY: help setup setup-dev setup-torch setup-newer train test test-slow test-torch test-newer test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock licences advisories wheel clean distclean
+.PHONY: help setup setup-dev setup-torch setup-newer train test test-extended test-slow test-torch test-newer test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs docs-media setup-docs lock licences advisories wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -56,8 +56,11 @@ $(VENV)/.stamp-docs: requirements-docs.lock .ci/setup
 train: setup ## train the small policy, evaluate it on unseen streets; the last line printed is the result as JSON
 	@$(BIN)/urbanverse train --env-name $(ENV) $(ARGS)
 
-test: setup-dev ## run the tests
+test: setup-dev ## run the quick tests, which are most
 	@$(BIN)/python $(PYTEST) $(ARGS)
+
+test-extended: setup-dev ## run those that take seconds each
+	@$(BIN)/python $(PYTEST) -m "extended and not slow and not gpu" $(ARGS)
 
 test-slow: setup-dev ## run the tests that take minutes
 	@$(BIN)/python $(PYTEST) -m "slow and not gpu" $(ARGS)
@@ -66,7 +69,7 @@ test-torch: setup-torch ## run the tests that need PyTorch, which the others ski
 	@JAX_PLATFORMS=cpu CUDA_VISIBLE_DEVICES= OMP_NUM_THREADS=1 PYTHONPATH=$(VENV)/torch $(BIN)/python $(PYTEST) -m "torch and not slow and not gpu" $(ARGS)
 
 test-newer: setup-newer ## run the tests of engines, robots and scenes with MuJoCo 4, without mujoco-mjx (installs it into .venv/newer)
-	@$(VENV)/newer/bin/python $(PYTEST) $(NEWER) $(ARGS)
+	@$(VENV)/newer/bin/python $(PYTEST) -m "not slow and not gpu" $(NEWER) $(ARGS)
 
 test-gpu: setup-dev ## run the tests that need a CUDA device
 	@$(BIN)/python -m pytest -q -m gpu $(ARGS)

@@ -127,6 +127,7 @@ def test_no_records_are_refused() -> None:
         build_leaf("bench", INDEX, 0)
 
 
+@pytest.mark.extended
 def test_the_content_is_the_committed_one(table) -> None:
     """After a change of recipes, priors or code that is meant to change records: `urbanverse assets index`, which
     writes index.parquet, shapes.parquet and this hash."""

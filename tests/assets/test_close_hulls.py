@@ -109,6 +109,7 @@ def test_the_store_is_small_and_of_known_meshes() -> None:
         assert set(tried) <= known
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("leaf", leaf_params(LEAVES))
 def test_closer_hulls_of_a_leaf(leaf: str) -> None:
     """Less overshoot than the first hulls, none missing much of the surface, few enough, none below the ground."""
@@ -146,6 +147,7 @@ def most_in_reach(extent: tuple[float, float, float], hulls: tuple[np.ndarray, .
 FIRST, *NEXT = always(LEAVES)[:4]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("leaves", [NEXT, pytest.param([FIRST], marks=pytest.mark.slow)], ids=lambda x: "+".join(x))
 def test_the_store_is_made_again_bit_equal(leaves: list[str]) -> None:
     """In a process that begins as the workers of `build_close` do, with the same kernels on any processor."""

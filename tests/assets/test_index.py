@@ -17,6 +17,7 @@ from urbanverse_mjx.datatypes import ValidationError
 INDEX = load_index()
 
 
+@pytest.mark.extended
 def test_sampled_records_are_what_the_recipes_build() -> None:
     """On failure: `python -m urbanverse_mjx.assets index`, then `hulls`."""
     leaves = always(INDEX.leaves)

@@ -148,6 +148,7 @@ def test_trees_leave_room_to_drive_under_their_crowns() -> None:
         assert np.linalg.norm(low[:, :2], axis=1).max() < 0.9, "below a metre there is only the trunk"
 
 
+@pytest.mark.extended
 def test_the_same_variant_is_the_same_mesh_again() -> None:
     for leaf in ("tree", "cafe", "pedestrian adult"):
         first, second = built(leaf)[0].mesh, built(leaf)[0].mesh

@@ -60,6 +60,7 @@ def test_nothing_is_cut_where_enough_is_there() -> None:
     assert len(cutting.cut(hulls, 6)) == len(hulls) == 10
 
 
+@pytest.mark.extended
 def test_it_holds_what_was_asked_for(bench_bank: SceneBank) -> None:
     for scene in range(2):
         owners = bench_bank.inst_object[scene]
@@ -99,6 +100,7 @@ def test_every_layout_differs_and_objects_stand_apart(bench_bank: SceneBank) -> 
                 assert np.hypot(*np.subtract(one.position[:2], other.position[:2])) > 2.0
 
 
+@pytest.mark.extended
 def test_the_same_seed_makes_the_same_street(bench_bank: SceneBank) -> None:
     """Built again, alone: bit-equal to that in the larger bank."""
     again = bank_script.build(dataclasses.replace(OPTIONS, layouts=1, first=1))
@@ -180,6 +182,7 @@ def test_thinned_hulls_are_whole_objects_and_the_grid_names_them_alone(bench_ban
     assert (np.diff((thin.hull_grid >= 0).astype(int), axis=-1) <= 0).all()  # empty places come last
 
 
+@pytest.mark.extended
 def test_the_command_writes_a_bank_and_says_what_is_in_it(
     tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

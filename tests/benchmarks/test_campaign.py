@@ -212,6 +212,7 @@ def test_an_interrupted_campaign_ends_its_jobs(tmp_path: pathlib.Path, monkeypat
     assert process.wait(10) != 0
 
 
+@pytest.mark.extended
 def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     jobs = campaign.chosen(_args(tmp_path, "--rows", "paper-urbanverse160-*", "--seeds", "4"))
@@ -330,6 +331,7 @@ def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Nam
     assert go2.covered
 
 
+@pytest.mark.extended
 def test_students_are_trained_as_by_the_preset_and_without_its_variation(parsed: list[argparse.Namespace]) -> None:
     trained = {args.out.name: args for args in parsed}
     best = registry.get_default_config("CocoNav", "best")

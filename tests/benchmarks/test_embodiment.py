@@ -22,6 +22,7 @@ def bank_file(small_bank: SceneBank, tmp_path: pathlib.Path) -> pathlib.Path:
     return tmp_path / "bank.npz"
 
 
+@pytest.mark.extended
 def test_a_row_is_trained_goes_on_and_is_scored(
     bank_file: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

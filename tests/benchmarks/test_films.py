@@ -32,6 +32,7 @@ def played(monkeypatch: pytest.MonkeyPatch) -> list[PlayOptions]:
     return found
 
 
+@pytest.mark.extended
 def test_there_is_a_film_of_every_policy_task_and_scene() -> None:
     names = [film.name for film in films.films()]
     policies = sorted(path.name for path in (ROOT / "benchmarks/policies").iterdir() if path.is_dir())

@@ -21,6 +21,7 @@ def _walk(velocity: np.ndarray, command: np.ndarray, fell: bool = False) -> Walk
     return Walk(**fields)
 
 
+@pytest.mark.extended
 def test_a_robot_that_stands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     make_gait().save(tmp_path / "stands.npz")
     arguments = ["--gait", str(tmp_path / "stands.npz"), "--episodes", "3", "--trials", "1", "--seconds", "2", "--json"]

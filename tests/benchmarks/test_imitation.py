@@ -43,6 +43,7 @@ def drive_by(bank: SceneBank, monkeypatch: pytest.MonkeyPatch, **overrides: Any)
     return asked
 
 
+@pytest.mark.extended
 def test_as_many_episodes_reach_their_goal_as_are_asked_for(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

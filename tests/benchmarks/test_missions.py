@@ -40,6 +40,7 @@ CALM = s.Shifts().draw((0,))
 FLAT = region_scene("flat", strips_regions(iter([(60.0, 0.0, 0.0)]), 60.0))
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("number", [0, 7])
 def test_a_street_has_no_faults_and_its_missions_are_as_long_as_promised(number: int) -> None:
     size = streets.Size()
@@ -114,6 +115,7 @@ def test_deploy_drives_a_free_route_without_help() -> None:
     assert agent.begun == 1
 
 
+@pytest.mark.extended
 def test_a_robot_that_stands_is_carried_on_and_counts_as_stuck() -> None:
     done = _driven(FLAT, _Still(), ((-6.0, 0.0), (6.0, 0.0)))
     assert done["end"] == "arrived"
@@ -135,6 +137,7 @@ def _with_cube() -> SceneGeometry:
     return dataclasses.replace(scene, map=dataclasses.replace(scene.map, clearance=clearance))
 
 
+@pytest.mark.extended
 def test_what_stands_before_the_robot_is_avoided_by_the_supervisor() -> None:
     scene = _with_cube()
     x, y, _ = scene.object_position[0]
@@ -186,6 +189,7 @@ class _Crossing:
         return np.linalg.norm(points - np.array(self.place), axis=-1) - 0.3
 
 
+@pytest.mark.extended
 def test_the_supervisor_waits_for_a_person_and_nobody_is_touched() -> None:
     person = _Crossing((0.0, 0.0), 25.0)
     done = _driven(FLAT, _GoTo(), ((-8.0, 0.0), (8.0, 0.0)), person, agents=person.shapes)

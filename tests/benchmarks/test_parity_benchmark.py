@@ -10,6 +10,7 @@ from benchmarks import parity
 TINY = ["--impl", "warp", "--drives", "0", "--boxes", "3", "--seconds", "1", "--json"]
 
 
+@pytest.mark.extended
 def test_a_tiny_run_says_what_differs_and_where(capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path) -> None:
     """C MuJoCo's part is kept first, as for a machine that cannot compile scenes."""
     assert parity.main([*TINY, "--keep", str(tmp_path)]) == 0
@@ -25,6 +26,7 @@ def test_a_tiny_run_says_what_differs_and_where(capsys: pytest.CaptureFixture[st
     assert result["broken"] == []
 
 
+@pytest.mark.extended
 def test_a_broken_tolerance_is_the_exit_status(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -342,6 +342,7 @@ def test_a_case_that_ends_its_process_is_a_row(monkeypatch: pytest.MonkeyPatch) 
     assert rows[2]["machine"] == {"device": "cpu"}
 
 
+@pytest.mark.extended
 def test_a_real_case_becomes_a_row_and_the_next_run_leaves_it_out(
     streets: list[pathlib.Path], tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -93,6 +93,7 @@ def test_processes_make_the_same_streets():
     assert alone == together
 
 
+@pytest.mark.extended
 def test_a_library_street_loses_held_out_shapes_and_gains_people(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, splits: dict[str, AssetIndex]
 ):

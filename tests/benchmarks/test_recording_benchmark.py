@@ -16,6 +16,7 @@ from urbanverse_mjx.datatypes import SceneBank
 STEPS = 6
 
 
+@pytest.mark.extended
 def test_each_case_is_a_row(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

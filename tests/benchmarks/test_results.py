@@ -138,6 +138,7 @@ def test_a_missing_scene_is_refused_by_name(tmp_path: pathlib.Path) -> None:
         results.read(tmp_path)
 
 
+@pytest.mark.extended
 def test_a_policy_is_drawn_for_each_benchmark(tmp_path: pathlib.Path) -> None:
     results.draw(results.read(results.SCORES), tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 10_000

@@ -130,6 +130,7 @@ def test_odometry_without_errors_is_the_truth_and_its_scale_is_that_of_distances
     np.testing.assert_allclose(longer[:2] - poses[0, :2], 1.03 * (poses[-1, :2] - poses[0, :2]), atol=1e-9)
 
 
+@pytest.mark.extended
 def test_odometry_turns_by_its_bias_and_wanders_by_its_walk() -> None:
     straight = np.stack([np.arange(0.0, 25.01, 0.02), np.zeros(1251), np.zeros(1251)], -1)
     rng = np.random.default_rng(1)

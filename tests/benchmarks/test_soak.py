@@ -49,6 +49,7 @@ def test_too_few_checkpoints_are_said() -> None:
         soak.judged(samples()[:20])
 
 
+@pytest.mark.extended
 def test_a_training_that_ends_by_itself_is_said() -> None:
     with pytest.raises(ValidationError, match="ended with status 2"):
         soak.soak(300.0, ["--preset", "none"], every=0.2)

@@ -107,6 +107,7 @@ def test_learning_in_stages_is_measured_stage_by_stage(
         assert learn[stage]["env_steps_per_s"] > 0
 
 
+@pytest.mark.extended
 def test_what_fails_is_a_row_and_the_next_goes_on(bank_file: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--pixels", "none", "--bank", str(bank_file), "--measure", "", "--scenes", "9,1"]
     assert throughput.main([*TINY, *options]) == 1

@@ -32,6 +32,7 @@ requestAnimationFrame(draw);
 </script>"""
 
 
+@pytest.mark.extended
 def test_a_page_is_counted_as_it_draws() -> None:
     try:
         with viewing.tab_of(software=True, window=False, size=(300, 200)) as tab:

@@ -110,6 +110,7 @@ def tokyo() -> SceneGraph:
     return city_blocks.block(city("Tokyo"), 3, "tokyo", length=70.0)
 
 
+@pytest.mark.extended
 def test_the_same_seed_gives_the_same_block_and_another_does_not(tokyo: SceneGraph) -> None:
     again, other = (city_blocks.block(city("Tokyo"), seed, "tokyo", length=70.0) for seed in (3, 4))
     assert again.content_hash() == tokyo.content_hash() != other.content_hash()

@@ -55,6 +55,7 @@ def test_no_object_is_stretched(graph):
     assert composed.stretched(graph) == []
 
 
+@pytest.mark.extended
 def test_no_two_scenes_are_alike_and_none_is_like_craftbench():
     """Alike: 70 % of the labels, or ground that covers 85 % of the other's when both are laid on one another."""
     ours = [build(scene_id) for scene_id in IDS]

@@ -67,6 +67,7 @@ def test_the_command_plans_their_annotations_over_their_map(tmp_path: pathlib.Pa
     assert "no such file" in capsys.readouterr().err
 
 
+@pytest.mark.extended
 def test_the_command_films_and_writes_a_video(
     small_bank: SceneBank, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

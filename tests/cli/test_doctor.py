@@ -69,6 +69,7 @@ def test_without_numpy_the_doctor_still_answers(tmp_path: pathlib.Path) -> None:
     assert "numpy" in found["mujoco"]["detail"]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(
     ("body", "limits", "detail"),
     [
@@ -85,6 +86,7 @@ def test_a_check_that_never_ends_is_ended(body, limits, detail, tmp_path, monkey
     assert row.finding.detail == detail
 
 
+@pytest.mark.extended
 def test_a_slow_check_that_computes_is_waited_for(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As on a machine that is busy with other work: long by the clock, a little of the processor's time throughout."""
     (tmp_path / "mujoco.py").write_text(

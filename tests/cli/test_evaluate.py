@@ -110,6 +110,7 @@ def policy(untrained: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.
     return untrained
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("dynamic", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_policy_that_knows_movable_objects_is_evaluated_to_its_report(
     policy: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path, dynamic: bool
@@ -143,6 +144,7 @@ def test_training_among_people_and_movable_objects_ends_in_its_report(
     assert again["trained"] == result["trained"], "the same episodes, and the same on a CPU to the bit"
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("name", ["go_to_goal", "planner"])
 def test_a_scripted_policy_is_evaluated_by_its_name(
     name: str,
@@ -215,6 +217,7 @@ def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:
         evaluate(["student.onnx"])
 
 
+@pytest.mark.extended
 def test_the_video_shows_a_random_draw_with_how_each_episode_ended(
     policy: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

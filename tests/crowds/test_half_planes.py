@@ -73,6 +73,7 @@ def test_who_stand_on_each_other_part() -> None:
     assert normals == [1.0, -1.0]
 
 
+@pytest.mark.extended
 def test_capsules_are_as_near_as_their_nearest_discs() -> None:
     rng = np.random.default_rng(1)
     count = 2000

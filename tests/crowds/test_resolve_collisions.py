@@ -69,6 +69,7 @@ def crowd(rng: np.random.Generator, side: float, reach: float) -> tuple[Bodies, 
     return bodies, after, rng.uniform(size=AGENTS) < 0.9, rng.uniform(size=AGENTS) < 0.9
 
 
+@pytest.mark.extended
 @settings(max_examples=300, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(1.0, 25.0), st.floats(0.0, 0.9))
 def test_no_overlap_grows(seed: int, side: float, reach: float) -> None:

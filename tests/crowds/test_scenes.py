@@ -52,6 +52,7 @@ def test_cyclists_head_on() -> None:
     assert path.progress(scene).min() > 45.0
 
 
+@pytest.mark.extended
 def test_circle_of_sixteen_changes_places() -> None:
     scene = scenes.circle(16, 5.0)
     path = scenes.run(scene, 30.0)
@@ -111,6 +112,7 @@ def random_state(kinds: tuple, seed: int, side: float) -> tuple[Bodies, Traits, 
     return bodies, Traits(*(a[:, 0] for a in traits_of(kinds))), preferred_velocity
 
 
+@pytest.mark.extended
 def test_alone_mapped_and_nested_are_one_step() -> None:
     kinds = (PED,) * 4 + (BIKE, CAR)
     step = make_step(Options(num_neighbours=3, num_wheeled=2))

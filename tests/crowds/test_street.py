@@ -256,6 +256,7 @@ def crowd_at(x: list[float], y: list[float], vx: float = 0.0) -> Crowd:
     )  # fmt: skip
 
 
+@pytest.mark.extended
 def test_who_is_left_far_behind_appears_again_near_the_robot(tables: CrowdTables) -> None:
     """One of those farther away than 1.5 times the reach and out of sight is placed elsewhere in a step."""
     observer = spawning.Observer(jnp.float32(45.0), jnp.float32(6.0), jnp.float32(0.0), jnp.array(True))
@@ -495,6 +496,7 @@ def test_a_crowd_lives_in_streets_it_does_not_leave(small_bank: SceneBank, table
     assert np.median(moved[:, 2:8]) > 5.0
 
 
+@pytest.mark.extended
 def test_who_looks_at_nothing_still_runs_into_nobody(small_bank: SceneBank, tables: CrowdTables) -> None:
     """Agents that move in circles of 7.5 m without avoidance: each is stopped before contact."""
     kinds = ("pedestrian",) * 9 + ("wheelchair", "scooter", "cyclist", "car", "car")

@@ -81,6 +81,7 @@ def test_numbers_that_a_page_cannot_hold_are_one_sentence(tmp_path: pathlib.Path
         dataset_page(tmp_path / "new")
 
 
+@pytest.mark.extended
 def test_every_control_works_in_a_browser(
     folder: pathlib.Path, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -178,6 +178,7 @@ with DatasetWriter(pathlib.Path(sys.argv[1]), FEATURES, RATE, "box") as out:
 """
 
 
+@pytest.mark.extended
 def test_killed_at_any_moment_nothing_written_is_lost(tmp_path: pathlib.Path) -> None:
     draw = random.Random(0)
     for attempt in range(3):

@@ -200,6 +200,7 @@ def test_velocities_are_those_of_the_environment(contract: Contract, tmp_path: p
     assert velocity.velocity([3.0, 0.5]) == (SPEED, 0.5)
 
 
+@pytest.mark.extended
 def test_observations_are_those_of_the_environment(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
     import jax
 

@@ -158,6 +158,7 @@ def policy_process(parent: int) -> int:
     return found
 
 
+@pytest.mark.extended
 def test_a_killed_loop_leaves_a_log_that_replays(
     running: Running, deploy: subprocess.Popen[str], tmp_path: pathlib.Path
 ) -> None:
@@ -232,6 +233,7 @@ def assert_another_image_gives_another_action(log: pathlib.Path, body: bytes, ac
     assert "request" in found["difference"]
 
 
+@pytest.mark.extended
 def test_a_loop_and_a_policy_that_hang_and_then_a_killed_policy(
     running: Running, deploy: subprocess.Popen[str]
 ) -> None:
@@ -364,6 +366,7 @@ FAULTS: dict[str, tuple[Callable[[Running], Send], str]] = {
 }
 
 
+@pytest.mark.extended
 def test_every_fault_of_the_sensors_and_then_the_same_run_again_from_its_log(
     running: Running, deploy: subprocess.Popen[str], policy: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:

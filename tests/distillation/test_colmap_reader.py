@@ -77,6 +77,7 @@ def bent(rgb: np.ndarray) -> np.ndarray:
     return rgb[rows, columns]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(("lens", "below"), [("PINHOLE", "sparse/0"), ("SIMPLE_RADIAL", "sparse")])
 def test_a_model_becomes_metric_and_upright(tmp_path: pathlib.Path, lens: str, below: str) -> None:
     write_model(tmp_path / "model", lens, below)

@@ -51,6 +51,7 @@ def test_rain_falls_in_streaks():
     assert along > 1.5 * across
 
 
+@pytest.mark.extended
 def test_a_bonnet_hides_the_lower_border_and_half_of_the_images_stay_as_they_are(scene: np.ndarray):
     keys = jax.random.split(jax.random.key(0), 64)
     images, hidden = jax.jit(jax.vmap(conditions.vary, (0, None)))(keys, jnp.asarray(scene))

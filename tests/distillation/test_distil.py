@@ -41,6 +41,7 @@ def nearest(made: Distillation, true: GraphObject) -> GraphObject:
     return min(made.graph.objects, key=lambda o: float(np.linalg.norm(np.subtract(o.center, true.center))))
 
 
+@pytest.mark.extended
 def test_every_object_is_found_once_where_it_stands(made: Distillation) -> None:
     assert len(made.graph.objects) == len(OBJECTS)
     found = {nearest(made, t).id for t in OBJECTS}
@@ -109,6 +110,7 @@ def test_perfect_inputs_are_left_as_they_are(made: Distillation, recording: Reco
     assert all(e.moved < 0.05 for e in made.evidence)
 
 
+@pytest.mark.extended
 def test_depth_that_breathes_is_brought_into_line(recording: Recording, tmp_path: pathlib.Path) -> None:
     still = {"drift": 0.0, "turn": 0.0, "recall": 1.0, "precision": 1.0, "confusion": 0.0, "mask": 0.0}
     noisy = inject(recording, tmp_path, 1, Errors(pixel_depth=0.0, **still))

@@ -91,6 +91,7 @@ def prior_of(label: str) -> LabelPrior:
     return LabelPrior(np.array(sizes), stands_on=("road", "crosswalk") if label == "sedan" else ())
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(
     ("turned", "country", "grey", "right", "cues"),
     [

@@ -61,6 +61,7 @@ def test_walks_smooth_roads_and_still_films_have_none(tmp_path: pathlib.Path) ->
     assert own_vehicle(frames) is None
 
 
+@pytest.mark.extended
 def test_a_recording_has_neither_ground_nor_objects_nor_depth_on_it(driven: Frames, tmp_path: pathlib.Path) -> None:
     structure = reconstruct(driven, StructureOptions(features=1500), body=own_vehicle(driven))
     column, row = np.clip(structure.pixel.T.astype(int), 0, [[319], [179]])

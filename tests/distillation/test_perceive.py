@@ -111,6 +111,7 @@ def _perceive(frames: Frames, structure: Structure, folder: pathlib.Path, guess:
     return perceive(frames, folder, perception, SOURCE, "corridor: north")
 
 
+@pytest.mark.extended
 def test_poses_focal_length_and_metric_scale_are_found(frames: Frames, structure: Structure, tmp_path: pathlib.Path):
     assert list(structure.registered) == list(range(9))
     assert structure.camera.fx == pytest.approx(CAMERA.fx, rel=0.03)
@@ -122,6 +123,7 @@ def test_poses_focal_length_and_metric_scale_are_found(frames: Frames, structure
     assert recording.poses()[:, 2, 3] == pytest.approx([HEIGHT] * 9, abs=0.08)
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("threads", [1, pytest.param(3, marks=pytest.mark.slow), 8])
 def test_the_structure_does_not_depend_on_threads(
     frames: Frames, structure: Structure, threads: int, monkeypatch: pytest.MonkeyPatch
@@ -132,6 +134,7 @@ def test_the_structure_does_not_depend_on_threads(
         assert np.array_equal(getattr(structure, field.name), getattr(other, field.name)), field.name
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("seed", [1, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_short_clip_gets_a_lens_that_a_camera_has(tmp_path: pathlib.Path, seed: int):
     """Soft frames with noise, of which a long lens with k1 above 0.5 explains most matches best."""
@@ -237,6 +240,7 @@ def test_walks_have_parallax_even_along_a_wall(frames: Frames, tmp_path: pathlib
     check_parallax(_folder(tmp_path / "in", [_frame(_pose(0.3 * k, 1.5))[0] for k in range(9)]))
 
 
+@pytest.mark.extended
 def test_parallax_does_not_depend_on_how_the_camera_was_held(tmp_path: pathlib.Path):
     walk = [_frame(pose)[0] for pose in POSES]
     turn = [_frame(_pose(0.0, 0.4 + 0.06 * k))[0] for k in range(9)]
@@ -247,6 +251,7 @@ def test_parallax_does_not_depend_on_how_the_camera_was_held(tmp_path: pathlib.P
         assert turned == pytest.approx(level, rel=0.15, abs=0.002)
 
 
+@pytest.mark.extended
 def test_a_given_focal_length_is_kept_and_a_stated_one_refined(frames: Frames):
     kept = reconstruct(frames, StructureOptions(features=1500, focal=200.0))
     assert kept.camera.fx == 200.0

@@ -57,6 +57,7 @@ def shell(image: np.ndarray) -> np.ndarray:
     return (red > 120) & (red - green > 40) & (blue > green) & (red > blue)
 
 
+@pytest.mark.extended
 def test_a_trajectory_becomes_images_of_its_street_around_the_robot(env: NavEnv, states: list[State[Any]]) -> None:
     drive = [ahead(states[0], d) for d in (0.0, 1.0, 2.0)]
     frames = env.render(drive, HEIGHT, WIDTH)
@@ -76,6 +77,7 @@ def test_a_trajectory_becomes_images_of_its_street_around_the_robot(env: NavEnv,
     assert env.render([], HEIGHT, WIDTH) == []
 
 
+@pytest.mark.extended
 def test_the_robots_camera_shows_what_the_policy_sees(env: NavEnv, states: list[State[Any]]) -> None:
     observe = jax.jit(env.observe)
     view = env.config.vision_config
@@ -87,6 +89,7 @@ def test_the_robots_camera_shows_what_the_policy_sees(env: NavEnv, states: list[
     assert (away + 1e3 * np.eye(3)).min() > 1.3 * away.diagonal().max()
 
 
+@pytest.mark.extended
 def test_moving_agents_are_drawn(env: NavEnv, states: list[State[Any]], monkeypatch: pytest.MonkeyPatch) -> None:
     """A person two metres ahead, as a crowd would put them there."""
     without = env.render(states[0], HEIGHT, WIDTH)
@@ -146,6 +149,7 @@ def test_stock_mujoco_takes_a_state_as_playgrounds_own_drawing_does(env: NavEnv,
     np.testing.assert_allclose(data.xpos, carried.xpos, atol=1e-4)
 
 
+@pytest.mark.extended
 def test_the_page_about_playground_runs(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -158,6 +162,7 @@ def test_the_page_about_playground_runs(
     assert differ(found["frames"][0], found["frames"][2]) > 0.5
 
 
+@pytest.mark.extended
 def test_depth_is_a_fourth_channel_in_tenths_of_a_metre_and_the_sky_is_farthest(small_bank: SceneBank) -> None:
     overrides = {
         "preset": "cpu",

@@ -50,6 +50,7 @@ def test_terms_take_their_shapes_and_no_others(
         shapes_of(function, tuple(shape if i == wrong else s for i, s in enumerate(shapes)))
 
 
+@pytest.mark.extended
 def test_look_ups_keep_the_axes_of_the_places(small_bank: SceneBank) -> None:
     for look_up, last in ((Surroundings(small_bank, 1.0).distances, (2,)), (GroundHeights(small_bank).__call__, ())):
         scene = jnp.int32(0)
@@ -92,6 +93,7 @@ for env in (navigation, walking):
 """
 
 
+@pytest.mark.extended
 def test_what_flows_through_the_tasks_has_the_annotated_shapes() -> None:
     root = pathlib.Path(__file__).parents[2]
     done = subprocess.run([sys.executable, "-c", TRACE], cwd=root, capture_output=True, text=True, check=False)

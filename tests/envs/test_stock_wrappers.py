@@ -34,6 +34,7 @@ def full_reset(env: Any, length: int, action_repeat: int = 1) -> Any:
 WRAPS: list[Callable[..., Any]] = [brax_wrappers.wrap, playground.wrap_for_brax_training, full_reset]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("wrap", WRAPS, ids=lambda f: f.__name__)
 def test_episodes_end_by_time_and_begin_again(env: NavEnv, wrap: Callable[..., Any]) -> None:
     """Nine steps of standing: two episodes end, as truncations; what carries on is the wrapper's own choice."""
@@ -72,12 +73,14 @@ def test_episodes_end_by_time_and_begin_again(env: NavEnv, wrap: Callable[..., A
         np.testing.assert_array_equal(pixels[LENGTH - 1], first.obs["pixels/front"])
 
 
+@pytest.mark.extended
 def test_the_page_wraps_an_env_and_steps_it(env: NavEnv) -> None:
     state = run_block("wrapped.step", env=env, jax=jax, jnp=jnp)["state"]
     assert state.obs["state"].shape == (4, 7)
     np.testing.assert_array_equal(state.info["steps"], 1)
 
 
+@pytest.mark.extended
 def test_ends_by_the_task_are_no_truncations(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"episode_length": 200, "terminate_off_traversable": False})
     wrapped: Any = playground.wrap_for_brax_training(env, 200)  # pyright: ignore[reportArgumentType]
@@ -93,6 +96,7 @@ def test_ends_by_the_task_are_no_truncations(small_bank: SceneBank) -> None:
     assert float(sums["sum_reward"][0]) == pytest.approx(reward, rel=1e-5)
 
 
+@pytest.mark.extended
 def test_actions_can_be_repeated_and_metrics_of_an_evaluation_stay(env: NavEnv) -> None:
     """Brax's evaluator puts a metric of its own beside the env's."""
     wrapped = brax_wrappers.EvalWrapper(brax_wrappers.wrap(env, LENGTH, 2))  # pyright: ignore[reportArgumentType]
@@ -120,6 +124,7 @@ def test_a_state_is_read_and_changed_by_dotted_names(env: NavEnv) -> None:
     np.testing.assert_array_equal(state.pipeline_state.xquat, state.data.sim.xquat)
 
 
+@pytest.mark.extended
 def test_a_randomiser_changes_friction_and_mass_of_each_env_and_nothing_else_can_be(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"randomization.friction_scale": (1.0, 1.0), "randomization.mass_scale": (1.0, 1.0)})
     keys = jax.random.split(jax.random.PRNGKey(0), 8)
@@ -155,6 +160,7 @@ def test_the_model_is_there_under_playgrounds_names(env: NavEnv) -> None:
     assert set(env.observation_size) - set(observed_size(env)) == {"state", "privileged_state"}
 
 
+@pytest.mark.extended
 def test_brax_trains_under_playgrounds_wrapper(small_bank: SceneBank) -> None:
     """2,048 steps by the call of Playground's training script, as docs/playground.md gives it, with a small camera."""
     params = brax_ppo_config("CocoNav", "cpu")

@@ -143,6 +143,7 @@ class GroundEngine(UnicycleEngine):
         return state._replace(contacts=state.contacts._replace(hit_ground=state.contacts.hit))
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(("engine", "outcome"), [(UnicycleEngine, "hit"), (GroundEngine, "hit_ground")])
 def test_a_hit_of_the_ground_is_told_from_one_of_an_object(
     engine: type[UnicycleEngine], outcome: str, small_bank: SceneBank

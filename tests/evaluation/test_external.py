@@ -66,6 +66,7 @@ class AskingForWhatIsNotThere(Asking):
     observations = ("goal", "lidar")
 
 
+@pytest.mark.extended
 def test_a_callable_drives_as_the_same_rule_inside_jax(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 120})
     episodes = fixed_episodes(env, 6)

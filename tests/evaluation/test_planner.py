@@ -228,6 +228,7 @@ def test_no_kerb_is_under_the_trunk(small_bank: SceneBank) -> None:
     assert float(planner._gap(0, beside)) > 0.1
 
 
+@pytest.mark.extended
 def test_no_edge_lies_between_two_predictions(small_bank: SceneBank) -> None:
     """At 2 m/s they are 0.6 m apart; a planner that could jump over an edge would wait for that for ever."""
     planner, border = _flank(small_bank)
@@ -260,6 +261,7 @@ def test_the_planner_knows_the_slope(small_bank: SceneBank) -> None:
     assert planner._slope(0, jnp.asarray([20.0, KERB_Y + 2.0, 0.3], jnp.float32)) == (0.0, 0.0)
 
 
+@pytest.mark.extended
 def test_a_plan_to_wait_begins_at_once_among_still_things(small_bank: SceneBank) -> None:
     """The robot stands, and to wait and then drive straight on is the cheapest plan: it would wait in every step."""
     env = unicycle_env(bank_for("clean", small_bank))
@@ -313,6 +315,7 @@ def _person(start: np.ndarray, ahead: float) -> Any:
     return jnp.asarray([[*place, 0.0, 0.0, 0.3, 1.0]], jnp.float32)
 
 
+@pytest.mark.extended
 def test_a_robot_too_near_to_somebody_does_not_come_nearer(by_class: Any) -> None:
     """All commands come too near: contact alone prefers to drive through, the depth to stand."""
     for kind, stands in ((Planner, False), (_Graded, True)):
@@ -323,6 +326,7 @@ def test_a_robot_too_near_to_somebody_does_not_come_nearer(by_class: Any) -> Non
         assert (stand < ahead) == stands
 
 
+@pytest.mark.extended
 def test_contact_with_the_street_counts_beside_that_with_agents(small_bank: SceneBank, by_class: Any) -> None:
     """Over the edge of a kerb, with somebody too near behind."""
     _, border = _flank(small_bank)
@@ -339,6 +343,7 @@ def test_contact_with_the_street_counts_beside_that_with_agents(small_bank: Scen
     assert more[_Graded, "among"] > 900.0
 
 
+@pytest.mark.extended
 def test_a_plan_to_wait_begins_among_agents_unless_one_is_in_the_way(by_class: Any) -> None:
     planner, route, start = by_class[_Graded]
     state = jnp.asarray([*start, 0.0, 0.0], jnp.float32)
@@ -390,6 +395,7 @@ def test_a_field_is_interpolated_linearly_at_the_centres_of_quarter_cells(shape:
     np.testing.assert_allclose(fine, 1000.0 * both, atol=0.51)
 
 
+@pytest.mark.extended
 def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
     env = unicycle_env(bank_for("clean", small_bank))
     results, _ = Rollout(env).run({"planner": Planner(env)}, fixed_episodes(env, 6))
@@ -414,6 +420,7 @@ def test_a_widened_window_has_the_same_costs_everywhere(small_bank: SceneBank) -
     assert np.ptp(np.asarray(known)) > 5.0
 
 
+@pytest.mark.extended
 def test_it_stands_rather_than_touch(small_bank: SceneBank) -> None:
     """Dropped in front of a wall at full speed, with every path ahead barred, it brakes."""
     env = unicycle_env(small_bank)

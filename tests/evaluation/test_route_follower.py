@@ -22,6 +22,7 @@ def test_a_point_of_the_route_lies_at_its_arc_length() -> None:
             assert float(terms.route_position(point, start, waypoints)) == pytest.approx(position, abs=1e-4)
 
 
+@pytest.mark.extended
 def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
     env = unicycle_env(bank_for("clean", small_bank))
     results, _ = Rollout(env).run({"follower": RouteFollower(env)}, fixed_episodes(env, 6))

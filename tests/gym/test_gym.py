@@ -56,6 +56,7 @@ def test_every_registered_environment_has_an_id(name: str) -> None:
     assert "urbanverse/CocoNav-v0" in gymnasium.registry
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 def test_a_vector_is_as_gymnasiums_own_of_single_envs(name: str, mode: AutoresetMode) -> None:
     """Equal until an episode ends and in the report of its end; the next episode is drawn differently."""
@@ -241,6 +242,7 @@ def test_gymnasiums_checker_passes(name: str) -> None:
     check_env(gymnasium.make(name).unwrapped, skip_render_check=True)  # `check_images` renders
 
 
+@pytest.mark.extended
 def test_the_pages_blocks_are_run(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

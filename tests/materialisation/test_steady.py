@@ -58,6 +58,7 @@ def steady(street_of_kinds: SceneGraph) -> list[Cousin]:
     return made(street_of_kinds, few(*KINDS), True, 2)
 
 
+@pytest.mark.extended
 def test_what_falls_is_replaced_or_lies(street_of_kinds: SceneGraph, steady: list[Cousin]) -> None:
     before = [m.id for m in released(made(street_of_kinds, few(*KINDS), False)[0], few(*KINDS)).moved]
     assert {"shovel", "umbrella", "unicycle"} <= set(before)
@@ -92,6 +93,7 @@ def barriers(in_city: bool) -> SceneGraph:
     return dataclasses.replace(graph, objects=row)
 
 
+@pytest.mark.extended
 def test_the_row_of_barriers_in_version_2_is_as_long_as_its_place() -> None:
     objects = ObjectLibrary(build_leaf("jersey barrier", load_index()))
     old, new = (made(barriers(on), objects, on)[0] for on in (False, True))

@@ -36,6 +36,7 @@ def wanting(env: Any, height: int = SIZE[0], width: int = SIZE[1], **changes: An
     return types.SimpleNamespace(**{**about, **changes})
 
 
+@pytest.mark.extended
 def test_steps_and_images_are_those_of_the_dataset(recorded: tuple[pathlib.Path, Any]) -> None:
     folder, env = recorded
     data = load_demonstrations(folder, wanting(env))

@@ -70,6 +70,7 @@ def test_a_page_and_a_dataset_drive_by_a_changed_config(
     assert (plain.robot, plain.sim_dt) == (trained["robot"], trained["sim_dt"])
 
 
+@pytest.mark.extended
 def test_play_drives_the_policy_that_it_is_given(
     bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -101,6 +102,7 @@ def test_play_drives_the_policy_that_it_is_given(
     assert [config.scenario for config, _ in loads] == ["static", "dynamic", "dynamic"]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(
     ("named", "agent"),
     [({}, "go_to_goal"), ({"policy": "planner"}, "planner"), ({"agent": "zero"}, "zero")],
@@ -137,6 +139,7 @@ def test_play_drives_a_chosen_bank_by_a_changed_config(
         play(tmp_path / "b.mp4", PlayOptions(**named, env_name="Go2Joystick", bank=bank))
 
 
+@pytest.mark.extended
 @pytest.mark.usefixtures("loads")
 def test_every_drive_says_that_its_program_compiles_and_when_it_is_done(
     bank: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch

@@ -210,6 +210,7 @@ def page(run: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> str:
         return page_of(run, folder)
 
 
+@pytest.mark.extended
 def test_the_page_holds_what_the_run_found(page: str, run: pathlib.Path) -> None:
     body = data_of(page)
     recording, graph = Recording.load(run / "recording"), SceneGraph.load(run / "graph" / "graph.json")
@@ -328,6 +329,7 @@ def test_without_opengl_assets_have_no_thumbnails(
 # In a browser ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.extended
 def test_film_and_cousin_are_scrubbed_together(page: str, tmp_path: pathlib.Path) -> None:
     """Cousin 0 is the filmed scene itself, so both panels show the same at every moment, and other moments another."""
     (tmp_path / "report.html").write_text(page, encoding="utf-8")
@@ -367,6 +369,7 @@ def test_film_and_cousin_are_scrubbed_together(page: str, tmp_path: pathlib.Path
         assert errors == []
 
 
+@pytest.mark.extended
 def test_table_map_and_panels_choose_one_object(page: str, run: pathlib.Path, tmp_path: pathlib.Path) -> None:
     (tmp_path / "report.html").write_text(page, encoding="utf-8")
     graph = SceneGraph.load(run / "graph" / "graph.json")

@@ -40,6 +40,7 @@ def seen_in(folder: pathlib.Path) -> list[dict[str, Any]]:
     return pq.read_table(folder / "annotations/chunk-000/file-000.parquet").to_pylist()
 
 
+@pytest.mark.extended
 def test_boxes_enclose_the_pixels_of_the_instance_image(recorded: pathlib.Path, small_bank: SceneBank) -> None:
     assert pipeline.check_dataset(recorded).problems == ()
     rows, seen, objects, hidden = table_of(recorded), seen_in(recorded), 0, 0

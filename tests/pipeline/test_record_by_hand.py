@@ -56,6 +56,7 @@ def driven_by(person: Callable[[Session, int], dict[int, np.ndarray]], monkeypat
     monkeypatch.setattr(RecordPage, "drive", drive)
 
 
+@pytest.mark.extended
 def test_where_nobody_takes_over_it_is_the_dataset_of_the_policy(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -78,6 +79,7 @@ def test_where_nobody_takes_over_it_is_the_dataset_of_the_policy(
     assert pipeline.check_dataset(tmp_path / "hand").problems == ()
 
 
+@pytest.mark.extended
 def test_steps_of_a_person_are_marked_and_their_actions_are_those_of_the_person(
     env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -104,6 +106,7 @@ def test_steps_of_a_person_are_marked_and_their_actions_are_those_of_the_person(
     assert episodes["interventions"] == [2, 2, 2]
 
 
+@pytest.mark.extended
 def test_an_interrupted_recording_is_complete_up_to_its_last_episode(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -60,6 +60,7 @@ def annotations_of(recorded: dict[str, pathlib.Path]) -> list[dict[str, Any]]:
     return pq.read_table(recorded["lerobot"] / "annotations/chunk-000/file-000.parquet").to_pylist()
 
 
+@pytest.mark.extended
 @pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")
 def test_coco_is_read_by_pycocotools(recorded: dict[str, pathlib.Path]) -> None:
     api = pytest.importorskip("pycocotools.coco")

@@ -213,6 +213,7 @@ def test_the_check_knows_what_the_sensors_can_measure() -> None:
     assert "unit" in next(own_checks.check_image(own_checks.NORMALS, image + np.uint8(20), "f"))
 
 
+@pytest.mark.extended
 def test_all_sensors_make_a_sound_dataset(env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     use(env, monkeypatch)
     lidar = LidarOptions(rings=4, azimuths=32)

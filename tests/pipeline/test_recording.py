@@ -99,6 +99,7 @@ def table_of(folder: pathlib.Path) -> dict[str, list[Any]]:
     return pq.read_table(folder / "data/chunk-000/file-000.parquet").to_pydict()
 
 
+@pytest.mark.extended
 def test_it_is_sound_and_says_what_it_holds(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:
     folder, said = recorded
     found = pipeline.check_dataset(folder)
@@ -195,6 +196,7 @@ def test_distances_are_millimetres_and_labels_begin_at_the_sky() -> None:
     assert numbered(np.array([[-1, -2, -3, -4, 0]]), cameras.SENSORS["instance"][2]).tolist() == [[0, 1, 2, 2, 3]]
 
 
+@pytest.mark.extended
 def test_the_same_command_gives_the_same_bytes(
     recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -205,6 +207,7 @@ def test_the_same_command_gives_the_same_bytes(
     assert [n for n in names if (recorded[0] / n).read_bytes() != (tmp_path / "again" / n).read_bytes()] == []
 
 
+@pytest.mark.extended
 def test_a_continued_recording_is_that_of_one_command(
     recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -230,6 +233,7 @@ def test_a_continued_recording_is_that_of_one_command(
     assert [n for n in names if (recorded[0] / n).read_bytes() != (folder / n).read_bytes()] == []
 
 
+@pytest.mark.extended
 def test_another_policy_under_the_same_path_does_not_continue_it(
     env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -251,6 +255,7 @@ def test_another_policy_under_the_same_path_does_not_continue_it(
     assert record("a" * 64)["resumed"] == 2
 
 
+@pytest.mark.extended
 def test_only_successes_leaves_the_others_out(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -310,6 +315,7 @@ class Informed:
         return jnp.asarray([0.5, 0.0]) + known[:2] * jnp.asarray([0.1, 0.4])
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("agent", [Counting(), Informed()], ids=["counting", "informed"])
 def test_an_env_that_begins_the_next_episode_drives_as_a_new_one(
     small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch, agent: Any
@@ -351,6 +357,7 @@ class Straight:
         return goal / np.maximum(np.linalg.norm(goal, axis=-1, keepdims=True), 1e-6)
 
 
+@pytest.mark.extended
 def test_a_policy_outside_jax_drives_as_one_inside(env: NavEnv) -> None:
     episodes, straight = drawn_episodes(env.bank, env.scenes, 3, 1), Straight()
     inside = driven(env, NamedPolicy("go_to_goal", BASELINES["go_to_goal"]), episodes, 2)
@@ -404,6 +411,7 @@ def test_calls_of_any_length_drive_the_same_episodes(env: NavEnv, monkeypatch: p
 NOISE = ActionNoise(deviation=0.3, seconds=0.5)
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("outside", [False, True])
 def test_noise_drives_and_the_policys_answers_to_it_are_recorded(env: NavEnv, outside: bool) -> None:
     agent = Straight() if outside else BASELINES["go_to_goal"]
@@ -444,6 +452,7 @@ def test_noise_has_the_same_deviation_at_all_times_and_loses_its_correlation(sec
     assert abs((drawn[0, :, 0] * drawn[0, :, 1]).mean()) < 0.005, "components are independent"
 
 
+@pytest.mark.extended
 def test_a_recording_with_noise_has_both_actions(
     env: NavEnv, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -52,6 +52,7 @@ def words(out: pathlib.Path, folders: dict[str, pathlib.Path]) -> list[str]:
     return ["study", "make", "--out", str(out), *places, "--graphs", str(folders["graphs"]), *numbers]
 
 
+@pytest.mark.extended
 def test_the_page_shows_every_kind_of_trial(made: pathlib.Path) -> None:
     key = json.loads((made.parent / "page-key.json").read_text())
     kinds = [trial["kind"] for trial in key["trials"]]

@@ -56,6 +56,7 @@ def run(files: dict[str, Any], out: pathlib.Path, policy: str, weights: pathlib.
     return BenchmarkReport.load(out / "ends" / "report.json")
 
 
+@pytest.mark.extended
 def test_a_point_goal_model_reaches_its_goals_at_its_own_rate(files: dict[str, Any], tmp_path: pathlib.Path) -> None:
     report = run(files, tmp_path / "out", "zoo:s2e", s2e_graph(tmp_path / "s2e.onnx"))
     (config,) = files["configs"]
@@ -67,6 +68,7 @@ def test_a_point_goal_model_reaches_its_goals_at_its_own_rate(files: dict[str, A
     assert report.record["policy"]["privileged"] is False  # type: ignore[index]
 
 
+@pytest.mark.extended
 def test_an_image_goal_model_is_shown_the_goal(files: dict[str, Any], tmp_path: pathlib.Path) -> None:
     report = run(files, tmp_path / "out", "zoo:vint", goal_image_graph(tmp_path / "vint.onnx"))
     (config,) = files["configs"]
@@ -76,6 +78,7 @@ def test_an_image_goal_model_is_shown_the_goal(files: dict[str, Any], tmp_path: 
     assert len(report.episodes) == 5
 
 
+@pytest.mark.extended
 def test_ours_is_driven_by_the_same_options(files: dict[str, Any], tmp_path: pathlib.Path, monkeypatch: Any) -> None:
     path = robot_policy(tmp_path / "ours.onnx")
     monkeypatch.setattr(

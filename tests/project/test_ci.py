@@ -21,10 +21,12 @@ setup-torch:
 \t@echo installing; exit {install}
 test-torch:
 \t@echo with PyTorch; exit {torch}
+test-extended:
+\t@echo taking seconds; exit {extended}
 test:
 \t@echo testing; echo a warning >&2; echo '{summary}'; exit {test}
 """
-GATES = ("check", "docs", "install", "torch", "test")
+GATES = ("check", "docs", "install", "torch", "extended", "test")
 #: Modules that only `make test-torch` installs.
 PYTORCH = ("torch", "torchvision", "transformers", "tensordict", "rsl_rl", "stable_baselines3")
 
@@ -48,7 +50,10 @@ def test_the_output_ends_with_the_summary(failing: tuple[str, ...], tmp_path: pa
     assert lines[-1] == summary
     torch = "run: PyTorch could not be installed (see above), so the tests marked torch did not run."
     torch = torch if fails["install"] else "with PyTorch"
-    order = [lines.index(said) for said in ("checking", "building", "installing", torch, "testing", "a warning")]
+    order = [
+        lines.index(said)
+        for said in ("checking", "building", "installing", torch, "taking seconds", "testing", "a warning")
+    ]
     assert order == sorted(order)
     assert ("with PyTorch" in lines) is not bool(fails["install"])
     # What cannot be installed is no fault of the code.

@@ -39,6 +39,7 @@ def test_every_licence_that_the_default_lock_installs_is_allowed_and_on_the_page
         assert set(known["allowed"][kind]) <= names, "an allowed licence that nothing has lets a package in unreviewed"
 
 
+@pytest.mark.extended
 @pytest.mark.skipif((sys.platform, platform.machine()) != ("linux", "x86_64"), reason="the table is of these wheels")
 def test_every_binary_in_a_wheel_has_an_entry() -> None:
     known = dependencies.facts()

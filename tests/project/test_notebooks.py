@@ -53,6 +53,7 @@ def test_a_notebook_is_kept_without_outputs(path: pathlib.Path) -> None:
         assert (cell["outputs"], cell["execution_count"]) == ([], None), f"{path.name}: clear all outputs"
 
 
+@pytest.mark.extended
 def test_the_quick_start_drives(tmp_path: pathlib.Path, small_bank: SceneBank) -> None:
     small_bank.save(tmp_path / "streets.npz")
     (path,) = [path for path in NOTEBOOKS if path.stem == "quick_start"]

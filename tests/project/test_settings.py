@@ -36,6 +36,7 @@ def test_cache_follows_own_variable_then_xdg_then_home(monkeypatch: pytest.Monke
     assert not (tmp_path / "own").exists(), "naming a cache must not create it"
 
 
+@pytest.mark.extended
 def test_what_one_process_compiles_the_next_one_finds(tmp_path: pathlib.Path) -> None:
     """As a command does: the folder is named before JAX is imported, and a user's own setting is kept."""
     code = "from urbanverse_mjx import settings; settings.use_compilation_cache(); import jax; "

@@ -82,6 +82,7 @@ def test_the_trainings_of_a_tutorial_are_ones_that_can_be_given(
     capsys.readouterr()
 
 
+@pytest.mark.extended
 def test_the_streets_of_the_tutorial_compile(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = written(ROOT / "docs" / "tutorials" / "own_scene.md", tmp_path)
     monkeypatch.chdir(tmp_path)

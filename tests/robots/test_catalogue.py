@@ -268,6 +268,7 @@ def test_the_controller_of_the_balancer_is_stable() -> None:
     assert np.real(np.linalg.eigvals(a + np.outer(b, gains))).max() < -0.5
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(
     ("name", "impl"),
     [

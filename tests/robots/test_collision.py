@@ -146,6 +146,7 @@ def test_a_wheel_rolls_on_its_own_radius() -> None:
     assert wide.falls_short == pytest.approx(np.hypot(0.1, 0.25 / 3) - 0.1, abs=0.005)
 
 
+@pytest.mark.extended
 def test_every_shape_is_replaced_and_weighs_what_it_weighed(folder: pathlib.Path, fits: dict[str, Fit]) -> None:
     robot = load(folder)
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
@@ -173,6 +174,7 @@ def test_every_shape_is_replaced_and_weighs_what_it_weighed(folder: pathlib.Path
     assert robot.spawn_height == pytest.approx(WHEEL, abs=1e-3)
 
 
+@pytest.mark.extended
 def test_distances_to_an_obstacle_are_c_mujocos_within_the_reported_error(
     folder: pathlib.Path, fits: dict[str, Fit]
 ) -> None:
@@ -211,6 +213,7 @@ def test_distances_to_an_obstacle_are_c_mujocos_within_the_reported_error(
     assert checked > 150
 
 
+@pytest.mark.extended
 def test_it_stops_at_a_wall_where_c_mujoco_stops_its_own_shapes(folder: pathlib.Path, fits: dict[str, Fit]) -> None:
     robot = load(folder)
     stops, passed = [], []
@@ -238,6 +241,7 @@ def test_it_stops_at_a_wall_where_c_mujoco_stops_its_own_shapes(folder: pathlib.
     assert 0.2 < passed[0] < 0.85
 
 
+@pytest.mark.extended
 def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path: pathlib.Path, capsys) -> None:
     drawing = tmp_path / "fit.png"
     assert cli.main(["robot", str(folder), "--picture", str(drawing)]) == 0
@@ -261,6 +265,7 @@ def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path
         assert len(image.convert("RGB").getcolors(100_000) or []) > 10
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(
     ("fit", "missed", "remedy"),
     [
@@ -281,6 +286,7 @@ def test_a_fit_worse_than_the_tolerance_says_what_to_do(
     assert bool(said) == bool(missed)
 
 
+@pytest.mark.extended
 def test_names_in_errors_are_those_of_the_file(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     write(tmp_path, feet=["left_tyre", "right_tyre", "castor"])
     assert cli.main(["robot", str(tmp_path)]) != 0
@@ -289,6 +295,7 @@ def test_names_in_errors_are_those_of_the_file(tmp_path: pathlib.Path, capsys: p
     assert said.rstrip().endswith("it has chassis, bumper, battery, caster, left_tyre, right_tyre.")
 
 
+@pytest.mark.extended
 def test_the_fit_can_be_finer_and_its_options_are_checked(tmp_path: pathlib.Path) -> None:
     rough, fine = (
         load_with_fits(write(tmp_path, fit={"tolerance": 0.005, "spheres": n}))[1][0].cover.error for n in (3, 12)

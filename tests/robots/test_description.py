@@ -76,6 +76,7 @@ def test_a_bound_on_the_reach_holds_for_every_robot() -> None:
         assert robot.circumradius - 1e-6 <= bound <= robot.circumradius + slack
 
 
+@pytest.mark.extended
 @pytest.mark.mjx
 def test_a_robot_from_outside_drives_to_its_waypoints(folder: pathlib.Path, small_bank: SceneBank) -> None:
     options = {"preset": "cpu", "scenes": "all", "vision_config.height": 18, "vision_config.width": 32, "impl": "jax"}
@@ -269,6 +270,7 @@ def test_the_wheelchair_takes_its_step_a_ramp_and_no_kerb() -> None:
     assert controller.data.qpos[0] > 4.0
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
 def test_engines_drive_the_wheelchair_as_c_mujoco_does(impl: str) -> None:
     robot, bank, control_dt = load(WHEELCHAIR), box_bank(2), 0.2

@@ -48,6 +48,7 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
         return compile_scene(_layout(), toy_index(), out, make_controller(), source=TOY_SOURCE)
 
 
+@pytest.mark.extended
 def test_folder_is_whole_and_loads_in_stock_mujoco(compiled: CompiledScene) -> None:
     names = {p.name for p in compiled.folder.iterdir()}
     files = {"scene.xml", "episodes.npz", "layout.json", "metadata.json", "geometry.npz"}
@@ -128,6 +129,7 @@ def test_episodes_keep_every_rule(compiled: CompiledScene) -> None:
     np.testing.assert_allclose(table.goal[:, 2], heights)
 
 
+@pytest.mark.extended
 def test_same_layout_same_files(small: CompiledScene, tmp_path: pathlib.Path) -> None:
     with few_episodes():
         again = compile_scene(_layout(), toy_index(), tmp_path / "again", make_controller(), source=TOY_SOURCE)
@@ -217,6 +219,7 @@ def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene
     assert [p.name for p in (tmp_path / "notes").iterdir()] == ["diary.txt"]
 
 
+@pytest.mark.extended
 def test_a_scene_that_is_compiled_again_keeps_the_users_files(small: CompiledScene, tmp_path: pathlib.Path) -> None:
     folder = shutil.copytree(small.folder, tmp_path / "scene")
     for name in ("notes.md", ".git/config", "map/notes.md"):

@@ -202,6 +202,7 @@ def test_a_record_of_another_format_counts_as_not_built(
         assert len(built) == number
 
 
+@pytest.mark.extended
 def test_a_set_with_the_regional_look_is_built(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     """What is drawn on the road is counted in the record, which is found again."""
     kinds = {"walk": ("sidewalk", -2.0, 2.0, 0.15), "road": ("road", 2.0, 10.0, 0.0)}

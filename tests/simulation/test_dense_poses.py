@@ -78,6 +78,7 @@ def prove(
     }
 
 
+@pytest.mark.extended
 @pytest.mark.mjx
 def test_no_contact_is_missed_on_ragged_ground() -> None:
     geometry = box_scene(0, num_objects=80, regions=ragged_regions(0))

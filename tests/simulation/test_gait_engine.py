@@ -19,6 +19,7 @@ from urbanverse_mjx.simulation.parity.c_mujoco import reference_model
 APART = 5e-3
 
 
+@pytest.mark.extended
 def test_it_moves_as_in_c_mujoco() -> None:
     """A gait of random numbers that shuffles, 0.4 s under two commands."""
     robot, gait = make_go2(), make_gait(seed=1)

@@ -25,6 +25,7 @@ def products(jaxpr: Any) -> Iterator[Any]:
 
 
 # On "warp" the step itself is Warp's: JAX multiplies only what the observation and the camera need.
+@pytest.mark.extended
 @pytest.mark.parametrize(("impl", "least"), [("jax", 4), ("warp", 2)])
 def test_every_product_in_an_env_is_of_full_precision(small_bank: SceneBank, impl: str, least: int) -> None:
     overrides = {"preset": "cpu", "scenes": "all", "impl": impl, "vision_config.height": 12, "vision_config.width": 20}

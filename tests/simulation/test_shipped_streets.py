@@ -41,6 +41,7 @@ def poses(bank: SceneBank, engine: JaxEngine) -> tuple[np.ndarray, np.ndarray]:
     return scene, qpos
 
 
+@pytest.mark.extended
 def test_every_hull_in_reach_finds_a_slot(
     bank: SceneBank, engine: JaxEngine, poses: tuple[np.ndarray, np.ndarray]
 ) -> None:
@@ -51,6 +52,7 @@ def test_every_hull_in_reach_finds_a_slot(
     assert np.asarray(nearby.valid)[:, : engine.num_slots].sum(1).max() >= engine.num_slots // 2
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("driven", [1_500, pytest.param(POSES, marks=pytest.mark.slow)])
 def test_every_contact_of_a_control_step_finds_a_place(
     bank: SceneBank, engine: JaxEngine, poses: tuple[np.ndarray, np.ndarray], driven: int

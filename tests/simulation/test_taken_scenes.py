@@ -25,6 +25,7 @@ def taken(small_bank: SceneBank, tmp_path: pathlib.Path) -> SceneBank:
     return SceneBank.take(BankShards(tmp_path / "streets.bank"), TAKEN)
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("impl", ["warp-fused", "jax"])
 def test_robots_drive_alike(small_bank: SceneBank, taken: SceneBank, impl: str, request: pytest.FixtureRequest) -> None:
     jax_engine, jax_step = (request.getfixturevalue(n) if impl == "jax" else None for n in ("jax_engine", "jax_step"))
@@ -46,6 +47,7 @@ def test_robots_drive_alike(small_bank: SceneBank, taken: SceneBank, impl: str, 
     assert_equal(first._replace(scene=0), second._replace(scene=0))
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(("shading", "light"), [("pbr", "baked"), ("matte", "direct")])
 def test_images_are_alike(small_bank: SceneBank, taken: SceneBank, shading: str, light: str) -> None:
     outputs = ("rgb", "depth", "category", "object")

@@ -68,6 +68,7 @@ def test_kinematics_are_those_of_c_mujoco(name: str) -> None:
             np.testing.assert_allclose(np.array(ours[i]), theirs, atol=3e-6)
 
 
+@pytest.mark.extended
 def test_environments_on_warp_run_where_mjx_cannot_be_imported() -> None:
     done = subprocess.run([sys.executable, "-c", RUN], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -92,6 +92,7 @@ def finished(tab: Any, out: pathlib.Path) -> tuple[list[str], dict[str, list[str
     return order, files
 
 
+@pytest.mark.extended
 def test_answers_of_two_participants_are_read_and_analysed(
     chromium: Any, folder: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:
@@ -114,6 +115,7 @@ def test_answers_of_two_participants_are_read_and_analysed(
     assert found["fidelity"]["layout_fidelity"]["groups"]["urbanverse"]["mean"] == 4.0
 
 
+@pytest.mark.extended
 def test_a_participant_sees_the_same_order_again_and_sides_are_drawn(chromium: Any, folder: pathlib.Path) -> None:
     shown = {}
     for name in ("a", "a", *"bcdefgh"):
@@ -145,6 +147,7 @@ def test_the_page_does_not_tell_what_it_shows(folder: pathlib.Path) -> None:
     assert {t["id"] for t in body["trials"]} == {t.id for t in plan_of(folder).trials}
 
 
+@pytest.mark.extended
 def test_a_missing_image_is_named(folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
     with pytest.raises(ValidationError, match=r"no file p0\.jpg"):
         write_page(plan_of(folder), tmp_path / "empty")

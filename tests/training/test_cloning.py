@@ -58,6 +58,7 @@ def test_readers_that_do_not_divide_into_the_minibatches_are_refused() -> None:
         Cloning(demonstrations((3, 4)), config)
 
 
+@pytest.mark.extended
 def test_readers_go_on_through_the_episodes_and_every_second_one_sees_a_mirror() -> None:
     data = demonstrations((3, 4))
     data.obs[PIXELS][:, :, 0] += 7  # the left column is brighter
@@ -77,6 +78,7 @@ def test_readers_go_on_through_the_episodes_and_every_second_one_sees_a_mirror()
     assert set(reported) == {"cloning", "error"}
 
 
+@pytest.mark.extended
 def test_it_learns_from_the_goal_and_what_only_the_first_image_shows_by_memory() -> None:
     data = demonstrations((11,) * 24)  # longer than what is read at once
     with_memory = small_config()
@@ -87,6 +89,7 @@ def test_it_learns_from_the_goal_and_what_only_the_first_image_shows_by_memory()
     assert max(error[1], blind[1]) < 0.1
 
 
+@pytest.mark.extended
 def test_a_cut_run_ends_with_the_bytes_of_one_that_was_not(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -37,6 +37,7 @@ def save_walking_policy(folder: pathlib.Path) -> None:
     save_policy(folder, (running_statistics.init_state(sizes), actor, critic), spec)
 
 
+@pytest.mark.extended
 def test_gait_acts_as_the_policy(tmp_path: pathlib.Path) -> None:
     save_walking_policy(tmp_path / "run" / "checkpoints")
     out = tmp_path / "gait.npz"

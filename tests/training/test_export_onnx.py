@@ -84,6 +84,7 @@ def _observations(count: int) -> dict[str, np.ndarray]:
     return {"pixels/front": pixels, "goal": 8.0 * goal, "proprio": proprio}
 
 
+@pytest.mark.extended
 def test_a_feed_forward_policy_answers_as_in_jax(folders, files) -> None:
     act, _ = load_policy(folders["ppo"])
     obs = _observations(1000)
@@ -143,6 +144,7 @@ def test_the_metadata_say_how_the_file_is_driven(files) -> None:
     assert [t.name for t in load_onnx(files["ppo"]).record.inputs] == ["pixels/front", "goal"]  # type: ignore[union-attr]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("kind", ["ppo", "student"])
 def test_a_benchmark_drives_the_file_as_the_checkpoint(
     kind: str, folders, files, small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch

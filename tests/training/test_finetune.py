@@ -88,6 +88,7 @@ def learning(small_bank: SceneBank) -> tuple[Recorded, finetune.Finetune, Any]:
     return recorded, finetune.Finetune(recorded, teach, imitation, config), first
 
 
+@pytest.mark.extended
 def test_the_actor_waits_for_the_critic_and_then_earns_more(learning: tuple[Recorded, finetune.Finetune, Any]) -> None:
     _, learner, first = learning
     actors, rewards, values = [], [], []

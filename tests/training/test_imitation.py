@@ -32,6 +32,7 @@ def teach(parameters: Any, state: State[Any], key: jax.Array) -> jax.Array:
     return jnp.clip(state.obs["goal"], -1.0, 1.0)
 
 
+@pytest.mark.extended
 def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     small_bank: SceneBank,
     tmp_path: pathlib.Path,

@@ -59,6 +59,7 @@ def assert_equal(a: Any, b: Any) -> None:
         np.testing.assert_array_equal(x, y)
 
 
+@pytest.mark.extended
 def test_with_one_environment_an_iteration_is_a_rollout_and_an_update_of_it(envs: dict[str, NavEnv]) -> None:
     """To the bit: what a robot's policy learns alone is what the plain algorithm learns."""
     learner = learner_of(envs, "husky")
@@ -73,6 +74,7 @@ def test_with_one_environment_an_iteration_is_a_rollout_and_an_update_of_it(envs
     assert_equal(learner.iterate(learner.begin(), jnp.float32(0.0))[0], expected)
 
 
+@pytest.mark.extended
 def test_each_robot_drives_by_the_same_parameters_and_all_of_them_teach(envs: dict[str, NavEnv]) -> None:
     both = learner_of(envs, "hunter", "husky")
     state = both.begin()
@@ -100,6 +102,7 @@ def test_each_robot_drives_by_the_same_parameters_and_all_of_them_teach(envs: di
     assert {"robots/hunter", "robots/husky", "kl", "rate", "ended"} <= set(reported)
 
 
+@pytest.mark.extended
 def test_the_first_divergence_is_none_and_the_rate_follows_it(envs: dict[str, NavEnv]) -> None:
     for desired, factor in ((1e9, 1.5), (1e-12, 1 / 1.5)):
         learner = learner_of(envs, "husky", desired_kl=desired)
@@ -111,6 +114,7 @@ def test_the_first_divergence_is_none_and_the_rate_follows_it(envs: dict[str, Na
     assert float(reported["kl"]) == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.extended
 def test_it_learns_to_drive_where_the_reward_is_progress(small_bank: SceneBank) -> None:
     scales = {f"reward_config.scales.{k}": 0.0 for k in ("arrived", "hit", "off_traversable", "near_object")}
     options = {**scales, "terminate_off_traversable": False}
@@ -126,6 +130,7 @@ def test_it_learns_to_drive_where_the_reward_is_progress(small_bank: SceneBank) 
     assert np.mean(rewards[-3:]) > np.mean(rewards[:3]) + 0.05
 
 
+@pytest.mark.extended
 def test_programs_that_are_compiled_ahead_do_the_same(envs: dict[str, NavEnv]) -> None:
     lazy, ahead = learner_of(envs, "hunter", "husky"), learner_of(envs, "hunter", "husky")
     ahead.compile(2)
@@ -133,6 +138,7 @@ def test_programs_that_are_compiled_ahead_do_the_same(envs: dict[str, NavEnv]) -
     assert_equal(found[0].params, found[1].params)
 
 
+@pytest.mark.extended
 def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     envs: dict[str, NavEnv], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

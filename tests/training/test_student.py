@@ -49,6 +49,7 @@ def some_observations(steps: int, n: int) -> dict[str, jax.Array]:
     return {PIXELS: jnp.asarray(pixels), **vectors}
 
 
+@pytest.mark.extended
 def test_a_student_without_proprioception_acts_on_image_and_goal_alone() -> None:
     obs = some_observations(2, 3)
     begins = jnp.zeros((2, 3), bool)
@@ -62,6 +63,7 @@ def test_a_student_without_proprioception_acts_on_image_and_goal_alone() -> None
             assert (np.abs(np.asarray(other - whole)).max() > 1e-6) == (proprio or name != "proprio"), name
 
 
+@pytest.mark.extended
 def test_a_student_without_its_last_action_sees_the_speeds() -> None:
     obs, begins = some_observations(2, 3), jnp.zeros((2, 3), bool)
     config = dagger.default_dagger_config()
@@ -85,6 +87,7 @@ def test_a_policy_from_before_the_choice_sees_proprioception(name: str) -> None:
     assert getattr(dagger.make_student(config, 2), name)
 
 
+@pytest.mark.extended
 def test_a_sequence_at_once_is_the_sequence_step_by_step_and_forgets_at_a_begin() -> None:
     network = Student(LAYERS, 2, hidden=16, memory=8)
     params = initial_student(network, SHAPES, 0)
@@ -172,6 +175,7 @@ def learning(small_bank: SceneBank) -> tuple[NavEnv, ConfigDict, dagger.Dagger]:
     return env, config, learner
 
 
+@pytest.mark.extended
 def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
     learning: tuple[NavEnv, ConfigDict, dagger.Dagger], tmp_path: pathlib.Path
 ) -> None:
@@ -212,6 +216,7 @@ def test_a_rollout_keeps_what_each_agent_remembers(small_bank: SceneBank) -> Non
     assert (moved[3, 3:] > 0.05).any()
 
 
+@pytest.mark.extended
 def test_a_training_cut_in_two_ends_with_the_digits_of_one(
     learning: tuple[NavEnv, ConfigDict, dagger.Dagger], tmp_path: pathlib.Path
 ) -> None:

@@ -76,6 +76,7 @@ def whole(
     return folder, training(small_bank, folder).train(False, said.append), said
 
 
+@pytest.mark.extended
 def test_three_stages_make_one_policy_with_a_camera(whole: Any, small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
     folder, result, said = whole
     assert [line.split(":")[0] for line in said] == [f"stage {k} of 3" for k in (1, 2, 3)]
@@ -99,6 +100,7 @@ def test_three_stages_make_one_policy_with_a_camera(whole: Any, small_bank: Scen
     assert not (tmp_path / "other" / "teacher").exists()
 
 
+@pytest.mark.extended
 def test_a_teacher_trained_alone_is_the_first_stage_of_the_run(
     whole: Any, small_bank: SceneBank, tmp_path: pathlib.Path
 ) -> None:

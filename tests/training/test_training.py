@@ -146,6 +146,7 @@ def test_trains_stops_resumes_and_loads(begun: pathlib.Path, small_bank: SceneBa
         train("CocoNav", env, longer, tmp_path / "exported", resume=True, quiet=True)
 
 
+@pytest.mark.extended
 def test_starts_from_another_policy_with_a_new_critic(
     begun: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

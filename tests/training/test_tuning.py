@@ -50,6 +50,7 @@ def leaves(policy: pathlib.Path | None) -> np.ndarray:
     return np.concatenate([np.asarray(x).ravel() for x in jax.tree.leaves(load_student(policy))])
 
 
+@pytest.mark.extended
 def test_it_begins_at_the_parameters_of_the_policy(
     small_bank: SceneBank, student: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

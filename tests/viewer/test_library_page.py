@@ -123,12 +123,14 @@ def width_of(image: np.ndarray) -> int:
     return int(np.ptp(columns))
 
 
+@pytest.mark.extended
 def test_scenes_have_images_and_names_as_text(tab: Any) -> None:
     tab.wait_for_function("[...document.images].filter((x) => x.naturalWidth === 64).length === 2")
     assert tab.locator("h2").all_text_contents() == ["park", "<b>alley</b>"]
     assert tab.locator("#find").is_hidden()
 
 
+@pytest.mark.extended
 def test_a_page_that_was_opened_before_there_is_a_library_leads_to_it(tab: Any, shelf: Shelf) -> None:
     front = Front("127.0.0.1", 0, 1, Teleop())
     try:
@@ -162,6 +164,7 @@ def test_a_page_that_waits_says_so(tab: Any) -> None:
     tab.unroute("**/library/looks**")
 
 
+@pytest.mark.extended
 def test_assets_turn_and_are_turned_by_hand(tab: Any) -> None:
     tab.click("nav >> text=Assets")
     loaded(tab, 24)
@@ -186,6 +189,7 @@ def test_assets_turn_and_are_turned_by_hand(tab: Any) -> None:
     assert tab.evaluate("items[0].yaw") == pytest.approx(np.pi / 2)  # it turns no more by itself
 
 
+@pytest.mark.extended
 def test_the_search_asks_for_what_is_chosen(tab: Any, shelf: Shelf) -> None:
     tab.click("nav >> text=Assets")
     loaded(tab, 24)
@@ -224,6 +228,7 @@ def test_skies_and_grounds_are_images(tab: Any, shelf: Shelf) -> None:
     assert ("looks", {"kind": "road"}) in shelf.asked
 
 
+@pytest.mark.extended
 def test_a_scene_opens_in_the_viewer(tab: Any, shelf: Shelf) -> None:
     tab.click("nav >> text=Scenes")
     tab.locator("article", has_text="park").get_by_role("button", name="Open").click()

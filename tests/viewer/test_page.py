@@ -121,6 +121,7 @@ def test_it_shows_a_street(tab: Any) -> None:
     wait(lambda: colours() >= 4)
 
 
+@pytest.mark.extended
 def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) -> None:
     page, session = served[0], served[0].session
     tab.get_by_role("button", name="Begin again").click()
@@ -144,6 +145,7 @@ def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) 
     assert len(page.session) == driven  # the recorded drive is shown again
 
 
+@pytest.mark.extended
 def test_a_held_key_drives_in_the_next_street_and_one_without_effect_is_named(
     tab: Any, served: tuple[Page, Streets, str]
 ) -> None:
@@ -217,6 +219,7 @@ def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Street
     assert page.session.rows == (0, 1)
 
 
+@pytest.mark.extended
 def test_cousins_are_numbered_as_by_the_commands(tab: Any, served: tuple[Page, Streets, str]) -> None:
     """From 0; a larger number than there are takes the last one."""
     page, streets = served[0], served[1]
@@ -242,6 +245,7 @@ def test_a_scene_is_opened_from_elsewhere(tab: Any, served: tuple[Page, Streets,
     wait(lambda: page.session.scene == 0)
 
 
+@pytest.mark.extended
 def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page, Streets, str]) -> None:
     page, streets, _ = served
     session = page.session
@@ -307,6 +311,7 @@ def test_layers_are_switched(tab: Any, served: tuple[Page, Streets, str]) -> Non
         wait(lambda node=node, was=was: node.visible == was)
 
 
+@pytest.mark.extended
 def test_the_recording_is_a_page_of_its_own(
     tab: Any, served: tuple[Page, Streets, str], tmp_path: pathlib.Path
 ) -> None:
@@ -325,6 +330,7 @@ def test_the_recording_is_a_page_of_its_own(
     with_no_server.close()
 
 
+@pytest.mark.extended
 def test_a_browser_that_leaves_stops_the_drive_and_nothing_else(served: tuple[Page, Streets, str], tab: Any) -> None:
     page = served[0]
     session = page.session
@@ -352,6 +358,7 @@ def test_a_recording_holds_every_frame(machine: Machine) -> None:
     assert len(html_recording(session, street)) > still
 
 
+@pytest.mark.extended
 def test_play_writes_an_episode_as_a_page_that_needs_no_server(
     machine: Machine, tab: Any, tmp_path: pathlib.Path
 ) -> None:
@@ -370,6 +377,7 @@ def test_play_writes_an_episode_as_a_page_that_needs_no_server(
     with_no_server.close()
 
 
+@pytest.mark.extended
 def test_a_taken_port_is_refused() -> None:
     server = start_server("127.0.0.1", 0)
     try:

@@ -34,6 +34,7 @@ def machine(env) -> Machine:
     return Machine(env, NamedPolicy("go_to_goal", BASELINES["go_to_goal"]))
 
 
+@pytest.mark.extended
 def test_states_are_those_of_the_environment(env, machine: Machine) -> None:
     session = Session(machine, 1, [3])
     nav = env.begin_at(jax.random.split(jax.random.key(0), 1)[0], jnp.int32(1), jnp.int32(3))
@@ -65,6 +66,7 @@ def test_it_ends_as_an_evaluation_does(env, name: str) -> None:
         np.testing.assert_allclose(poses, trajectory.xpos[:length, robot], atol=1e-4)
 
 
+@pytest.mark.extended
 def test_the_planner_is_compiled_once_for_all_scenes_and_episodes(env) -> None:
     """Its data have the window of the episode's route, so a shape of their own."""
     planner, traced = Planner(env), []
@@ -83,6 +85,7 @@ def test_the_planner_is_compiled_once_for_all_scenes_and_episodes(env) -> None:
     assert len(traced) == 1
 
 
+@pytest.mark.extended
 def test_the_fields_of_the_planner_are_arguments_of_its_program(env, monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of a bank's streets are gigabytes, which a compiler copies and hashes if they are constants."""
     planner, tables = Planner(env), []

@@ -71,6 +71,7 @@ def test_it_keeps_every_promise() -> None:
     check_env(load(preset="fast", **{"terrain.first_levels": 2}), num_envs=4, num_steps=6)
 
 
+@pytest.mark.extended
 def test_an_episode_begins_near_the_standing_pose(calm: JoystickEnv, two_calm: Compiled) -> None:
     """Joints within 0.1 rad of it, drawn evenly, and all velocities of the base within 0.3."""
     states = [two_calm[0](jax.random.split(jax.random.key(k), 2)).data.sim for k in range(12)]

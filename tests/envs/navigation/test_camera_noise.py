@@ -82,6 +82,7 @@ def test_light_is_blurred_and_not_its_encoding() -> None:
     np.testing.assert_allclose(half, exposed(np.array([137, 188, 137]), -1.0, 0.0, np.random.default_rng(0)), atol=1)
 
 
+@pytest.mark.extended
 def test_each_episode_has_a_camera_and_keeps_it(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {**RANDOM, "randomization.appearance": 0.0}, vision=True)
     drawn = jax.jit(jax.vmap(env.begin))(jax.random.split(jax.random.key(0), 500))

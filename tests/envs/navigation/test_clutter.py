@@ -68,6 +68,7 @@ def drawn(small_bank: SceneBank, clutter: Clutter) -> Drawn:
     )
 
 
+@pytest.mark.extended
 def test_they_stand_beside_the_route_and_touch_nothing(small_bank: SceneBank, clutter: Clutter, drawn: Drawn) -> None:
     """Judged by exact outlines of the hulls and by the points of the route, without the class's own fields."""
     robot, bank = make_coco(), small_bank
@@ -149,6 +150,7 @@ def test_distance_to_the_route_is_that_of_its_pieces() -> None:
     )
 
 
+@pytest.mark.extended
 def test_the_robot_sees_and_touches_them_where_they_stand(small_bank: SceneBank) -> None:
     """Driven straight at an object of the clutter: it is what is hit, and what is seen before."""
     overrides = {"preset": "cpu", "scenes": "all", "randomization.clutter": 4, "impl": "warp"}

@@ -154,6 +154,7 @@ def test_route_poses_lie_on_the_route() -> None:
     np.testing.assert_allclose(route_pose(start, waypoints, 99.0), (4.0, 6.0, np.pi / 2), atol=1e-5)
 
 
+@pytest.mark.extended
 def test_every_encounter_takes_place_where_there_is_room_and_nowhere_else() -> None:
     every = Encounters(ConfigDict(dict.fromkeys(ENCOUNTERS, 1.0)), walkers=9)
     start, waypoints = jnp.array([0.0, 0.0, 0.0, 0.0]), jnp.array([[30.0, 0.0, 0.0]])

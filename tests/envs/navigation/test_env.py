@@ -31,6 +31,7 @@ from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.training.record import RunRequest, configs_of
 
 
+@pytest.mark.extended
 def test_check_env_accepts_the_task(small_bank: SceneBank) -> None:
     check_env(unicycle_env(small_bank, {"episode_length": 40}, vision=True))
 
@@ -42,6 +43,7 @@ def test_check_env_accepts_the_registered_task(small_bank: SceneBank, impl: str)
     check_env(registry.load("CocoNav", config_overrides=overrides, bank=small_bank), num_envs=4, num_steps=6)
 
 
+@pytest.mark.extended
 def test_joint_actions_are_shares_of_the_control_range(small_bank: SceneBank) -> None:
     """Wheels: full speed straight ahead is 1; the axle of the Ackermann drive: its stops."""
     overrides = {"vision": False, "scenes": "all", "action_mode": "joint", "drive": "ackermann"}
@@ -90,6 +92,7 @@ def sent(env: NavEnv, nav: NavState, action: jax.Array) -> jax.Array:
     return jax.jit(advance)(nav._replace(last_action=jnp.zeros(env.action_size)))
 
 
+@pytest.mark.extended
 def test_check_env_finds_a_constant_observation(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
     whole = env.observe
@@ -98,6 +101,7 @@ def test_check_env_finds_a_constant_observation(small_bank: SceneBank) -> None:
         check_env(env, num_envs=2, num_steps=3)
 
 
+@pytest.mark.extended
 def test_check_env_finds_a_stale_reset(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
     whole = env.begin
@@ -183,6 +187,7 @@ def test_non_finite_physics_is_a_result_and_never_reaches_reward_or_neighbours(s
     assert all(np.isfinite(np.asarray(x)).all() for x in after.obs.values())
 
 
+@pytest.mark.extended
 def test_wrapper_sums_and_new_episodes(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"episode_length": 7, "terminate_off_traversable": False})
     wrapped = wrap_for_training(env, 7)
@@ -253,6 +258,7 @@ def test_small_and_fast_presets_change_only_image_weights_and_randomization(pres
     assert paper == cpu
 
 
+@pytest.mark.extended
 def test_register_from_outside(small_bank: SceneBank) -> None:
     """The trainer and the pipeline use all registered parts."""
 

@@ -110,6 +110,7 @@ def test_the_body_covers_the_robots_collision_geoms() -> None:
             assert z + size <= shapes.height[0] + 1e-6
 
 
+@pytest.mark.extended
 def test_robots_begin_apart_and_know_where_the_others_are(env: NavEnv) -> None:
     nav = begun(env, 2 * SIZE)
     start = np.asarray(nav.start)[:, :2]
@@ -125,6 +126,7 @@ def test_robots_begin_apart_and_know_where_the_others_are(env: NavEnv) -> None:
         assert np.linalg.norm(start[others] - start[i], axis=-1).min() >= START_SPACING - 1e-5
 
 
+@pytest.mark.extended
 def test_robots_in_different_scenes_do_not_meet(env: NavEnv) -> None:
     keys, rows = jax.random.split(jax.random.key(0), SIZE), jnp.arange(SIZE, dtype=jnp.int32)
     nav = jax.vmap(env.begin_at)(keys, jnp.array([0, 0, 1], jnp.int32), rows)
@@ -132,6 +134,7 @@ def test_robots_in_different_scenes_do_not_meet(env: NavEnv) -> None:
     np.testing.assert_array_equal(nav.crowd.present, [[True, False], [True, False], [False, False]])
 
 
+@pytest.mark.extended
 def test_a_robot_alone_has_the_street_to_itself(env: NavEnv) -> None:
     nav = env.begin_at(jax.random.key(0), jnp.int32(0), jnp.int32(0))
     assert nav.crowd is not None
@@ -160,6 +163,7 @@ def test_both_of_two_robots_that_drive_into_each_other_see_the_contact(env: NavE
     assert ends.tolist() == [Result.HIT_AGENT, Result.HIT_AGENT, Result.RUNNING]
 
 
+@pytest.mark.extended
 def test_who_has_ended_stands_for_the_others(env: NavEnv) -> None:
     nav = at(begun(env, SIZE), [[5.0, 6.0], [9.0, 6.0], [15.0, 6.0]])
     fast = nav.sim._replace(qvel=nav.sim.qvel.at[:, 0].set(2.0))

@@ -43,6 +43,7 @@ def test_a_policy_cannot_tell_the_robots_apart(stands: NavEnv, small_bank: Scene
         assert np.sign(fast[1]) == np.sign(slow[1])
 
 
+@pytest.mark.extended
 def test_it_begins_on_its_feet_and_stays_there(stands: NavEnv) -> None:
     reset, step = jax.jit(jax.vmap(stands.reset)), jax.jit(jax.vmap(stands.step))
     state = reset(jax.random.split(jax.random.key(0), 2))
@@ -86,6 +87,7 @@ def test_it_keeps_every_promise(small_bank: SceneBank) -> None:
     check_env(env, num_envs=4, num_steps=6)
 
 
+@pytest.mark.extended
 def test_the_shipped_gait_walks_towards_waypoints(small_bank: SceneBank) -> None:
     """4 s straight ahead at full command, then 2 s of a turn on the spot to the left."""
     env = registry.load("Go2Nav", config_overrides={**BLIND, "impl": "warp", **FOR_EVER}, bank=small_bank)

@@ -83,6 +83,7 @@ def test_the_share_is_drawn_so_and_the_rest_as_without(small_bank: SceneBank) ->
     np.testing.assert_array_equal(without, old)
 
 
+@pytest.mark.extended
 def test_training_counts_the_ends_of_all_envs(small_bank: SceneBank) -> None:
     """Standing robots run out of time: the mean of their episodes falls, and they are drawn less."""
     options = {"episode_length": 3, "terminate_off_traversable": False, "schedule.learnable": 1.0}

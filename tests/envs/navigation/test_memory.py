@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import pytest
 import warp as wp
 
 from tests.support.held_bytes import held_bytes
@@ -36,6 +37,7 @@ def _held(bank: SceneBank) -> int:
     return held_bytes(env, kept)
 
 
+@pytest.mark.extended
 def test_memory_of_a_scene_is_little_more_than_its_arrays(small_bank: SceneBank) -> None:
     few, many = (_copies(small_bank, number) for number in (1, 4))
     sizes = [sum(a.nbytes for a in bank.arrays().values()) for bank in (few, many)]

@@ -17,6 +17,7 @@ NOBODY = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclis
 ONE_WALKER = {"scenario": "dynamic", "crowd.slots.pedestrian": 1, "vision": False, "impl": "warp", **NOBODY}
 
 
+@pytest.mark.extended
 def test_the_objects_nearest_to_the_route_are_chosen(small_bank: SceneBank) -> None:
     """Against a plain loop over objects and pieces of the route."""
     row = body_table(small_bank).row

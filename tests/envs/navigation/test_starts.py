@@ -33,6 +33,7 @@ def test_off_keeps_the_table_s_starts(small_bank: SceneBank) -> None:
     np.testing.assert_array_equal(nav.num_waypoints, small_bank.episode_num_waypoints[scenes, rows])
 
 
+@pytest.mark.extended
 def test_starts_are_free_and_keep_the_rest_of_the_route(small_bank: SceneBank) -> None:
     """Judged on maps of 5 cm, which the class does not use."""
     bank, robot = small_bank, make_coco()

@@ -98,6 +98,7 @@ def test_a_scene_without_walkable_ground_has_no_distance_to_its_edge(small_bank:
     np.testing.assert_array_equal(fields[..., 0], build_fields(small_bank, HEIGHT)[..., 0])
 
 
+@pytest.mark.extended
 def test_distance_to_the_edge(small_bank: SceneBank, surroundings: Surroundings) -> None:
     walkable = traversable(small_bank.map_kind)
     for scene in range(small_bank.num_scenes):

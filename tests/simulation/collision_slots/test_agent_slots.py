@@ -208,6 +208,7 @@ def test_runs_into_agents_are_those_of_c_mujoco(impl: str) -> None:
     assert max(after) < 0.05, after
 
 
+@pytest.mark.extended
 @pytest.mark.mjx
 def test_without_agents_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPatch) -> None:
     """The program of an engine without agents is the one it was: same text with all agent functions broken."""

@@ -78,6 +78,7 @@ def runs_of_c_mujoco(name: str) -> np.ndarray:
     return np.array([pushing.push_reference(scene_of(name), robot, commands(name), a).places[:, 0] for a in ASIDES])
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("impl", ENGINES)
 def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
     """Before the touch the runs are equal, 0.2 s after it the box is within 1 cm. After 2 m its distance is within 10
@@ -225,6 +226,7 @@ def test_sizes_and_counts_are_checked() -> None:
         jax.eval_shape(plain.init, 0, np.zeros(11), np.zeros(10), np.full(2, -1))
 
 
+@pytest.mark.extended
 @pytest.mark.mjx
 def test_without_bodies_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPatch) -> None:
     """The program of an engine without body slots is the same text with every function of bodies broken."""
@@ -247,6 +249,7 @@ def test_without_bodies_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPa
     assert programs[0] == programs[1]
 
 
+@pytest.mark.extended
 def test_table_has_the_moments_that_c_mujoco_compiles(small_bank: SceneBank) -> None:
     """Mass, centre, principal moments and axes of a scooter and of boxes, against MJCF with free joints."""
     objects = [

@@ -21,6 +21,7 @@ from urbanverse_mjx.simulation.jax_engine import JaxEngine, body_dynamics, const
 from urbanverse_mjx.simulation.jax_engine.engine import _Touch
 
 
+@pytest.mark.extended
 def test_changing_scenes_compiles_nothing(
     jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any, jax_traces: list[int]
 ) -> None:
@@ -123,6 +124,7 @@ def test_the_scene_decides_what_is_hit(jax_engine: JaxEngine, small_bank: SceneB
     assert (np.array(state.contacts.hit_force)[scenes == 0] > 100).all()
 
 
+@pytest.mark.extended
 def test_vmap_equals_a_loop(jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any) -> None:
     state, ctrl = starts(jax_engine, small_bank)
     together = roll(jax_step, state, ctrl, 8)

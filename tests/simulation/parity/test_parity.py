@@ -66,6 +66,7 @@ def test_drives_are_those_of_c_mujoco(impl: str, drive: str) -> None:
     assert (~np.isnan(report.after)).sum() >= 10
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused"])
 def test_heavy_robots_on_slippery_ground_are_those_of_c_mujoco(impl: str) -> None:
     """Mass and friction of the env, not of the bank: the same drives, another path, in all engines alike."""
@@ -102,6 +103,7 @@ def driven_on_materials() -> tuple[c_mujoco.Trace, c_mujoco.Trace]:
     return c_mujoco.drive_reference(models, robot, drives, CONTROL_DT), uniform
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused"])
 def test_friction_of_materials_is_that_of_c_mujoco(impl: str) -> None:
     """Roads, crossings and pavements with coefficients below and above the tyres'."""

@@ -113,6 +113,7 @@ def found(impl: str) -> Run:
     return Run(*(np.stack(x) for x in zip(*rows, strict=True)))
 
 
+@pytest.mark.extended
 def test_c_mujoco_presses_with_the_force_that_the_servos_are_told() -> None:
     """Three presses hold the button, the fourth meets the post, and the last touches nothing."""
     run = expected()

@@ -81,6 +81,7 @@ def test_the_suns_disc_is_seen_in_four_directions_around_it(sun: np.ndarray) -> 
     np.testing.assert_allclose(cosines, [[1, 0, -1, 0], [0, 1, 0, -1], [-1, 0, 1, 0], [0, -1, 0, 1]], atol=1e-9)
 
 
+@pytest.mark.extended
 def test_shadows_on_the_ground_are_where_mj_ray_finds_the_sun_hidden(sunlit: SceneBank, robot: RobotSpec) -> None:
     """Away from the edges of shadows, where a texel is partly lit, ground is black or as bright as open ground."""
     camera_position, fovy = np.array([20.0, 6.0, 7.0]), 1.2
@@ -186,6 +187,7 @@ def _open_street(bank: SceneBank, sun: Any) -> SceneBank:
     return dataclasses.replace(even, slot_mesh=mesh)
 
 
+@pytest.mark.extended
 def test_a_camera_opens_under_a_dark_sky_as_it_does_in_a_dark_street(bank: SceneBank) -> None:
     """Without a sun a white surface in the open is as bright as the even sky: 0.65 and more is daylight."""
     level = {}
@@ -266,6 +268,7 @@ def test_agents_shade_the_ground_where_they_are() -> None:
     assert (after[ground] <= before[ground] + 1e-6).all()
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("shading", ["matte", "pbr"])
 def test_baked_pictures_look_as_committed(bank: SceneBank, robot: RobotSpec, shading: str) -> None:
     """Eight frames; rounding may move an edge by a ray. `make_golden` beside this file draws them anew."""

@@ -87,6 +87,7 @@ def slab(low: np.ndarray, high: np.ndarray, rays: np.ndarray) -> int:
     return int(((near <= far) & (near > 0)).sum())
 
 
+@pytest.mark.extended
 def test_a_car_behind_a_person_counts_whole(robot: RobotSpec) -> None:
     bank = with_box_agents(box_bank(1, num_objects=1))
     names = bank.agents["kind"]
@@ -120,6 +121,7 @@ def test_a_car_behind_a_person_counts_whole(robot: RobotSpec) -> None:
     assert (np.abs(counted[2] - counted[1]) > 5).all()
 
 
+@pytest.mark.extended
 def test_a_pushed_object_counts_where_it_is(bank: SceneBank) -> None:
     """A camera beside it; the other bank has it there from the beginning."""
     slots, home = homes(bank)

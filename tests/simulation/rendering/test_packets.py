@@ -18,6 +18,7 @@ from . import render_cases as cases
 
 
 # Neither side a multiple of a packet's; some packets hold fewer pixels than lanes.
+@pytest.mark.extended
 @pytest.mark.parametrize(("size", "samples"), [((37, 66), 1), ((18, 33), 3)])
 def test_every_output_is_that_of_single_rays(
     size: tuple[int, int], samples: int, monkeypatch: pytest.MonkeyPatch
@@ -59,6 +60,7 @@ def test_every_output_is_that_of_single_rays(
     assert (together["category"] == alone["category"])[same].all()
 
 
+@pytest.mark.extended
 def test_a_small_piece_is_drawn_in_parts_as_in_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hits are kept for a few worlds at once; each world has its own."""
     bank, robot = box_bank(8, seed=0), make_coco()

@@ -32,6 +32,7 @@ def renderer() -> Renderer:
     return Renderer(bank, make_coco(), 36, 64, outputs=("depth", "category", "object"), agents=appearances)
 
 
+@pytest.mark.extended
 def test_agents_are_seen_where_they_stand(renderer: Renderer) -> None:
     """The middle ray of a camera at 1 m height along the street, three streets at once."""
     people = [
@@ -49,6 +50,7 @@ def test_agents_are_seen_where_they_stand(renderer: Renderer) -> None:
     assert [names[i] for i in seen["category"]] == ["agent:pedestrian", "agent:pedestrian", "agent:car"]
 
 
+@pytest.mark.extended
 def test_nobody_is_seen_where_nobody_is(renderer: Renderer) -> None:
     alone = jax.jit(lambda: renderer.view(0, CAMERA_POSITION, cases.AHEAD, 0.9))()
     assert not (np.asarray(alone["object"]) <= AGENT_LABEL).any()

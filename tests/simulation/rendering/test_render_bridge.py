@@ -52,6 +52,7 @@ def alone(renderer: Renderer, inputs: Inputs) -> np.ndarray:
     return np.stack([renderer(*(x[i] for x in inputs))["rgb"] for i in range(NUMBER)])
 
 
+@pytest.mark.extended
 def test_frames_differ(alone: np.ndarray) -> None:
     assert len(np.unique(alone.reshape(NUMBER, -1), axis=0)) == NUMBER
 
@@ -142,6 +143,7 @@ def test_it_draws_without_threads_while_the_process_ends(
     assert refused
 
 
+@pytest.mark.extended
 def test_threads_change_nothing(bank: SceneBank, robot: RobotSpec, inputs: Inputs, alone: np.ndarray) -> None:
     for threads in (1, 5):
         frames = jax.vmap(cases.make_renderer(bank, robot, threads=threads))(*inputs)["rgb"]
@@ -175,6 +177,7 @@ def test_frames_nobody_looks_at_are_not_drawn(bank: SceneBank, robot: RobotSpec,
     assert renderer.num_contexts == 0
 
 
+@pytest.mark.extended
 def test_a_deleted_renderer_is_freed_and_its_compiled_calls_say_so(
     bank: SceneBank, robot: RobotSpec, inputs: Inputs
 ) -> None:

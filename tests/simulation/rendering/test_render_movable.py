@@ -42,6 +42,7 @@ def homes(bank: SceneBank) -> tuple[np.ndarray, Bodies]:
     return slots, Bodies(jnp.asarray(slots), place, turn, zero, zero, jnp.zeros((3, 6)))
 
 
+@pytest.mark.extended
 def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     slots, home = homes(bank)
     view = looking()
@@ -73,6 +74,7 @@ def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     assert len(set(ground)) > 1
 
 
+@pytest.mark.extended
 def test_each_world_has_its_own(bank: SceneBank) -> None:
     """Two streets in one batch, in one of which an object was lifted out of the image."""
     slots, home = homes(bank)

@@ -131,6 +131,7 @@ def _draw_both(bank: SceneBank, robot: RobotSpec, places: cases.Places, settings
         return [ours.numpy().astype(int), theirs.numpy().astype(int)]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("sky", [True, False])
 def test_pbr_images_are_those_of_mujoco_warp_pbr(bank: SceneBank, robot: RobotSpec, sky: bool) -> None:
     """Polished, metallic and matte objects under sun and sky: an edge may fall on either side, colours agree."""

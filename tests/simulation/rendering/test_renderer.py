@@ -46,6 +46,7 @@ def frames(bank: SceneBank, robot: RobotSpec, places: cases.Places) -> dict[str,
     return {name: np.asarray(x) for name, x in jax.jit(jax.vmap(renderer))(*places.inputs).items()}
 
 
+@pytest.mark.extended
 def test_shapes_and_types(frames: dict[str, np.ndarray]) -> None:
     found = {name: (x.shape[1:], x.dtype.name) for name, x in frames.items()}
     size = (cases.HEIGHT, cases.WIDTH)
@@ -84,6 +85,7 @@ def test_normals_are_unit_and_face_the_camera(
     assert (frames["normal"][level][:, 2] > 0).all()
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("who", ["coco", "wheelchair"])
 def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> None:
     """COCO, and a robot with parts a metre away from their body."""
@@ -276,6 +278,7 @@ def test_shadows_are_where_mj_ray_finds_the_sun_hidden(bank: SceneBank, robot: R
     assert (lit == expected)[seen].mean() > 0.995
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("shading", ["matte", "pbr"])
 def test_colours_respond_to_the_sky(bank: SceneBank, robot: RobotSpec, places: cases.Places, shading: str) -> None:
     """The same places are redder at sunset than at noon."""
@@ -302,6 +305,7 @@ def test_more_rays_per_pixel_are_the_mean_of_a_finer_picture(bank: SceneBank, ro
     assert error.mean() < 0.005
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("shading", ["matte", "pbr"])
 def test_pictures_look_as_committed(bank: SceneBank, robot: RobotSpec, places: cases.Places, shading: str) -> None:
     """Eight frames; rounding may move an edge by a ray. `make_golden` beside this file draws them anew."""

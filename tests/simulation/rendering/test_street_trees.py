@@ -151,6 +151,7 @@ def test_parts_of_an_object_hold_all_its_triangles() -> None:
     assert ((x * y + y * z + z * x) > 0).all()
 
 
+@pytest.mark.extended
 def test_images_do_not_depend_on_what_is_divided(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whole objects, and every object divided down to the leaves of its mesh; one of them pushed, all outputs."""
     bank, robot = box_bank(4, seed=0), make_coco()

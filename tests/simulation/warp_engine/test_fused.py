@@ -121,6 +121,7 @@ def test_iterations_of_a_loop_are_independent(
     np.testing.assert_allclose(found.qvel, expected.qvel, atol=1e-3)
 
 
+@pytest.mark.extended
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
 @pytest.mark.parametrize("make", [make_coco, make_go2])
 def test_lanes_do_not_race(make: Any, tmp_path: pathlib.Path) -> None:

@@ -114,6 +114,7 @@ def test_contacts_mean_what_they_mean_in_the_mjx_engine(
     assert touched > 5
 
 
+@pytest.mark.extended
 def test_any_nesting_of_vmap_is_the_same_call(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
     state, ctrl = starts(engine, small_bank)
     together = roll(batched, state, ctrl, 8)
@@ -337,6 +338,7 @@ def test_contacts_without_a_place_are_counted(engine: WarpEngine, small_bank: Sc
     np.testing.assert_array_equal(after.slot_overflow, 2)
 
 
+@pytest.mark.extended
 def test_a_deleted_engine_gives_its_memory_back(small_bank: SceneBank) -> None:
     engine = WarpEngine(small_bank, make_coco(), control_dt=CONTROL_DT)
     state, ctrl = starts(engine, small_bank)
@@ -353,6 +355,7 @@ def test_a_deleted_engine_gives_its_memory_back(small_bank: SceneBank) -> None:
         jax.block_until_ready(executable(state, ctrl))
 
 
+@pytest.mark.extended
 def test_few_batches_are_kept(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("urbanverse_mjx.simulation.warp_bridge.KEPT_BATCHES", 2)
     engine = WarpEngine(small_bank, make_coco(), control_dt=CONTROL_DT, graphs=False)
@@ -395,6 +398,7 @@ def test_the_general_engine_is_warp_on_cuda_alone(monkeypatch: pytest.MonkeyPatc
         assert engines.general_impl("auto") == impl
 
 
+@pytest.mark.extended
 @pytest.mark.mjx
 def test_auto_is_fused_where_the_robot_allows_it(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
     from urbanverse_mjx.simulation.jax_engine import JaxEngine

@@ -35,6 +35,8 @@ TESTS = (
     *("tests/crowds", "tests/evaluation", "tests/scene", "tests/envs", "tests/training", "tests/simulation"),
     *("tests/robots", "tests/geometry", "tests/datatypes", "tests/pipeline", "tests/gym", "tests/viewer", "tests/cli"),
 )
+#: Marks of those that continuous integration runs: the quick and the extended ones.
+MARKS = "not slow and not gpu"
 #: Tests of the text of the code notice every change of it.
 LEFT_OUT = ("tests/project/",)
 #: Caches that tests need; linked anew for each fault, which may spoil them.
@@ -110,7 +112,18 @@ def coverage(out: pathlib.Path, tests: Sequence[str], workers: str, root: pathli
 def _run_with_coverage(path: str, workers: str, root: pathlib.Path) -> dict[str, Any]:
     """{"tests": {test: {file: [lines]}}, "seconds": {test: s}} of the tests in a file or folder that pass."""
     with work_folder("urbanverse-coverage-") as parts:
-        command = [sys.executable, "-m", "pytest", "-q", "-n", workers, "-p", "tests.support.mutants.covered"]
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-n",
+            workers,
+            "-p",
+            "tests.support.mutants.covered",
+            "-m",
+            MARKS,
+        ]
         left_out = [f"--ignore={name}" for name in LEFT_OUT]
         environment = {**os.environ, OUT: str(parts), "PYTHONPATH": f"{root}{os.pathsep}{ROOT}"}
         done = subprocess.run([*command, *left_out, path], cwd=root, env=environment, check=False)
@@ -161,7 +174,7 @@ def judge(
         limit = _START + _SLOWER * sum(covered["seconds"].get(test, 0.0) for test in tests)
         with planted(mutant, root) as (folder, environment):
             (folder / "chosen.txt").write_text("\n".join(tests))
-            words = ["-q", "-x", "-n", "0", "-p", "no:cacheprovider", "@chosen.txt"]
+            words = ["-q", "-x", "-n", "0", "-m", MARKS, "-p", "no:cacheprovider", "@chosen.txt"]
             status, text = run_tests(folder, environment, words, limit)
             outcome = {0: "survived", None: "timeout"}.get(status, "killed")
             said = next((x for x in text.splitlines() if x.startswith(("FAILED", "ERROR"))), "")

@@ -223,6 +223,7 @@ def test_an_agent_for_a_base_alone_is_refused_in_a_sentence(env: NavEnv, begun: 
 # Whole episodes.
 
 
+@pytest.mark.extended
 def test_the_scripted_expert_rings_and_one_that_does_not_know_the_height_mostly_does_not(env: NavEnv) -> None:
     agents = {"presser": planner_of(env), baseline_of(env)[0]: baseline_of(env)[1]}
     assert all(isinstance(agent, DoorbellPresser) for agent in agents.values())

@@ -64,6 +64,7 @@ def free_place(env: NavEnv, begun: Any, reach: float) -> Any:
     raise AssertionError("no such place")
 
 
+@pytest.mark.extended
 def test_the_person_begins_ahead_on_the_route_and_walks_along_it(env: NavEnv, begun: Any) -> None:
     body = begun.crowd.bodies
     person = np.stack([body.x[:, LEADER], body.y[:, LEADER]], -1)
@@ -188,6 +189,7 @@ def test_an_early_end_counts_as_time_outside(env: NavEnv, begun: Any) -> None:
     assert {k: float(x) for k, x in scores.items()} == pytest.approx({"score": 0.25, "in_sight": 0.3, "distance": 3.0})
 
 
+@pytest.mark.extended
 def test_driving_up_to_the_person_is_no_arrival(env: NavEnv, begun: Any) -> None:
     nav = with_people(one(begun), [(0.7, 0.0)])
     assert float(jnp.linalg.norm(nav.sim.xpos[1, :2] - begun.start[0, :2])) < 0.1

@@ -128,6 +128,7 @@ def test_scores_are_deliveries_per_minute_of_the_street(env: NavEnv, task: Multi
     assert scores["robot_distance"] == pytest.approx(expected, abs=8e-3)
 
 
+@pytest.mark.extended
 def test_robots_that_drive_to_their_goals_deliver_and_those_that_stand_do_not(env: NavEnv) -> None:
     agents = {"zero": zero, "go_to_goal": go_to_goal}
     results, _ = Rollout(env, chunk=20).run(agents, fixed_episodes(env, 12))
@@ -137,6 +138,7 @@ def test_robots_that_drive_to_their_goals_deliver_and_those_that_stand_do_not(en
     assert {r.result for r in results if r.agent == "zero"} == {"timeout"}
 
 
+@pytest.mark.extended
 def test_runs_are_reproducible(env: NavEnv) -> None:
     episodes = fixed_episodes(env, 4)
     first, again = (Rollout(env, chunk=20).run({"go_to_goal": go_to_goal}, episodes)[0] for _ in range(2))
@@ -152,6 +154,7 @@ def test_episodes_of_a_street_stay_together(env: NavEnv) -> None:
         fixed_episodes(env, 3)
 
 
+@pytest.mark.extended
 def test_the_planner_drives_around_a_robot_that_stands_in_its_way(env: NavEnv, pair: Any) -> None:
     """It would wait for it for ever. One that drives on is left to ORCA."""
     planner = planner_of(env)

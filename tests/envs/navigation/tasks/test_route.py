@@ -197,6 +197,7 @@ def test_signals_hold_people_and_vehicles_and_drivers_stop_for_the_robot(task: F
         assert bool(rights.walks)
 
 
+@pytest.mark.extended
 def test_an_episode_is_the_same_when_it_is_run_again(env: NavEnv) -> None:
     begin = jax.jit(lambda key: env.begin_at(key, jnp.int32(0), jnp.int32(3)))
     first, second, other = begin(jax.random.key(1)), begin(jax.random.key(1)), begin(jax.random.key(2))
@@ -287,6 +288,7 @@ def act(planner: SignalPlanner, legs: Any) -> Any:
     return jax.jit(lambda nav: planner.act(nav, legs)[0])
 
 
+@pytest.mark.extended
 def test_the_planner_waits_before_a_closed_crosswalk_and_enters_an_open_one(before_crosswalk: Any, act: Any) -> None:
     """It stands as long as it is closed, whatever lies behind."""
     for seconds, enters in ((5.0, True), (21.0, False), (40.0, False), (59.0, False), (60.5, True)):

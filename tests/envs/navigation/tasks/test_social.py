@@ -177,6 +177,7 @@ def test_privileged_lists_the_nearest_people_in_the_heading_frame(env: NavEnv, b
     assert time.shape == (1,)
 
 
+@pytest.mark.extended
 def test_the_ceiling_is_a_planner_to_whom_nearness_to_people_costs(env: NavEnv, begun: Any) -> None:
     planner, plain = planner_of(env), Planner(env)
     assert isinstance(planner, Planner)
