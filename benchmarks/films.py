@@ -35,6 +35,7 @@ TASKS = {
     "social_nav": "CocoSocialNav",
     "follow_person": "CocoFollowPerson",
     "follow_route": "CocoFollowRoute",
+    "cross_street": "CocoCrossStreet",
     "object_goal": "CocoObjectGoal",
     "multi_robot": "CocoMultiRobot",
     "deliver": "CocoDeliver",

@@ -111,6 +111,22 @@ TASKS: dict[str, tuple[str, dict[str, tuple[str, int]]]] = {
             "task/seconds": ("seconds", 1),
         },
     ),
+    "CocoCrossStreet": (
+        "cross_street.md",
+        {
+            "task/score": ("score", 3),
+            "SR": ("SR %", 1),
+            "agent_hits": ("hit by a vehicle %", 1),
+            "task/near_misses": ("near misses", 2),
+            "task/near_miss": ("episodes with a near miss", 3),
+            "task/time_to_collision": ("least time to collision s", 2),
+            "task/post_encroachment_time": ("least post-encroachment time s", 2),
+            "task/stops": ("stops on the road", 2),
+            "task/waited": ("waited s", 1),
+            "task/delay": ("delay s", 1),
+            "task/seconds": ("seconds", 1),
+        },
+    ),
 }
 HEADLINE = "task/score"
 MARKS = "<!-- tasks: python -m benchmarks.tasks --page -->", "<!-- end of tasks -->"

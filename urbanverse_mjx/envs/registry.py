@@ -24,6 +24,7 @@ from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import deliver_ppo_config, ppo_config
 from .navigation.tasks.config import (
+    cross_street_config,
     deliver_config,
     follow_person_config,
     follow_route_config,
@@ -352,6 +353,12 @@ register_environment(
     make_wheeled_env,
     follow_route_config,
     about="COCO follows pavements and crosswalks with signals over 200 m",
+)
+register_environment(
+    "CocoCrossStreet",
+    make_wheeled_env,
+    cross_street_config,
+    about="COCO crosses a road where cars come, at crosswalks with stripes and without",
 )
 register_environment(
     "CocoObjectGoal",

@@ -11,6 +11,7 @@ from ..crowds import half_planes
 from ..crowds.crossings import STOP, UNSIGNALLED, WALK
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
+from ..envs.navigation.tasks.cross import CrossStreet
 from ..envs.navigation.tasks.deliver import Deliver
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
 from ..envs.navigation.tasks.multi_robot import MultiRobot
@@ -19,6 +20,7 @@ from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
 from .doorbell_agent import DoorbellPresser
+from .gap_agent import GapAcceptor
 from .planner import GOAL_DISTANCE, Planner, RouteField, bilinear
 from .route_fields import NODE, build_route_fields
 from .route_follower import LOOKAHEAD_DISTANCE, TIMES, RouteFollower, route_point
@@ -332,6 +334,8 @@ def planner_of(env: NavEnv) -> Privileged:
         return PersonFollower(env)
     if isinstance(env.task, FollowRoute):
         return SignalPlanner(env)
+    if isinstance(env.task, CrossStreet):
+        return GapAcceptor(env)
     if isinstance(env.task, SocialNav):
         return Planner(env, comfort=COMFORT)
     if isinstance(env.task, ObjectGoal):

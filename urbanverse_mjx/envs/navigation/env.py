@@ -125,7 +125,7 @@ class NavEnv(StagedBase[NavState]):
         self.dynamic: DynamicStreet | None = None
         if scenario_of(config) == "dynamic":
             # Tables of all named scenes, so that tasks that leave out different ones share a file in the cache.
-            self.dynamic = DynamicStreet(bank, named, config.crowd, float(config.ctrl_dt), robot)
+            self.dynamic = task_class(config).street(config, bank, named, robot, own)
         size = fleet_size(config)
         #: The other robots of the street, which are the moving agents then; None where there are none.
         self.fleet = Fleet(bank, self.scenes, robot, self._root, size, float(config.ctrl_dt)) if size else None

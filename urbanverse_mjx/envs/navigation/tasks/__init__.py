@@ -3,6 +3,7 @@
 from ml_collections import ConfigDict
 
 from ....datatypes import ValidationError
+from .cross import CrossStreet
 from .deliver import Deliver
 from .follow import FollowPerson
 from .multi_robot import MultiRobot
@@ -18,6 +19,7 @@ TASKS: dict[str, type[Task]] = {
     "social_nav": SocialNav,
     "follow_person": FollowPerson,
     "follow_route": FollowRoute,
+    "cross_street": CrossStreet,
     "object_goal": ObjectGoal,
     "multi_robot": MultiRobot,
     "deliver": Deliver,

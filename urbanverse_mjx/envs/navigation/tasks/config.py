@@ -10,8 +10,8 @@ from ..config import default_config
 #: Terms of reward with which a policy learns in few steps, whatever the preset: those of the preset `fast`.
 _DENSE = "fast"
 
-#: s, time limits of `FollowRoute` and `Deliver`.
-FOLLOW_ROUTE_TIME, DELIVER_TIME = 360.0, 30.0
+#: s, time limits of `FollowRoute`, `CrossStreet` and `Deliver`.
+FOLLOW_ROUTE_TIME, CROSS_STREET_TIME, DELIVER_TIME = 360.0, 60.0, 30.0
 
 
 def _with_task(
@@ -193,4 +193,24 @@ def follow_route_config(preset: str = "paper") -> ConfigDict:
     config.goal_observation_limit = 0.0
     # 200 m at a mean of 1 m/s, and a cycle of each of some five signals.
     config.episode_length = round(FOLLOW_ROUTE_TIME / config.ctrl_dt)
+    return config.lock()
+
+
+def cross_street_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `CrossStreet` (`cross.CrossStreet`) for COCO.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    # Vehicles alone, half of them on each lane.
+    crowd = {"slots": {"pedestrian": 0, "wheelchair": 0, "scooter": 0, "cyclist": 0, "car": 12}}
+    options = {
+        "flow": 400.0,  # vehicles per hour and lane
+        "marked": 0.5,  # share of the crosswalks that have stripes, at which drivers give way
+        "horizon": 3.0,  # s, time to a collision below which there is a penalty, as in `social_nav_config`
+    }
+    off = {"hit": -10.0, "off_traversable": -10.0}
+    scales = {**off, "near_miss": -3.0, "stop": -1.0, "time_to_collision": -0.2}
+    config = _with_task(preset, "cross_street", options, scales, crowd)
+    config.episode_length = round(CROSS_STREET_TIME / config.ctrl_dt)
     return config.lock()

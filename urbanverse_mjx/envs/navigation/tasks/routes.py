@@ -11,7 +11,7 @@ is shorter than that, so the route comes back over the same pavements and crossw
 import dataclasses
 import hashlib
 import pathlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -255,19 +255,44 @@ def _walk(
 def with_long_routes(
     bank: SceneBank, scenes: Int32[np.ndarray, " n"], robot: RobotSpec, length: float
 ) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
-    """The bank with `long_routes` in place of the episodes of some scenes (n,), and those scenes that have any.
+    """`with_routes` of `long_routes`.
 
     Raises:
       ValidationError: no scene has routes.
     """
-    paths = paths_of(bank, scenes.tolist(), robot, length)
-    found = {int(z): _kept(path, bank, int(z), robot, length) for z, path in zip(scenes, paths, strict=True)}
+
+    def make(scene: int) -> Routes | None:
+        return long_routes(bank, scene, robot, length)
+
+    return with_routes(bank, scenes, robot, f"long {length:g}", make, "a crosswalk between pavements")
+
+
+def with_routes(
+    bank: SceneBank,
+    scenes: Int32[np.ndarray, " n"],
+    robot: RobotSpec,
+    name: str,
+    make: Callable[[int], Routes | None],
+    needed: str,
+) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
+    """The bank with routes in place of the episodes of some scenes (n,), and those scenes that have any.
+
+    Args:
+      name: of the routes, with their parameters: a part of the cache's key.
+      make: routes of a scene, see `long_routes`.
+      needed: what a scene needs for them, for the message.
+
+    Raises:
+      ValidationError: no scene has routes.
+    """
+    paths = paths_of(bank, scenes.tolist(), robot, name)
+    found = {int(z): _kept(path, int(z), make) for z, path in zip(scenes, paths, strict=True)}
     usable = np.array([z for z, routes in found.items() if routes is not None], np.int32)
     if not len(usable):
         names = ", ".join(bank.scene_ids[z] for z in list(found)[:5])
         raise ValidationError(
-            f"config.scenes: found none of {len(found)} ({names}) with a crosswalk between pavements, needed one; name "
-            "other scenes or another bank."
+            f"config.scenes: found none of {len(found)} ({names}) with {needed}, needed one; name other scenes or "
+            "another bank."
         )
     kept = [routes for routes in found.values() if routes is not None]
     rows, points = max(len(r.start) for r in kept), max(r.waypoints.shape[1] for r in kept)
@@ -300,10 +325,10 @@ def with_long_routes(
 _OF_SCENE = ("inst_hull", "inst_position", "inst_rotation", "prism_hull", "prism_position", "map_kind", "map_origin")
 
 
-def _kept(path: pathlib.Path, bank: SceneBank, scene: int, robot: RobotSpec, length: float) -> Routes | None:
+def _kept(path: pathlib.Path, scene: int, make: Callable[[int], Routes | None]) -> Routes | None:
     arrays = array_file.load_cached(path, "routes of a task", Routes._fields)
     if arrays is None:
-        routes = long_routes(bank, scene, robot, length)
+        routes = make(scene)
         # A scene without any has a table without rows.
         made = routes or Routes(np.zeros((0, 4)), np.zeros((0, 1, 3)), np.zeros(0, np.int32), np.zeros(0))
         arrays = dict(made._asdict())
@@ -311,9 +336,9 @@ def _kept(path: pathlib.Path, bank: SceneBank, scene: int, robot: RobotSpec, len
     return Routes(**{k: arrays[k] for k in Routes._fields}) if len(arrays["start"]) else None
 
 
-def paths_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, length: float) -> list[pathlib.Path]:
+def paths_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, name: str) -> list[pathlib.Path]:
     """The files in the cache of the routes of some scenes."""
-    parts = (versions.of("routes"), dataclasses.astuple(_OPTIONS), f"long {length:g}", robot.mjcf, robot.planner_height)
+    parts = (versions.of("routes"), dataclasses.astuple(_OPTIONS), name, robot.mjcf, robot.planner_height)
     shared = hashlib.sha256(repr((*parts, float(bank.map_resolution))).encode())
     shared.update(np.ascontiguousarray(bank.hull_vertices).data)
     found = []

@@ -103,6 +103,18 @@ class Task:
         del config, robot
         return bank, scenes, None
 
+    @classmethod
+    def street(
+        cls, config: ConfigDict, bank: SceneBank, scenes: Int32[np.ndarray, " n"], robot: RobotSpec, own: Any
+    ) -> DynamicStreet:
+        """The moving agents of the scenario `dynamic` in scenes (n,) of a bank; own: what `episodes` found.
+
+        Raises:
+          ValidationError: `config.crowd` is not possible.
+        """
+        del own
+        return DynamicStreet(bank, scenes, config.crowd, float(config.ctrl_dt), robot)
+
     def rights(self, nav: NavState) -> Precedence | None:
         """Signals at crosswalks and the robot's right of way in the step after a state; None for neither."""
         del nav
