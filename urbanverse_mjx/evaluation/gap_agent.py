@@ -97,4 +97,7 @@ class GapAcceptor:
         later = comes > leaves + NEAR_MISS_TIME + SPARE_TIME
         sooner = gone + NEAR_MISS_POST_TIME + SPARE_TIME < enters
         past = to_place < -near
-        return (later | sooner | past).all()
+        # Behind one that gives way nobody comes.
+        stands = crowd.present & (speed < STOPPED) & (to_place > near)
+        held = (stands & (lane[:, None] == lane) & (crowd.anchor_x > crowd.anchor_x[:, None])).any(1)
+        return (later | sooner | past | held).all()

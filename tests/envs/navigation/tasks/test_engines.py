@@ -1,4 +1,4 @@
-"""`FollowRoute` on both engines: the same episode, and what the task counts in it."""
+"""`FollowRoute` and `CrossStreet` on both engines: the same episode, and what the task counts in it."""
 
 import jax
 import jax.numpy as jnp
@@ -14,10 +14,10 @@ STEPS = 5
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["CocoFollowRoute"])
-def test_both_engines_run_the_same_episode(small_bank: SceneBank, name: str) -> None:
+@pytest.mark.parametrize(("name", "cars"), [("CocoFollowRoute", 1), ("CocoCrossStreet", 6)])
+def test_both_engines_run_the_same_episode(small_bank: SceneBank, name: str, cars: int) -> None:
     slots = {f"crowd.slots.{kind}": 0 for kind in ("pedestrian", "wheelchair", "scooter", "cyclist")}
-    options = {**slots, "crowd.slots.car": 1, "vision": False, "scenes": small_bank.scene_ids[0]}
+    options = {**slots, "crowd.slots.car": cars, "vision": False, "scenes": small_bank.scene_ids[0]}
     found = {}
     for impl in ("jax", "warp-fused"):
         config = registry.with_overrides(registry.get_default_config(name, "cpu"), {**options, "impl": impl})

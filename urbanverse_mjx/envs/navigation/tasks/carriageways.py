@@ -58,7 +58,7 @@ class LaneOptions:
     space: float = 0.1
     overhead: float = 0.2
     reach: float = 80.0
-    turning: float = 4.0
+    turning: float = 2.5
     smoothing: float = 2.0
     before: float = 12.0
     after: float = 6.0
@@ -144,7 +144,7 @@ def _traced(start: np.ndarray, direction: np.ndarray, half: float, driven: _Driv
         left, right = (_edge(point, s * normal, driven, most) for s in (1.0, -1.0))
         if left + right < _OPTIONS.width:
             break
-        point = point + np.clip(0.5 * (left - right), -0.1, 0.1) * normal
+        point = point + np.clip(0.5 * (left - right), -0.25, 0.25) * normal
         points.append(point)
         widths.append(0.5 * (left + right))
         wide.append(min(left, right) >= most)

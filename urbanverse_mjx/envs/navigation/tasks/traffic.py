@@ -92,8 +92,8 @@ class Traffic(DynamicStreet):
     """The vehicles on the road of an episode, in place of a crowd.
 
     In its `Crowd`, `goal` is the road, `anchor_x` the station (m) of a vehicle's middle along its lane, `anchor_y` the
-    time (s) for which its driver could see the robot in the way, and `arrived` how often it left the street. The first
-    half of the slots is on the first lane.
+    time (s) for which its driver could see the robot in the way, `blocked` 1 if it gives way, and `arrived` how often
+    it left the street. The first half of the slots is on the first lane.
 
     Args:
       bank: the scenes.
@@ -245,13 +245,14 @@ class Traffic(DynamicStreet):
         in_way = (robot.aside[lane] < reach) & (to_robot > -2.0 * HALF_LENGTH) & (to_robot < OPTIONS.sight)
         line = self.roads.station[scene, road][lane] - self.roads.half[scene, road, 1] - OPTIONS.stop_distance
         to_line = line - front
-        # As in `crowds.crossings`: who would have to brake harder than this goes on.
-        can = speed * speed < 2.0 * _CAR.braking * jnp.maximum(to_line, 0.0) + 0.01
-        gives_way = self.roads.marked[scene, road] & robot.crosses & (to_line > -0.5) & (to_line < OPTIONS.sight)
-        seen = jnp.where(in_way | gives_way, crowd.anchor_y + dt, 0.0)
+        wants = self.roads.marked[scene, road] & robot.crosses & (to_line > -OPTIONS.stop_distance)
+        seen = jnp.where(in_way | (wants & (to_line < OPTIONS.sight)), crowd.anchor_y + dt, 0.0)
         reacts = seen >= OPTIONS.reaction
-        for acts, distance in ((in_way, to_robot), (gives_way & can, to_line + OPTIONS.distance)):
-            push = jnp.where(acts & reacts, jnp.minimum(push, following(speed, crowd.speed, distance, 0.0)), push)
+        # As in `crowds.crossings`: who would have to brake harder than this goes on. A decision lasts.
+        can = speed * speed < 2.0 * _CAR.braking * jnp.maximum(to_line, 0.0)
+        gives_way = wants & ((reacts & can) | (crowd.blocked > 0.0))
+        for acts, distance in ((in_way & reacts, to_robot), (gives_way, to_line + OPTIONS.distance)):
+            push = jnp.where(acts, jnp.minimum(push, following(speed, crowd.speed, distance, 0.0)), push)
         new = jnp.maximum(speed + dt * jnp.maximum(push, -_CAR.braking), 0.0)
         station = station + 0.5 * dt * (speed + new)
         # One that has left the street comes again behind the last of its lane.
@@ -262,7 +263,10 @@ class Traffic(DynamicStreet):
         wanted = jnp.where(left, wanted, crowd.speed)
         station = jnp.where(left, jnp.minimum(last, 0.0) - headway * wanted, station)
         crowd = crowd._replace(
-            speed=wanted, anchor_y=jnp.where(left, 0.0, seen), arrived=crowd.arrived + left.astype(jnp.int32)
+            speed=wanted,
+            anchor_y=jnp.where(left, 0.0, seen),
+            blocked=(gives_way & ~left).astype(jnp.float32),
+            arrived=crowd.arrived + left.astype(jnp.int32),
         )
         return self._placed(crowd, scene, station, jnp.where(left, wanted, new))
 
