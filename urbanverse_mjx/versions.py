@@ -146,7 +146,9 @@ CODE: Mapping[str, Code] = {
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),
     # Episode tables of tasks.
     "routes": Code(
-        1, _below("envs.navigation", "clearance_maps", "tasks.crosswalks", "tasks.routes"), ("crowds", "surroundings")
+        1,
+        _below("envs.navigation", "clearance_maps", "tasks.carriageways", "tasks.crosswalks", "tasks.routes"),
+        ("crowds", "surroundings"),
     ),
     # Episodes that ask for objects.
     "object_goals": Code(

@@ -374,7 +374,7 @@ def test_the_planner_accepts_gaps_and_no_others(env: NavEnv, task: CrossStreet, 
         ([(0, -4.0, 7.5)], True),  # has passed
         ([(0, 70.0, 7.5)], True),  # is there in 9 s, before it enters the street
         ([(1, 6.0, 0.0)], True),  # gives way
-        ([(1, 0.0, 0.0)], False),  # stands in the way
+        ([(1, 0.0, 0.0)], False),  # stands in its path
     ):
         nav = state_of(task, south, (30.0, -6.0), cars=cars)
         assert bool(planner.accepts(nav)) == accepted, cars

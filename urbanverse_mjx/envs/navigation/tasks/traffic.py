@@ -52,7 +52,7 @@ class TrafficOptions:
       least_headway: s between the fronts of two vehicles that come.
       reaction: s.
       sight: m ahead of its front within which a driver sees the robot.
-      beside: m between the robot's disc and the path of a vehicle within which it is in its way.
+      beside: m between the robot's disc and the path of a vehicle within which it is in its path.
       kerb: m from a marked crosswalk within which a robot that heads for it is going to cross. COCO waits behind the
         ramp of the kerb, 2 m before it.
       stop_distance: m between a vehicle that gives way and the crosswalk, that of `crowds.crossings`.
@@ -92,7 +92,7 @@ class Traffic(DynamicStreet):
     """The vehicles on the road of an episode, in place of a crowd.
 
     In its `Crowd`, `goal` is the road, `anchor_x` the station (m) of a vehicle's middle along its lane, `anchor_y` the
-    time (s) for which its driver could see the robot in the way, `blocked` 1 if it gives way, and `arrived` how often
+    time (s) for which its driver could see the robot in the path, `blocked` 1 if it gives way, and `arrived` how often
     it left the street. The first half of the slots is on the first lane.
 
     Args:
@@ -239,19 +239,19 @@ class Traffic(DynamicStreet):
         leader = jnp.argmin(jnp.where(ahead, station[None], jnp.inf), axis=1)
         gap = jnp.where(ahead.any(1), station[leader] - HALF_LENGTH - front, jnp.inf)
         push = following(speed, crowd.speed, gap, speed[leader])
-        # What a driver brakes for: the robot in the way, and where there are stripes one that crosses.
+        # What a driver brakes for: the robot in the path, and where there are stripes one that crosses.
         to_robot = robot.station[lane] - self._robot_radius - front
         reach = _CAR.radius + self._robot_radius + OPTIONS.beside
-        in_way = (robot.aside[lane] < reach) & (to_robot > -2.0 * HALF_LENGTH) & (to_robot < OPTIONS.sight)
+        in_path = (robot.aside[lane] < reach) & (to_robot > -2.0 * HALF_LENGTH) & (to_robot < OPTIONS.sight)
         line = self.roads.station[scene, road][lane] - self.roads.half[scene, road, 1] - OPTIONS.stop_distance
         to_line = line - front
         wants = self.roads.marked[scene, road] & robot.crosses & (to_line > -OPTIONS.stop_distance)
-        seen = jnp.where(in_way | (wants & (to_line < OPTIONS.sight)), crowd.anchor_y + dt, 0.0)
+        seen = jnp.where(in_path | (wants & (to_line < OPTIONS.sight)), crowd.anchor_y + dt, 0.0)
         reacts = seen >= OPTIONS.reaction
         # As in `crowds.crossings`: who would have to brake harder than this goes on. A decision lasts.
         can = speed * speed < 2.0 * _CAR.braking * jnp.maximum(to_line, 0.0)
-        gives_way = wants & ((reacts & can) | (crowd.blocked > 0.0))
-        for acts, distance in ((in_way & reacts, to_robot), (gives_way, to_line + OPTIONS.distance)):
+        yields = wants & ((reacts & can) | (crowd.blocked > 0.0))
+        for acts, distance in ((in_path & reacts, to_robot), (yields, to_line + OPTIONS.distance)):
             push = jnp.where(acts, jnp.minimum(push, following(speed, crowd.speed, distance, 0.0)), push)
         new = jnp.maximum(speed + dt * jnp.maximum(push, -_CAR.braking), 0.0)
         station = station + 0.5 * dt * (speed + new)
@@ -265,7 +265,7 @@ class Traffic(DynamicStreet):
         crowd = crowd._replace(
             speed=wanted,
             anchor_y=jnp.where(left, 0.0, seen),
-            blocked=(gives_way & ~left).astype(jnp.float32),
+            blocked=(yields & ~left).astype(jnp.float32),
             arrived=crowd.arrived + left.astype(jnp.int32),
         )
         return self._placed(crowd, scene, station, jnp.where(left, wanted, new))
