@@ -4,6 +4,7 @@ The box streets have a road of 8 m along x with a crosswalk at x 28 to 32; lanes
 """
 
 import dataclasses
+import functools
 from typing import Any
 
 import jax
@@ -53,16 +54,26 @@ def lane_of(task: CrossStreet, side: int) -> int:
     return int(np.argsort(np.asarray(task.roads.points[0, 0, :, 0, 1]))[side])
 
 
-def traffic_of(task: CrossStreet, crowd: Any, cars: list[tuple[int, float, float]]) -> Any:
-    """The crowd with cars (side, m of their middle before the crosswalk's, m/s); the others are far away."""
+def cars_of(task: CrossStreet, cars: list[tuple[int, float, float]]) -> tuple[np.ndarray, np.ndarray]:
+    """Stations (6,) m and speeds (6,) m/s of cars (side, m of their middle before the crosswalk's, m/s); the others are
+    far away."""
     station, speed = np.full(6, -FAR, np.float32), np.zeros(6, np.float32)
     for side in (0, 1):
         lane = lane_of(task, side)
         for k, (_, before, v) in enumerate([car for car in cars if car[0] == side]):
             station[3 * lane + k], speed[3 * lane + k] = float(task.roads.station[0, 0, lane]) - before, v
-    placed = task.traffic._placed(crowd, jnp.int32(0), jnp.asarray(station), jnp.asarray(speed))
+    return station, speed
+
+
+def _placed(task: CrossStreet, crowd: Any, station: Any, speed: Any) -> Any:
     zero = jnp.zeros(6)
+    placed = task.traffic._placed(crowd, jnp.int32(0), jnp.asarray(station), jnp.asarray(speed))
     return placed._replace(anchor_y=zero, blocked=zero, speed=jnp.full(6, 7.5))
+
+
+def traffic_of(task: CrossStreet, crowd: Any, cars: list[tuple[int, float, float]]) -> Any:
+    """The crowd with the cars of `cars_of`."""
+    return _placed(task, crowd, *cars_of(task, cars))
 
 
 def front_of(task: CrossStreet, crowd: Any) -> float:
@@ -71,24 +82,37 @@ def front_of(task: CrossStreet, crowd: Any) -> float:
     return float(crowd.anchor_x[3 * lane] - task.roads.station[0, 0, lane]) + HALF_LENGTH
 
 
+@functools.cache
+def _functions(task: CrossStreet) -> tuple[Any, Any]:
+    """Compiled, because there are dozens of states: a state of a robot and cars, and the one after a step to it."""
+
+    def state(nav: Any, xy: Any, velocity: Any, station: Any, speed: Any) -> Any:
+        sim = nav.sim._replace(xpos=nav.sim.xpos.at[1, :2].set(xy), qvel=nav.sim.qvel.at[:2].set(velocity))
+        return nav._replace(sim=sim, crowd=_placed(task, nav.crowd, station, speed))
+
+    def after(nav: Any, *place: Any) -> Any:
+        new = state(nav, *place)
+        return new._replace(**task.advance(nav, new.sim, new.crowd), steps=nav.steps + 1)
+
+    return jax.jit(state), jax.jit(after)
+
+
 def state_of(
     task: CrossStreet,
     nav: Any,
     xy: tuple[float, float],
     velocity: tuple[float, float] = (0.0, 0.0),
     cars: list[tuple[int, float, float]] | None = None,
+    function: int = 0,
 ) -> Any:
-    """A state with the robot at a point (m) with a velocity (m/s), and cars as in `traffic_of`."""
-    sim = nav.sim._replace(
-        xpos=nav.sim.xpos.at[1, :2].set(jnp.array(xy)), qvel=nav.sim.qvel.at[:2].set(jnp.array(velocity))
-    )
-    return nav._replace(sim=sim, crowd=traffic_of(task, nav.crowd, cars or []))
+    """A state with the robot at a point (m) with a velocity (m/s), and cars as in `cars_of`."""
+    place = np.array(xy, np.float32), np.array(velocity, np.float32), *cars_of(task, cars or [])
+    return _functions(task)[function](nav, *place)
 
 
 def after(task: CrossStreet, nav: Any, *place: Any, **others: Any) -> Any:
     """The state after a step to `state_of`."""
-    new = state_of(task, nav, *place, **others)
-    return new._replace(**task.advance(nav, new.sim, new.crowd), steps=nav.steps + 1)
+    return state_of(task, nav, *place, **others, function=1)
 
 
 # Roads.
@@ -167,11 +191,25 @@ def test_stripes_vanish_at_the_share_of_the_crosswalks(small_bank: SceneBank) ->
     marked = {0: [False], 1: [True], 2: [True]}
     found = carriageways.unmarked(small_bank, roads, marked)
     categories = [*small_bank.meta["categories"], ""]
+
+    def shape(bank: SceneBank, mesh: int) -> list[np.ndarray]:
+        rows = slice(*bank.mesh_vertex_start[mesh : mesh + 2])
+        faces = slice(*bank.mesh_face_start[mesh : mesh + 2])
+        return [bank.mesh_vertices[rows], bank.mesh_uv[rows], bank.mesh_faces[faces]]
+
+    road = categories.index("ground:road")
+    of_road = small_bank.mesh_material[small_bank.slot_mesh[0, small_bank.slot_category[0] == road]]
     for z in roads:
         for slot in np.flatnonzero(small_bank.slot_mesh[z] >= 0):
-            mesh, kind = small_bank.slot_mesh[z, slot], categories[small_bank.slot_category[z, slot]]
-            same = found.mesh_material[mesh] == small_bank.mesh_material[mesh]
-            assert same == (z != 0 or kind != "ground:crosswalk")
+            old, new = small_bank.slot_mesh[z, slot], found.slot_mesh[z, slot]
+            if z or categories[small_bank.slot_category[z, slot]] != "ground:crosswalk":
+                assert new == old
+                continue
+            assert found.mesh_material[new] in of_road
+            assert small_bank.mesh_material[old] not in of_road
+            for a, b in zip(shape(found, new), shape(small_bank, old), strict=True):
+                np.testing.assert_array_equal(a, b)
+    np.testing.assert_array_equal(found.mesh_material[: len(small_bank.mesh_material)], small_bank.mesh_material)
 
 
 # Traffic.
@@ -249,7 +287,7 @@ def test_a_driver_brakes_after_the_reaction_time(task: CrossStreet, begun: Any, 
     assert min(speeds[:before]) > 7.3
     assert speeds[before + 4] < 7.0
     assert (min(gaps) > 0.0) == stops
-    assert (min(speeds) < 0.5) == stops
+    assert (min(speeds) < 1.5) == stops
 
 
 # Scores.

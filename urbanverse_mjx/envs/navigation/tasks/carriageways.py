@@ -338,24 +338,35 @@ def crossing_routes(
 
 def unmarked(bank: SceneBank, roads: Mapping[int, Sequence[Road]], marked: Mapping[int, Sequence[bool]]) -> SceneBank:
     """The bank without the stripes of roads that are not marked: their surface looks like the nearest road's."""
-    material = np.array(bank.mesh_material)
     names = np.array([*bank.meta["categories"], ""])
+    meshes, plain = np.array(bank.slot_mesh), []
     for z, rows in roads.items():
-        meshes = bank.slot_mesh[z]
         category = names[bank.slot_category[z]]
-        slots = {kind: np.flatnonzero((category == f"ground:{kind}") & (meshes >= 0)) for kind in ("crosswalk", "road")}
-        middles = {kind: _middles(bank, z, own) for kind, own in slots.items()}
+        slots = {k: np.flatnonzero((category == f"ground:{k}") & (meshes[z] >= 0)) for k in ("crosswalk", "road")}
         if not all(len(own) for own in slots.values()):
             continue
+        middles = {kind: _middles(bank, z, own) for kind, own in slots.items()}
         for road, stripes in zip(rows, marked[z], strict=True):
             if stripes:
                 continue
-            near = [
-                slots[kind][np.linalg.norm(middles[kind] - road.row.centre, axis=1).argmin()]
-                for kind in ("crosswalk", "road")
-            ]
-            material[meshes[near[0]]] = material[meshes[near[1]]]
-    return dataclasses.replace(bank, mesh_material=material)
+            crosswalk, beside = (
+                slots[kind][np.linalg.norm(middles[kind] - road.row.centre, axis=1).argmin()] for kind in slots
+            )
+            plain.append((int(bank.slot_mesh[z, crosswalk]), int(bank.mesh_material[bank.slot_mesh[z, beside]])))
+            # A mesh of its own, because scenes share equal meshes.
+            meshes[z, crosswalk] = len(bank.mesh_material) + len(plain) - 1
+    if not plain:
+        return bank
+    arrays: dict[str, np.ndarray] = {"slot_mesh": meshes}
+    arrays["mesh_material"] = np.append(bank.mesh_material, [m for _, m in plain]).astype(bank.mesh_material.dtype)
+    for start, values in (("mesh_vertex_start", ("mesh_vertices", "mesh_uv")), ("mesh_face_start", ("mesh_faces",))):
+        ends = getattr(bank, start)
+        counts = np.array([ends[mesh + 1] - ends[mesh] for mesh, _ in plain])
+        arrays[start] = np.append(ends, ends[-1] + np.cumsum(counts)).astype(ends.dtype)
+        for name in values:
+            rows_of = getattr(bank, name)
+            arrays[name] = np.concatenate([rows_of, *(rows_of[ends[mesh] : ends[mesh + 1]] for mesh, _ in plain)])
+    return dataclasses.replace(bank, **arrays)
 
 
 def _middles(bank: SceneBank, scene: int, slots: np.ndarray) -> np.ndarray:
