@@ -228,7 +228,7 @@ def test_vehicles_come_in_the_flow_and_never_touch(task: CrossStreet, begun: Any
     traffic, nobody = task.traffic, RobotOnRoad(jnp.full(2, FAR), jnp.full(2, FAR), jnp.bool_(False))
 
     def run(key: Any) -> Any:
-        first = traffic.begin(key, jnp.int32(0), jnp.append(begun.start, 0.0), begun.waypoints, lambda *_: None)
+        first = traffic.begin(key, jnp.int32(0), jnp.append(begun.start, 0.0), begun.waypoints, lambda _, p: p)
 
         def step(crowd: Any, k: Any) -> Any:
             new = traffic.step(crowd, jnp.int32(0), nobody, 0.1, k)

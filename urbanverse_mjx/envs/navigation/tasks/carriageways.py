@@ -222,9 +222,15 @@ class Carriageways(NamedTuple):
                     points[z, c, n, : len(lane)], points[z, c, n, len(lane) :] = lane, lane[-1]
                     length[z, c, n] = (len(lane) - 1) * STEP
                     station[z, c, n] = np.linalg.norm(lane - road.row.centre, axis=1).argmin() * STEP
-        rest = (jnp.asarray(x, jnp.float32) for x in (points, length, station))
-        sizes = (jnp.asarray(x, jnp.float32) for x in (centre, across, half))
-        return Carriageways(*sizes, jnp.asarray(stripes), *rest)
+        return Carriageways(
+            centre=jnp.asarray(centre, jnp.float32),
+            across=jnp.asarray(across, jnp.float32),
+            half=jnp.asarray(half, jnp.float32),
+            marked=jnp.asarray(stripes),
+            points=jnp.asarray(points, jnp.float32),
+            length=jnp.asarray(length, jnp.float32),
+            station=jnp.asarray(station, jnp.float32),
+        )
 
     def nearest(self, scene: Int[Array, ""], xy: Float[Array, "2"]) -> Int[Array, ""]:
         """() i32, the road whose crosswalk is nearest to (2,) m."""
