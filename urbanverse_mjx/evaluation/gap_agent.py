@@ -5,7 +5,7 @@ In:   the state of an env. Out: a waypoint. When: every control step, inside jit
 A gap is accepted if every vehicle comes to the robot's place on its lane later than the robot has left the lane, by
 more than the time to a collision that counts as a near miss, or has left it before the robot comes, by more than the
 post-encroachment time that does. This is gap acceptance with the critical gap of the Highway Capacity Manual (2000,
-equation 18-17), crossing time plus a margin, for each lane by itself.
+chapter 18), crossing time plus a margin, for each lane by itself.
 """
 
 from typing import Any
