@@ -173,7 +173,7 @@ class CrossStreet(PeopleTask):
         """The first state of an episode."""
         del key
         zero, late, no = jnp.float32(0.0), jnp.float32(MAX_TIME_TO_COLLISION), jnp.bool_(False)
-        long_ago, nobody = jnp.full(LANES, MAX_POST_TIME), jnp.zeros(LANES, bool)
+        long_ago, nobody = jnp.full(LANES, MAX_POST_TIME, jnp.float32), jnp.zeros(LANES, bool)
         # The robot begins at rest, which is no stop.
         state = CrossState(
             time=late,
