@@ -85,9 +85,9 @@ class CrossStreet(PeopleTask):
     scenes without such a road are left out. On each lane `config.task.flow` vehicles come per hour (`traffic`). A share
     `config.task.marked` of the crosswalks has stripes, at which drivers give way to the robot as to a pedestrian; the
     others are lowered kerbs without stripes, and drivers give way to nobody there. `proprio` has after the speeds
-    whether there are stripes. `privileged` begins its own part with that, has then whether the robot is on the road,
-    the time to a collision (units of 10 s), where the robot is across and along the road (units of 10 m), and of the
-    `OBSERVED` next vehicles of each lane the time to the robot's place (units of 10 s) and the speed (units of 8 m/s).
+    whether there are stripes. `privileged` begins its own part with that, has then how far the robot is within the
+    kerbs and where it is across and along the road (units of 10 m), and of the `OBSERVED` next vehicles of each lane
+    the time to the robot's place (units of 10 s) and the speed (units of 8 m/s).
 
     Ends: as point goals. Scores of an episode: score: 0 without arriving, else 1 minus the delay's share of 45 s, times
     0.5 for each near miss and 0.8 for each stop on the road; delay: s beyond the route at the robot's top speed.
@@ -279,11 +279,11 @@ class CrossStreet(PeopleTask):
     def privileged(self, nav: NavState) -> tuple[Float[Array, " n"], ...]:
         """See `Task.privileged`."""
         assert nav.crowd is not None
-        state: CrossState = nav.task
         crowd, robot = nav.crowd, self.pose(nav.sim)
-        known = jnp.stack([self.marked(nav), state.on_road, state.time / MAX_TIME_TO_COLLISION])
-        place = self.roads.beside(nav.sim.scene, crowd.goal[0], robot.xy) / UNIT
-        station, _ = self.roads.along(nav.sim.scene, crowd.goal[0], robot.xy)
+        scene, road = nav.sim.scene, crowd.goal[0]
+        place = self.roads.beside(scene, road, robot.xy)
+        within = self.roads.half[scene, road, 0] - jnp.abs(place[0])
+        station, _ = self.roads.along(scene, road, robot.xy)
         lane = self.traffic.lane
         speed = jnp.hypot(crowd.bodies.vx, crowd.bodies.vy)
         left = station[lane] - crowd.anchor_x - HALF_LENGTH
@@ -293,7 +293,8 @@ class CrossStreet(PeopleTask):
         order = jnp.argsort(time, axis=1)[:, :OBSERVED]
         soon = jnp.minimum(jnp.take_along_axis(time, order, 1) / MAX_TIME_TO_COLLISION, 1.0)
         fast = jnp.take_along_axis(speed, order, 1) / SPEED_UNIT
-        return known, place, jnp.stack([soon, fast], -1).reshape(-1)
+        told = self.marked(nav).astype(jnp.float32)[None]
+        return told, within[None] / UNIT, place / UNIT, jnp.stack([soon, fast], -1).reshape(-1)
 
     def shown(self, nav: NavState) -> dict[str, Array]:
         """See `Task.shown`."""
