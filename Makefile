@@ -98,7 +98,7 @@ results: setup-dev ## draw the tables and figures of docs/results.md anew from t
 streets: setup ## compile the six shipped streets into a scene bank in the cache, where they changed
 	@$(BIN)/urbanverse scene bank
 
-scenes: streets ## build the scene library into the cache: 468 scenes, hours; continues an interrupted build (ARGS="autobench")
+scenes: streets ## build the scene library into the cache: 476 scenes, hours; continues an interrupted build (ARGS="autobench")
 	@$(BIN)/urbanverse scene library $(ARGS)
 
 bench: setup ## measure throughput; prints one JSON line

@@ -1,15 +1,19 @@
 """Validation streets: requirements on manually composed scenes, and difference from all plans of CraftBench."""
 
+import dataclasses
 import itertools
 import math
 
 import pytest
 import shapely
 
+from urbanverse_mjx.assets.records.regional import is_served, tradition_of
 from urbanverse_mjx.citygen import craftbench
-from urbanverse_mjx.citygen.validation_streets import BUILDERS, build
+from urbanverse_mjx.citygen.validation_streets import BUILDERS, CITIES, build
 from urbanverse_mjx.datatypes import SceneGraph, ValidationError
+from urbanverse_mjx.pipeline.library.building import graph_of
 from urbanverse_mjx.scene import library
+from urbanverse_mjx.scene.roads import rules_of
 
 from . import composed
 
@@ -28,6 +32,25 @@ def test_there_are_eight_and_each_has_the_committed_hash(graph):
     assert graph.content_hash() == hashes[graph.id]["graph"]
     with pytest.raises(ValidationError, match="v01_shopping"):
         build("nowhere")
+
+
+def test_version_2_differs_in_the_city_alone(graph):
+    """`validation` is frozen without a city, so its graphs must not name one."""
+    first, second = (graph_of(library.scene_set(name), graph.id) for name in ("validation", "validation_v2"))
+    assert first == graph
+    assert (second.source.city, second.source.country) == CITIES[graph.id]
+    assert dataclasses.replace(second, source=first.source) == first
+    assert is_served(*CITIES[graph.id])
+    assert second.content_hash() == library.shipped_hashes("validation_v2")[graph.id]["graph"]
+
+
+def test_cities_of_version_2_are_of_other_traditions_and_have_the_traffic_of_their_scenes():
+    assert set(CITIES) == set(IDS)
+    ours = {tradition_of(*place) for place in CITIES.values()}
+    assert len(ours) == len(CITIES)
+    assert not ours & {tradition_of(*place) for place in craftbench.CITIES.values()}
+    assert {scene_id[:3] for scene_id, place in CITIES.items() if rules_of(*place).traffic == "left"} == {"v04", "v08"}
+    assert not any(rules_of(*place).tram for place in CITIES.values())
 
 
 @pytest.mark.parametrize("scene_id", IDS)

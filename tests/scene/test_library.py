@@ -53,6 +53,7 @@ def test_validation_is_held_out_of_the_training_sets() -> None:
         "urbanverse160": (140, 20, 0),
         "procedural": (144, 16, 0),
         "validation": (0, 8, 0),
+        "validation_v2": (0, 8, 0),
         "craftbench": (0, 0, 12),
         "craftbench_v2": (0, 0, 12),
         "autobench_v2": (0, 0, 10),
@@ -69,7 +70,7 @@ def test_validation_is_held_out_of_the_training_sets() -> None:
 def _scenes() -> dict[str, list[str]]:
     """Scene ids of each set."""
     found = {}
-    for name in ("urbanverse160", "procedural", "validation", "craftbench", "craftbench_v2", "autobench_v2"):
+    for name in ("urbanverse160", "procedural", "validation", "validation_v2", "craftbench", "craftbench_v2", "autobench_v2"):
         scenes = library.scene_set(name)
         found[name] = [scenes.scene_id(layout, k) for layout in layouts_of(scenes) for k in range(scenes.cousins)]
     return found

@@ -14,8 +14,9 @@ bits depend on the processor's BLAS and may decide between two hulls, so the sto
 """
 
 import dataclasses
+import functools
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
@@ -33,7 +34,7 @@ from ..records.index import build_mesh, load_index
 from ..records.regional import load_regional
 from .decompose import OPTIONS as FIRST
 from .decompose import Piece, convex_piece, is_flush, merge_pieces, simplified
-from .hulls import MILLIMETRE, REVISIONS, HullStore, close_store, close_store_path, hull_key, load_hulls
+from .hulls import MILLIMETRE, REVISIONS, HullStore, close_store_path, hull_key, load_hulls
 from .overshoot import HEIGHTS, LIMIT, ROBOT_RADIUS, disc_reach, mesh_cut, overshoot, raster
 from .within_reach import shape_of, shapes_of
 
@@ -73,6 +74,11 @@ class CloseOptions:
       hopeless: share of the points left uncovered by half of the hulls from which a limit is given up.
       spare: hulls more than the budget that may be made before some are joined.
       smallest: m, smallest standard deviation of an ellipsoid.
+      budgets: largest number of hulls of a mesh whose largest side is below `BUDGET_SIDES`, and of others.
+      prune: whether hulls are left out whose surface points others cover.
+      lean: m, by which corners of a hull may lie outside those that are kept.
+      whole: whether closer hulls must be within `overshoot.LIMIT`, whatever the first ones are.
+      foot: m; hulls that end lower are continued to the surface below them.
     """
 
     limits: tuple[float, ...] = (0.037, 0.055, 0.09, 0.16)
@@ -102,18 +108,39 @@ class CloseOptions:
     hopeless: float = 0.3
     spare: int = 4
     smallest: float = 0.02
+    budgets: tuple[int, int, int, int] = (5, 7, 12, MAX_HULLS)
+    prune: bool = False
+    lean: float = 0.0
+    whole: bool = False
+    foot: float = 0.0
 
 
 OPTIONS = CloseOptions()
+#: m, largest sides of meshes from which on they may have more hulls.
+BUDGET_SIDES = (1.1, 2.2, 6.0)
+#: Options of each kind of hulls (`SceneLayout.hulls`); they differ in what follows the cuts alone.
+OPTIONS_OF = {
+    "close": OPTIONS,
+    "close-2": dataclasses.replace(
+        OPTIONS,
+        limits=(0.043, 0.039, 0.035),
+        hopeless=0.5,
+        spare=12,
+        budgets=(6, 8, 12, MAX_HULLS),
+        prune=True,
+        lean=0.014,
+        whole=True,
+        foot=0.08,
+    ),
+}
 #: Sides of the boxes, and inverse covariances of the ellipsoids, with which growth begins.
 _BOXES = ((1.0, 1.0, 1.0), (1.0, 1.0, 6.0), (6.0, 1.0, 1.0), (1.0, 6.0, 1.0))
 _ELLIPSOIDS = (np.eye(3), np.diag((1.0, 1.0, 0.06)))
 
 
-def close_budget(mesh: AssetMesh) -> int:
+def close_budget(mesh: AssetMesh, kind: str = "close") -> int:
     """Largest number of closer hulls of a mesh, by its largest side."""
-    largest = float(mesh.extent.max())
-    return 5 if largest < 1.1 else 7 if largest < 2.2 else 12 if largest < 6.0 else MAX_HULLS
+    return OPTIONS_OF[kind].budgets[int(np.searchsorted(BUDGET_SIDES, float(mesh.extent.max()), "right"))]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -368,7 +395,7 @@ def above(corners: np.ndarray, height: float) -> np.ndarray | None:
 
 
 def cover(
-    points: np.ndarray, obstacles: np.ndarray, known: Sequence[np.ndarray], most: int
+    points: np.ndarray, obstacles: np.ndarray, known: Sequence[np.ndarray], most: int, hopeless: float
 ) -> tuple[list[np.ndarray], bool]:
     """Convex hulls of surface points without forbidden ones that cover the rest.
 
@@ -376,6 +403,7 @@ def cover(
       points, obstacles: (n, 3) int64 mm.
       known: corners (k, 3) m of hulls that cover some already.
       most: largest number of hulls.
+      hopeless: see `CloseOptions`.
 
     Returns:
       corners (m) of each hull, and whether they cover all points.
@@ -387,7 +415,7 @@ def cover(
             return made, False
         # Those that cubes left out.
         few = np.concatenate([few, _thinned(points[uncovered], OPTIONS.most_points // 4)])
-        new, hopeful = _greedy(points, few, obstacles, coarse, [*known, *made], most - len(made))
+        new, hopeful = _greedy(points, few, obstacles, coarse, [*known, *made], most - len(made), hopeless)
         if not new or not hopeful:
             return made, False
         made += new
@@ -407,6 +435,7 @@ def _greedy(
     coarse: np.ndarray,
     known: Sequence[np.ndarray],
     most: int,
+    hopeless: float,
 ) -> tuple[list[np.ndarray], bool]:
     """Hulls that cover some of the points, `few`, and whether half of them covered enough to hope for the rest."""
     gap = _gaps(few, known)
@@ -434,7 +463,7 @@ def _greedy(
             continue
         made.append(corners)
         gap = np.minimum(gap, _gap(few, corners))
-        if len(made) == most // 2 and (gap > OPTIONS.missed).mean() > OPTIONS.hopeless:
+        if len(made) == most // 2 and (gap > OPTIONS.missed).mean() > hopeless:
             return made, False
         order = [int(k) for k in np.argsort(worth, kind="stable")[::-1] if k != best]
         pool = [pool[k] for k in order[: OPTIONS.pool]]
@@ -472,30 +501,91 @@ def _spread(points: np.ndarray, count: int) -> np.ndarray:
     return points[chosen]
 
 
-def close_hulls(mesh: AssetMesh, first: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:
+def close_hulls(mesh: AssetMesh, first: Sequence[np.ndarray], kind: str = "close") -> tuple[np.ndarray, ...]:
     """Closer hulls of a mesh, each (n, 3) int32 in whole millimetres with n <= 32; () if there are not enough for it.
 
     Args:
       first: corners (n, 3) m of its first hulls.
+      kind: of `OPTIONS_OF`.
     """
-    triangles = mesh.vertices.astype(np.float64)[mesh.faces]
-    points, cuts, budget = surface_points(triangles), _cuts(triangles), close_budget(mesh)
+    return next(_trials(mesh, first, kind), ())
+
+
+def _trials(mesh: AssetMesh, first: Sequence[np.ndarray], kind: str) -> Iterator[tuple[np.ndarray, ...]]:
+    """Closer hulls of a mesh for each of the limits with which the budget suffices, see `close_hulls`."""
+    triangles, options = mesh.vertices.astype(np.float64)[mesh.faces], OPTIONS_OF[kind]
+    points, cuts, budget = surface_points(triangles), _cuts(triangles), close_budget(mesh, kind)
     hulls = [np.asarray(h, np.float64) for h in first]
-    for limit in OPTIONS.limits:
+    for limit in options.limits:
         obstacles = _forbidden_points(cuts, triangles, limit)
         blocked = [_blocks(h, obstacles) for h in hulls]
         known = [h for h, b in zip(hulls, blocked, strict=True) if not b]
         cut = [above(h, OPTIONS.top) for h, b in zip(hulls, blocked, strict=True) if b]
         upper = [convex_piece(h) for h in cut if h is not None]
-        made, whole = cover(points, obstacles, known, budget + OPTIONS.spare - len(known))
+        made, whole = cover(points, obstacles, known, budget + options.spare - len(known), options.hopeless)
         if not whole:
             continue
-        lower = _joined([*known, *made], obstacles)
+        lower = _joined(_pruned(points, [*known, *made]) if options.prune else [*known, *made], obstacles)
+        if options.prune:
+            lower = [convex_piece(h) for h in _pruned(points, [piece.corners for piece in lower])]
         left = budget - len(lower)
         if left >= min(len(upper), 1):
             upper = merge_pieces(upper, left) if len(upper) > left else upper
-            return _stored([*lower, *upper], mesh)
-    return ()
+            if options.foot:
+                lower = [_grounded(piece, triangles, obstacles, options.foot) for piece in lower]
+            pieces = [*lower, *upper]
+            yield _stored([_lean(p, options.lean) for p in pieces] if options.lean else pieces, mesh)
+
+
+def _pruned(points: np.ndarray, hulls: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Hulls (corners in m) without those, the smallest first, whose points (n, 3) mm others cover as well."""
+    gaps = np.array([_gap(points, h) for h in hulls]).reshape(len(hulls), len(points))
+    alive = np.ones(len(hulls), bool)
+    for k in np.argsort([ConvexHull(h).volume for h in hulls], kind="stable"):
+        alive[k] = False
+        if not alive.any() or (gaps[alive].min(0) > np.maximum(gaps[k], OPTIONS.missed)).any():
+            alive[k] = True
+    return [h for h, a in zip(hulls, alive, strict=True) if a]
+
+
+def _grounded(piece: Piece, triangles: np.ndarray, obstacles: np.ndarray, most: float) -> Piece:
+    """A piece that ends less than `most` (m) above the ground with the corners of the mesh below it, so that it stands.
+
+    It stays as it is where it would then contain forbidden points.
+    """
+    if piece.corners[:, 2].min() > most:
+        return piece
+    corners = triangles.reshape(-1, 3)
+    corners = corners[corners[:, 2] <= FIRST.foot_plate + 1e-3]
+    corners = np.unique(np.round(corners / MILLIMETRE).astype(np.int64), axis=0)
+    under = corners[_gap(corners, piece.corners) < most] * MILLIMETRE
+    if not len(under):
+        return piece
+    grown = convex_piece(np.concatenate([piece.corners, under]))
+    grown = convex_piece(_limited(grown.corners, obstacles))
+    return piece if _blocks(grown.corners, obstacles) else grown
+
+
+def _lean(piece: Piece, most: float) -> Piece:
+    """A piece without corners that lie less than `most` (m) outside the hull of the others, except on the ground."""
+    corners = piece.corners
+    kept = np.ones(len(corners), bool)
+    while kept.sum() > 4:
+        best, least = -1, most
+        for k in np.flatnonzero(kept & (corners[:, 2] > OPTIONS.standing)):
+            others = kept.copy()
+            others[k] = False
+            try:
+                planes = ConvexHull(corners[others]).equations
+            except QhullError:
+                continue
+            gap = float(((corners[:, None] * planes[:, :3]).sum(2) + planes[:, 3]).max())
+            if gap < least:
+                best, least = int(k), gap
+        if best < 0:
+            break
+        kept[best] = False
+    return convex_piece(corners[kept])
 
 
 def _joined(hulls: Sequence[np.ndarray], obstacles: np.ndarray) -> list[Piece]:
@@ -546,7 +636,7 @@ def stands_as_well(record: AssetRecord, first: Sequence[np.ndarray], made: Seque
     return still or foot_area(made) >= OPTIONS.least_foot * foot_area(first)
 
 
-def closer(record: AssetRecord, before: float | None = None) -> tuple[str, tuple[np.ndarray, ...]]:
+def closer(record: AssetRecord, before: float | None = None, kind: str = "close") -> tuple[str, tuple[np.ndarray, ...]]:
     """Key and closer hulls of a record's mesh.
 
     There are none, (), where the first hulls are within `overshoot.LIMIT`, or where closer ones would be neither within
@@ -555,21 +645,25 @@ def closer(record: AssetRecord, before: float | None = None) -> tuple[str, tuple
 
     Args:
       before: m, largest overshoot of the first hulls, if it is known.
+      kind: of `OPTIONS_OF`; of a later revision, closer hulls are made where the earlier ones are not within the limit.
     """
     mesh, first = build_mesh(record), load_hulls(record).hulls
     key = hull_key(record)
+    earlier = REVISIONS[kind][1:]
     if before is None:
-        before = overshoot(mesh.vertices, mesh.faces, first).worst
-    made = () if before <= LIMIT or is_flush(mesh) else close_hulls(mesh, first)
-    if not made:
+        before = overshoot(mesh.vertices, mesh.faces, load_hulls(record, earlier[0] if earlier else "").hulls).worst
+    if before <= LIMIT or is_flush(mesh):
         return key, ()
-    metres = [h * MILLIMETRE for h in made]
-    points = surface_points(mesh.vertices.astype(np.float64)[mesh.faces])
-    gap = _gaps(points, metres)
+    whole = OPTIONS_OF[kind].whole
+    least = LIMIT if whole else max(LIMIT, OPTIONS.better * before)
     allowed = max(OPTIONS.most_missed, OPTIONS.most_missed_share * float(mesh.extent.max()))
-    after = overshoot(mesh.vertices, mesh.faces, metres).worst
-    good = after <= max(LIMIT, OPTIONS.better * before) and gap.max() <= allowed
-    return key, made if good and stands_as_well(record, first, metres) else ()
+    points = surface_points(mesh.vertices.astype(np.float64)[mesh.faces])
+    for made in itertools.islice(_trials(mesh, first, kind), None if whole else 1):
+        metres = [h * MILLIMETRE for h in made]
+        good = overshoot(mesh.vertices, mesh.faces, metres).worst <= least and _gaps(points, metres).max() <= allowed
+        if good and stands_as_well(record, first, metres):
+            return key, made
+    return key, ()
 
 
 def build_close(
@@ -595,12 +689,11 @@ def build_close(
       kind: `SceneLayout.hulls`; its newest revision is added to.
     """
     every = [*load_index().records, *(r for r in load_regional().records if r.params["variant"] % DRESSINGS == 0)]
-    store, *earlier = REVISIONS[kind]
+    store = REVISIONS[kind][0]
     found = dict(HullStore.load(close_store_path(store)).hulls)
-    known = {*found, *(key for revision in earlier for key in close_store(revision).hulls)}
     shapes = None if layouts is None else shapes_of(layouts, in_reach=not keep_first)
     chosen = [r for r in every if leaf in (None, r.leaf) and (shapes is None or shape_of(r) in shapes)]
-    waiting = [r for r in chosen if again or hull_key(r) not in known]
+    waiting = [r for r in chosen if again or hull_key(r) not in found]
     if keep_first:
         found |= {hull_key(r): () for r in waiting}
         waiting = []
@@ -609,7 +702,7 @@ def build_close(
         report_done, done = progress.task("closer hulls", len(waiting)), 0
         for first in range(0, len(waiting), FIRST.batch):
             with worker_pool(jobs, niceness=5) as pool:
-                for key, hulls in pool.map(closer, waiting[first : first + FIRST.batch]):
+                for key, hulls in pool.map(functools.partial(closer, kind=kind), waiting[first : first + FIRST.batch]):
                     found[key] = hulls
                     done += 1
                     report_done(done)

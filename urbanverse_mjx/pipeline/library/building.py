@@ -52,7 +52,8 @@ def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
     if scenes.builder == "validation":
         from ...citygen import validation_streets
 
-        return {name: lambda name=name: validation_streets.build(name) for name in validation_streets.BUILDERS}
+        builders = validation_streets.BUILDERS
+        return {name: lambda name=name: validation_streets.build(name, scenes.regional) for name in builders}
     return {name: lambda path=path: SceneGraph.load(path) for name, path in scenes.graphs().items()}
 
 
