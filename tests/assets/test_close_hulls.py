@@ -3,6 +3,7 @@
 import dataclasses
 import functools
 import hashlib
+import itertools
 import json
 import os
 import pathlib
@@ -18,6 +19,7 @@ from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, hull_loader, load_hulls, load_index
 from urbanverse_mjx.assets.collision import close_hulls as c
 from urbanverse_mjx.assets.collision import hulls as stores
+from urbanverse_mjx.assets.collision.decompose import convex_piece
 from urbanverse_mjx.assets.collision.hulls import REVISIONS, HullStore, close_store, close_store_path, hull_key
 from urbanverse_mjx.assets.collision.overshoot import overshoot
 from urbanverse_mjx.assets.collision.within_reach import layouts_in, shape_of, shapes_of
@@ -76,13 +78,15 @@ ENTERED = {
 }
 
 
+@pytest.mark.parametrize("kind", REVISIONS)
 @pytest.mark.parametrize("name", ENTERED)
-def test_what_a_robot_can_enter_stays_open(name: str) -> None:
+def test_what_a_robot_can_enter_stays_open(name: str, kind: str) -> None:
     mesh, least = made_of(*ENTERED[name][0]), ENTERED[name][1]
     first = [shell(mesh)]
     assert overshoot(mesh.vertices, mesh.faces, first).worst > 0.1
-    hulls = [h / 1000 for h in c.close_hulls(mesh, first)]
-    assert least <= len(hulls) <= c.close_budget(mesh)
+    hulls = [h / 1000 for h in c.close_hulls(mesh, first, kind)]
+    assert least <= len(hulls) <= c.close_budget(mesh, kind)
+    assert kind == "close" or min(h[:, 2].min() for h in hulls) == 0.0
     assert overshoot(mesh.vertices, mesh.faces, hulls).worst <= 0.05
     sides = np.concatenate([mesh.vertices[mesh.faces] @ np.diag((1, 1, 0)) + [0, 0, z] for z in (0.1, 0.5, 1.0)])
     low, high = mesh.vertices[mesh.faces][..., 2].min(1), mesh.vertices[mesh.faces][..., 2].max(1)
@@ -109,6 +113,40 @@ def test_a_grown_polyhedron_holds_no_forbidden_point() -> None:
         assert len(grown.planes) >= 4
         assert not c._within(obstacles, grown.planes - [0, 0, 0, 1e-6]).any()
         assert c._within(seed[None], grown.planes).all()
+
+
+def box(*bounds: float) -> np.ndarray:
+    """Corners (8, 3) m of the box from bounds[:3] to bounds[3:]."""
+    return np.array(list(itertools.product(*zip(bounds[:3], bounds[3:], strict=True))))
+
+
+def test_hulls_whose_points_others_cover_are_left_out() -> None:
+    """The middle one of three in a row, unless it has a point of its own."""
+    row = [box(x, 0, 0, x + length, 1, 1) for x, length in ((0.0, 1.0), (0.9, 0.2), (1.0, 1.0))]
+    points = (np.concatenate([row[0], row[2]]) * 1000).astype(np.int64)
+    kept = c._pruned(points, row)
+    assert [h[:, 0].min() for h in kept] == [0.0, 1.0]
+    own = np.concatenate([points, [[1000, 500, 1200]]])
+    tall = [row[0], row[1] * [1.0, 1.0, 1.2], row[2]]
+    assert len(c._pruned(own, tall)) == 3
+
+
+def test_a_lean_hull_keeps_what_stands_out_and_what_stands_on_the_ground() -> None:
+    dents = np.array([(0.5, 0.5, 1.004), (0.5, -0.006, 0.5), (0.5, -0.006, 0.0), (1.03, 0.5, 0.5)])
+    lean = c._lean(convex_piece(np.concatenate([box(0, 0, 0, 1, 1, 1), dents])), 0.01).corners
+    assert {*map(tuple, lean.round(9) + 0.0)} == {*map(tuple, [*box(0, 0, 0, 1, 1, 1), *dents[2:]])}
+
+
+def test_a_hull_above_the_ground_is_continued_to_the_foot_below_it() -> None:
+    leg = made_of(((0.1, 0.1, 0.5), (0, 0, 0)), ((0.1, 0.1, 0.5), (1, 0, 0)))
+    triangles = leg.vertices.astype(float)[leg.faces]
+    piece = convex_piece(box(-0.05, -0.05, 0.04, 0.05, 0.05, 0.5))
+    nothing = np.zeros((0, 3), np.int64)
+    grown = c._grounded(piece, triangles, nothing, 0.08).corners
+    assert grown.min(0) == pytest.approx([-0.05, -0.05, 0.0], abs=1e-6)
+    assert grown.max(0) == pytest.approx([0.05, 0.05, 0.5], abs=1e-6)
+    assert c._grounded(piece, triangles, np.array([[0, 0, 20]]), 0.08) is piece
+    assert c._grounded(piece, triangles, nothing, 0.03) is piece
 
 
 def test_the_store_is_small_and_of_known_meshes() -> None:

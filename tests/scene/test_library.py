@@ -70,7 +70,15 @@ def test_validation_is_held_out_of_the_training_sets() -> None:
 def _scenes() -> dict[str, list[str]]:
     """Scene ids of each set."""
     found = {}
-    for name in ("urbanverse160", "procedural", "validation", "validation_v2", "craftbench", "craftbench_v2", "autobench_v2"):
+    for name in (
+        "urbanverse160",
+        "procedural",
+        "validation",
+        "validation_v2",
+        "craftbench",
+        "craftbench_v2",
+        "autobench_v2",
+    ):
         scenes = library.scene_set(name)
         found[name] = [scenes.scene_id(layout, k) for layout in layouts_of(scenes) for k in range(scenes.cousins)]
     return found
