@@ -149,6 +149,17 @@ def test_a_hull_above_the_ground_is_continued_to_the_foot_below_it() -> None:
     assert c._grounded(piece, triangles, nothing, 0.03) is piece
 
 
+def test_a_hull_may_touch_a_floor_from_below() -> None:
+    """Points are near a level face by their distance in space, although its edge is far in their own cut."""
+    floor = made_of(((2.0, 1.0, 0.1), (0, 0, 0.3)))
+    below = np.array([(0, 0, 280), (700, 300, 280), (0, 0, 250), (1060, 0, 280)])
+    near = c._near_level(below, floor.vertices.astype(float)[floor.faces], 0.04, 0.02)
+    assert near.tolist() == [True, True, False, False]
+    wall = made_of(((0.2, 1.0, 2.0), (0, 0, 0)))
+    upright = wall.vertices.astype(float)[wall.faces]
+    assert not c._near_level(below + [300, 0, 1000], upright, 0.04, 0.02).any()
+
+
 def test_the_store_is_small_and_of_known_meshes() -> None:
     known = set(hull_keys().values())
     assert close_store_path().is_file()

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from urbanverse_mjx.datatypes import SceneLayout
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh, AssetRecord
@@ -79,6 +79,8 @@ class CloseOptions:
       lean: m, by which corners of a hull may lie outside those that are kept.
       whole: whether closer hulls must be within `overshoot.LIMIT`, whatever the first ones are.
       foot: m; hulls that end lower are continued to the surface below them.
+      level: m, distance of points of level faces near which nothing is forbidden, above and below; 0: only what is near
+        the mesh in its own cut is allowed, so that hulls may not touch a floor from below.
     """
 
     limits: tuple[float, ...] = (0.037, 0.055, 0.09, 0.16)
@@ -113,6 +115,7 @@ class CloseOptions:
     lean: float = 0.0
     whole: bool = False
     foot: float = 0.0
+    level: float = 0.0
 
 
 OPTIONS = CloseOptions()
@@ -131,6 +134,7 @@ OPTIONS_OF = {
         lean=0.014,
         whole=True,
         foot=0.08,
+        level=0.02,
     ),
 }
 #: Sides of the boxes, and inverse covariances of the ellipsoids, with which growth begins.
@@ -213,7 +217,7 @@ def _forbidden_points(cuts: Sequence[_Cut], triangles: np.ndarray, limit: float)
 
 def surface_points(triangles: np.ndarray) -> np.ndarray:
     """(n, 3) int64 mm: corners of the mesh, and points of cuts and of level faces, up to `CloseOptions.top`."""
-    corners = np.concatenate([triangles.reshape(-1, 3), _level_points(triangles)])
+    corners = np.concatenate([triangles.reshape(-1, 3), _level_points(triangles, OPTIONS.lattice)])
     found = [corners[(corners[:, 2] <= OPTIONS.top) & (corners[:, 2] > FIRST.foot_plate + 1e-3)]]
     for height in (*LEVELS, OPTIONS.top):
         segments = mesh_cut(triangles, height)
@@ -229,14 +233,18 @@ def surface_points(triangles: np.ndarray) -> np.ndarray:
     return points[_one_each(points)]
 
 
-def _level_points(triangles: np.ndarray) -> np.ndarray:
-    """(n, 3) m: points of the faces that are more level than upright, which cuts meet only at their edges."""
+def _level_points(triangles: np.ndarray, lattice: float) -> np.ndarray:
+    """(n, 3) m: points of the faces that are more level than upright, which cuts meet only at their edges.
+
+    Args:
+      lattice: m between them.
+    """
     edges = np.roll(triangles, -1, 1) - triangles
     normal = np.cross(edges[:, 0], edges[:, 1])
     level = np.abs(normal[:, 2]) > 0.7 * np.sqrt((normal**2).sum(1))
     low = triangles[..., 2].min(1) < OPTIONS.top
     chosen, sides = triangles[level & low], np.sqrt((edges[level & low] ** 2).sum(2)).max(1)
-    count = np.clip(np.ceil(sides / OPTIONS.lattice), 1, OPTIONS.most_lattice).astype(int)
+    count = np.clip(np.ceil(sides / lattice), 1, OPTIONS.most_lattice).astype(int)
     found = [np.zeros((0, 3))]
     for number in np.unique(count):
         i, j = np.indices((number + 1, number + 1)).reshape(2, -1)
@@ -518,6 +526,8 @@ def _trials(mesh: AssetMesh, first: Sequence[np.ndarray], kind: str) -> Iterator
     hulls = [np.asarray(h, np.float64) for h in first]
     for limit in options.limits:
         obstacles = _forbidden_points(cuts, triangles, limit)
+        if options.level:
+            obstacles = obstacles[~_near_level(obstacles, triangles, limit, options.level)]
         blocked = [_blocks(h, obstacles) for h in hulls]
         known = [h for h, b in zip(hulls, blocked, strict=True) if not b]
         cut = [above(h, OPTIONS.top) for h, b in zip(hulls, blocked, strict=True) if b]
@@ -535,6 +545,14 @@ def _trials(mesh: AssetMesh, first: Sequence[np.ndarray], kind: str) -> Iterator
                 lower = [_grounded(piece, triangles, obstacles, options.foot) for piece in lower]
             pieces = [*lower, *upper]
             yield _stored([_lean(p, options.lean) for p in pieces] if options.lean else pieces, mesh)
+
+
+def _near_level(points: np.ndarray, triangles: np.ndarray, limit: float, lattice: float) -> np.ndarray:
+    """(n,) bool: whether points (n, 3) mm are less than `limit` (m) above or below a level face."""
+    tree = cKDTree(_level_points(triangles, lattice))
+    if not tree.n:
+        return np.zeros(len(points), bool)
+    return np.isfinite(tree.query(points * MILLIMETRE, distance_upper_bound=limit)[0])
 
 
 def _pruned(points: np.ndarray, hulls: Sequence[np.ndarray]) -> list[np.ndarray]:
