@@ -1,10 +1,10 @@
 """Measures how far collision hulls stand out of what they enclose, where a robot can touch them, by rays from outside.
 
-    python -m benchmarks.hull_overshoot [--close] [--leaf retail] [--regional] [--out FILE.csv]
+    python -m benchmarks.hull_overshoot [--close [close-2]] [--leaf retail] [--regional] [--out FILE.csv]
 
 Every base shape (with --regional, every size of the regional buildings) is measured as
-`urbanverse_mjx.assets.collision.overshoot` says; with --close, its closer hulls, where it has some. Points of the
-surface outside all hulls are measured too: the largest distance below `LOW`, foot plates aside.
+`urbanverse_mjx.assets.collision.overshoot` says; with --close, its closer hulls (of a revision), where it has some.
+Points of the surface outside all hulls are measured too: the largest distance below `LOW`, foot plates aside.
 
 Columns of the file: uid, leaf, rest (of the leaf's prior), rays that meet a hull first or together with the mesh, the
 share of them over `LIMIT`, and the largest overshoot (m) with its place (m, in the asset's frame), number of hulls, and
@@ -32,15 +32,16 @@ from urbanverse_mjx.assets.recipes.building.regional.styles import DRESSINGS
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.assets.records.regional import load_regional
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
+from urbanverse_mjx.datatypes.scene_layout import HULL_KINDS
 from urbanverse_mjx.progress import Progress
 
 #: m, height below which points outside all hulls count.
 LOW = 2.0
 
 
-def measure(record: AssetRecord, close: bool = False) -> tuple[Overshoot, int, float]:
-    """The overshoot of a record's shipped hulls, their number, and what they miss; `close`: of its closer hulls."""
-    mesh, hulls = build_mesh(record), load_hulls(record, "close" if close else "").hulls
+def measure(record: AssetRecord, kind: str = "") -> tuple[Overshoot, int, float]:
+    """The overshoot of a record's hulls, their number, and what they miss; `kind`: see `load_hulls`."""
+    mesh, hulls = build_mesh(record), load_hulls(record, kind).hulls
     return overshoot(mesh.vertices, mesh.faces, hulls), len(hulls), missed(mesh, hulls)
 
 
@@ -61,7 +62,14 @@ def main(argv: list[str] | None = None) -> int:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--leaf", help="only this leaf")
     parser.add_argument("--regional", action="store_true", help="regional buildings instead of the catalogue's shapes")
-    parser.add_argument("--close", action="store_true", help="measure closer hulls, where a shape has some")
+    parser.add_argument(
+        "--close",
+        nargs="?",
+        const="close",
+        default="",
+        choices=HULL_KINDS[1:],
+        help="measure closer hulls of this kind",
+    )
     parser.add_argument("--out", type=pathlib.Path, help="CSV with a row per shape")
     arguments = parser.parse_args(argv)
     records = load_regional().records if arguments.regional else load_index().records
