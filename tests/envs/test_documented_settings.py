@@ -3,6 +3,7 @@
 Whoever changes a default by mistake leaves the table as it was, and whoever changes it on purpose changes both.
 """
 
+import json
 import pathlib
 import re
 from typing import Any
@@ -146,3 +147,118 @@ def test_navigation_has_what_the_table_of_its_presets_says(column: int, preset: 
         assert varied == pytest.approx([*random.friction_scale, *random.mass_scale, 100 * random.appearance])
     else:
         assert (*random.friction_scale, *random.mass_scale, random.appearance) == (1.0, 1.0, 1.0, 1.0, 0.0)
+
+
+def leaves(tree: dict[str, Any], above: str = "") -> dict[str, Any]:
+    """Values by dotted name, as JSON has them."""
+    found: dict[str, Any] = {}
+    for name, value in json.loads(json.dumps(tree)).items():
+        found |= leaves(value, f"{above}{name}.") if isinstance(value, dict) else {above + name: value}
+    return found
+
+
+#: What the commands of benchmarks/all_policies.sh change, or what those settings meant before.
+COMMANDED = {
+    *("friction", "impl", "scenes", "observations.privileged_map", "observations.proprio", "vision_config.height"),
+    *("vision_config.width", "vision_config.light", "vision_config.shading", "randomization.friction_scale"),
+    *(f"randomization.{n}" for n in ("appearance", "blur", "exposure", "latency", "pixel_noise", "white_balance")),
+    *(f"randomization.camera_{n}" for n in ("angle", "fovy", "position")),
+}
+
+
+@pytest.mark.parametrize(("policy", "fields"), [("coco_best", 60), ("go2_best", 60), ("coco_paper", 40)])
+def test_settings_are_those_with_which_the_shipped_policies_were_trained(policy: str, fields: int) -> None:
+    folder = pathlib.Path(__file__).parents[2] / "benchmarks" / "policies" / policy
+    record = json.loads((folder / "policy.json").read_text(encoding="utf-8"))
+    environment, preset = record["environment"], record["env_config"]["preset"]
+    theirs = leaves(record["env_config"])
+    ours = leaves(registry.get_default_config(environment, preset).to_dict())
+    names = (theirs.keys() & ours.keys()) - (COMMANDED if preset == "fast" else set())
+    assert len(names) >= fields
+    assert {n: ours[n] for n in names} == {n: theirs[n] for n in names}
+    if preset == "paper":
+        theirs, ours = leaves(record["ppo_config"]), leaves(registry.get_ppo_config(environment, preset).to_dict())
+        changed = {"num_envs", "num_timesteps", "num_checkpoints"}
+        assert {n: x for n, x in ours.items() if n not in changed} == {
+            n: x for n, x in theirs.items() if n not in changed
+        }
+
+
+_ENCOUNTERS = ("head_on", "cross", "obstruct", "overtaken", "talk", "queue")
+#: Task -> its section `task`, terms of reward beside those of `fast`, people and vehicles (pedestrians, wheelchairs,
+#: scooters, cyclists, cars), and other settings. Pages of docs/tasks and sources in `tasks/config.py` say why.
+TASKS: dict[str, tuple[dict[str, Any], dict[str, float], tuple[int, ...] | None, dict[str, Any]]] = {
+    "SocialNav": (
+        {"horizon": 3.0, "jerk_limit": 25.0},
+        {"personal_space": -0.1, "time_to_collision": -0.1, "jerk": -0.02},
+        (22, 1, 1, 0, 0),
+        {"crowd.reach": 12.0, "success_radius": 1.0, "scenario": "dynamic", "movable.bodies": 0}
+        | {f"crowd.encounters.{n}": x for n, x in zip(_ENCOUNTERS, (0.9, 0.8, 0.6, 0.6, 0.6, 0.5), strict=True)},
+    ),
+    "FollowPerson": (
+        {
+            "band": [1.5, 3.0],
+            "start_distance": 2.2,
+            "speed": [0.8, 1.34],
+            "sight": 15.0,
+            "lost_distance": 10.0,
+            "lost_time": 8.0,
+            "success_share": 0.5,
+        },
+        {
+            "arrived": 0.0,
+            "progress": 0.0,
+            "hit": -10.0,
+            "off_traversable": -10.0,
+            "band": 0.05,
+            "in_sight": 0.02,
+            "kept": 0.05,
+            "lost": -10.0,
+        },
+        (13, 1, 0, 1, 1),
+        {"crowd.reach": 20.0, "success_radius": 0.0, "scenario": "dynamic", "movable.bodies": 0}
+        | {f"crowd.encounters.{n}": 0.0 for n in _ENCOUNTERS},
+    ),
+    "FollowRoute": (
+        {"length": 200.0, "cycle": 60.0, "walk": 20.0},
+        {"progress": 0.0, "hit": -10.0, "off_traversable": -10.0, "route": 1.0, "violation": -5.0},
+        (9, 1, 0, 1, 4),
+        {"goal_mode": "waypoint", "goal_observation_limit": 0.0, "episode_length": 1800, "movable.bodies": 0},
+    ),
+    "ObjectGoal": (
+        {"path_length": [8.0, 35.0], "success_distance": 1.0, "stop_time": 1.0},
+        {"at_object": 0.1, "stopped": -5.0},
+        None,
+        {"scenario": "static", "success_radius": 0.0, "reward_config.multiply_by_dt": False},
+    ),
+    "Deliver": (
+        {"posts": 8, "height": [0.9, 1.2], "distance": [2.0, 6.0], "force": 5.0, "hold_time": 0.2},
+        {"near_object": 0.0, "reach": 2.0, "press": 0.2},
+        None,
+        {"robot": "coco_arm", "ctrl_dt": 0.1, "episode_length": 300, "scenario": "static", "success_radius": 0.0},
+    ),
+    "MultiRobot": (
+        {"robots": 4, "route_length": [8.0, 30.0], "arrival_distance": 1.0, "deliveries": 1},
+        {"arrived": 0.0, "progress": 0.0, "approach": 1.0, "delivered": 10.0},
+        None,
+        {"scenario": "static", "success_radius": 0.0, "randomization.clutter": 0, "ctrl_dt": 0.2},
+    ),
+}
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_tasks_have_their_settings(task: str) -> None:
+    section, terms, people, others = TASKS[task]
+    config = registry.get_default_config(f"Coco{task}")
+    found = leaves(config.to_dict())
+    assert {
+        n.removeprefix("task."): x for n, x in found.items() if n.startswith("task.") and n != "task.name"
+    } == section
+    fast = default_config("fast").reward_config.scales.to_dict()
+    assert config.reward_config.scales.to_dict() == {**fast, **terms}
+    if people is None:
+        assert config.crowd.slots == default_config("paper").crowd.slots
+    else:
+        kinds = ("pedestrian", "wheelchair", "scooter", "cyclist", "car")
+        assert [config.crowd.slots[kind] for kind in kinds] == list(people)
+    assert {n: found[n] for n in others} == others

@@ -127,6 +127,7 @@ def test_a_kerb_in_the_way_fails_the_drive() -> None:
     ]
     drives = drive_all(model, controller, space, starts, routes)
     assert [d.reason for d in drives] == ["stuck", "off the traversable area", "", "", ""]
+    assert [d.seconds for d in drives[:2]] == [-1.0, -1.0], "no time of arrival"
     assert drives[2].seconds == pytest.approx(3.0 / 2.0, abs=1.2)
     assert drives[3].seconds > 0.0, "a centimetre too far away to be there already"
     assert drives[4].seconds == 0.0

@@ -99,6 +99,7 @@ def test_stripes_of_a_crosswalk_run_as_the_traffic_does(angle: float) -> None:
     turn = ground.traffic_turn(walk, regions)
     assert np.angle(np.exp(2j * (turn - angle))) == pytest.approx(0.0, abs=1e-5)
     assert ground.traffic_turn(regions[0], regions) == 0.0
+    assert ground.traffic_turn(walk, [walk, regions[3]]) == 0.0, "beside no road"
     position, mesh = ground.region_mesh(walk, TEXTURE, 2.0, 0.8, turn=turn)
     top, uv = mesh.vertices[:4] + position, mesh.uv[:4]
     along = (top[:, :2] - top[0, :2]) @ (c, s)

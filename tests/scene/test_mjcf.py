@@ -46,6 +46,9 @@ def test_every_hull_and_prism_stands_where_the_scene_has_it(scene: SceneGeometry
         assert model.geom(f"{name}/hull_0").friction[0] == pytest.approx(scene.object_friction[o], rel=1e-6)
     prisms = [g for g in range(model.ngeom) if model.geom_group[g] == 3 and model.geom_bodyid[g] == 0]
     assert len(prisms) == len(scene.prism_hull)
+    parts = [list(scene.prism_region[:n]).count(region) for n, region in enumerate(scene.prism_region)]
+    names = [f"ground/{scene.region_ids[r]}/{n}" for r, n in zip(scene.prism_region, parts, strict=True)]
+    assert [model.geom(g).name for g in prisms] == names, "parts of a region are counted"
     for g, hull, position in zip(prisms, scene.prism_hull, scene.prism_position, strict=True):
         world = scene.hulls[hull] + position
         assert np.abs(_world_vertices(model, data, g)[:, None] - world[None]).max(-1).min(1).max() < 1e-5

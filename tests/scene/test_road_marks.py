@@ -1,5 +1,6 @@
 """Marks of straight roads whose places are worked out by hand, in the road's own metres; the road lies askew."""
 
+import itertools
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -88,9 +89,9 @@ def boxes(found: Sequence[Mark], paint: str, kind: str = "road_marking") -> list
 
 
 def same(found: Sequence[Box], expected: Sequence[Box]) -> None:
-    ordered = [np.array(sorted(np.round(rows, 3).tolist())).reshape(-1, 4) for rows in (found, expected)]
-    assert ordered[0].shape == ordered[1].shape, f"found {ordered[0].tolist()}"
-    np.testing.assert_allclose(*ordered, atol=2e-3)
+    rows = [np.array(sorted(np.round(boxes, 3).tolist())).reshape(-1, 4) for boxes in (found, expected)]
+    assert rows[0].shape == rows[1].shape, f"found {rows[0].tolist()}"
+    np.testing.assert_allclose(rows[0], rows[1], atol=2e-3)
 
 
 def dashes(start: float, d: float) -> list[Box]:
@@ -235,7 +236,7 @@ def test_bays_of_boxes_around_parked_cars_and_between_them() -> None:
     found = made(roads, cars, bay="box", bay_colour="blue", edge="white")
     # Between 22.75 and 37.25 two bays of 7.25 m; before 17.25, from 5 m before a crosswalk and 3 m after an end on.
     free = [3.0 + k * 14.25 / 2 for k in range(3)]
-    along = [*pairs(free), (17.25, 22.75), (22.75, 30.0), (30.0, 37.25), (37.25, 42.75)]
+    along = [*itertools.pairwise(free), (17.25, 22.75), (22.75, 30.0), (30.0, 37.25), (37.25, 42.75)]
     inner = -(5.0 - 2.0 - 0.1)
     expected: list[Box] = []
     for s0, s1 in along:
@@ -253,10 +254,6 @@ def test_bays_of_boxes_around_parked_cars_and_between_them() -> None:
     assert {round(b[3] - b[2], 4) for b in centre} == {0.12}
     tracks = [(0.0, LENGTH, 1.0 + d - 0.28, 1.0 + d + 0.28) for d in (-2.75, -1.25, 1.25, 2.75)]
     same(boxes(found, "track", "road"), tracks)
-
-
-def pairs(values: Sequence[float]) -> list[tuple[float, float]]:
-    return list(zip(values[:-1], values[1:], strict=True))
 
 
 def test_bays_of_tees_are_open() -> None:

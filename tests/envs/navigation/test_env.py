@@ -1,6 +1,7 @@
 """The navigation task on a kinematic engine: its arithmetic, its ends, its wrapper."""
 
 import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
-from tests.support.unicycle import drive_to_goal, unicycle_env
+from tests.support.unicycle import drive_to_goal, first_states, one, unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError, traversable
 from urbanverse_mjx.envs import (
     PRESETS,
@@ -143,6 +144,32 @@ def test_completion_of_a_route_is_where_the_robot_is_and_no_more_than_it_drove(s
     for driven, completed in ((99.0, there), (0.25, 0.25)):
         after, *_ = advance(nav._replace(sim=sim, driven=jnp.float32(driven)), jnp.zeros(2))
         assert float(after.route_done) == pytest.approx(completed, abs=1e-3)
+
+
+class _Touching:
+    """An engine in which the robot touches the agent whose number is its height in whole metres; -1 for a wall."""
+
+    def __init__(self, engine: Any) -> None:
+        self._engine = engine
+
+    def step(self, state: Any, ctrl: Any, agents: Any = None) -> Any:
+        after = self._engine.step(state, ctrl, agents)
+        agent = jnp.round(state.qpos[2]).astype(jnp.int32)
+        return after._replace(contacts=after.contacts._replace(hit=jnp.bool_(True), hit_agent=agent))
+
+
+def test_whoever_is_touched_first_or_last_ends_the_episode(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank, {"terminate_off_traversable": False})
+    nav = one(first_states(env))
+    env.engine = _Touching(env.engine)  # type: ignore[assignment]
+
+    def result(height: jax.Array) -> jax.Array:
+        before = nav.sim.contacts._replace(hit_agent=jnp.int32(-1))
+        sim = nav.sim._replace(qpos=nav.sim.qpos.at[2].set(height), contacts=before)
+        return env.advance(nav._replace(sim=sim), jnp.zeros(2))[0].result
+
+    found = jax.jit(jax.vmap(result))(jnp.array([-1.0, 0.0, 1.0, 15.0]))
+    assert found.tolist() == [Result.HIT, Result.HIT_AGENT, Result.HIT_AGENT, Result.HIT_AGENT]
 
 
 def test_hit_ends_the_episode_or_is_only_measured(small_bank: SceneBank) -> None:

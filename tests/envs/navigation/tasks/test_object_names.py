@@ -8,7 +8,7 @@ from skimage.color import rgb2lab
 
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs.navigation.tasks import colours
+from urbanverse_mjx.envs.navigation.tasks import colours, object_names
 from urbanverse_mjx.envs.navigation.tasks.object_names import (
     EMBEDDING_SIZE,
     LEAST_HEIGHT,
@@ -108,6 +108,22 @@ def test_the_colour_of_an_object_is_that_of_its_sides(small_bank: SceneBank) -> 
     red = np.tile(np.array(colours.EXAMPLES["red"][0], np.uint8), len(small_bank.texture_data) // 3)
     painted = dataclasses.replace(small_bank, texture_data=red)
     assert {o.colour for o in objects_of(painted, 0, 0.0)} == {"red"}
+
+
+def test_what_faces_up_or_down_has_no_part_in_the_colour(small_bank: SceneBank) -> None:
+    """The sides of a mesh count by their area as seen from the side, half of it from either: that of its outline."""
+    for mesh in range(len(small_bank.mesh_material)):
+        start, end = small_bank.mesh_face_start[mesh : mesh + 2]
+        first = small_bank.mesh_vertex_start[mesh]
+        corners = small_bank.mesh_vertices[first:][small_bank.mesh_faces[start:end]].astype(float)
+        edges = corners[:, 1:] - corners[:, :1]
+        normal = np.cross(edges[:, 0], edges[:, 1])
+        area = np.linalg.norm(normal, axis=1) / 2
+        # The cosine of the angle between a triangle and the vertical.
+        steep = np.sqrt(1.0 - (normal[:, 2] / (2.0 * area)) ** 2)
+        paint, weights = object_names._paint(small_bank, mesh)
+        np.testing.assert_allclose(weights, area * steep, atol=1e-6)
+        assert paint.shape == (len(weights), 3)
 
 
 def test_vectors_know_colour_class_and_relation() -> None:
