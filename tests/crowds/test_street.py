@@ -24,6 +24,7 @@ from urbanverse_mjx.crowds import (
     spawning,
     traits_of,
 )
+from urbanverse_mjx.crowds import crowd as crowd_module
 from urbanverse_mjx.crowds.crowd import Crowd, CrowdModel, CrowdTables, make_tables
 from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
 from urbanverse_mjx.datatypes import GROUND_KINDS, SceneBank, ValidationError
@@ -119,6 +120,49 @@ def test_flats_leave_nothing_blocked_in_front_of_them(spaces: dict[str, FreeSpac
         nearest = np.linalg.norm(np.maximum(np.abs(away[near]) - CELL / 2, 0), axis=1).min()
         assert offset[0] == pytest.approx(nearest, abs=0.05)
     assert full < 40
+
+
+def peeled(space: FreeSpace, cell: np.ndarray, reach: float) -> list[tuple[int, float]]:
+    """(direction, distance in m) of the flats around the centre of a coarse cell, one blocked cell after the other."""
+    corner = (cell * flats.POOL + flats.POOL // 2).astype(int)
+    half = int(np.ceil(reach / CELL))
+    around = [np.array([i, j]) for i in range(-half, half) for j in range(-half, half)]
+    around = sorted((a for a in around if np.hypot(*(a + 0.5)) * CELL <= reach), key=lambda a: np.hypot(*(a + 0.5)))
+    found: list[tuple[int, np.ndarray, float]] = []
+    for offset in around:
+        i, j = corner + offset
+        inside = 0 <= i < space.free.shape[0] and 0 <= j < space.free.shape[1]
+        if (inside and space.free[i, j]) or len(found) == flats.NUM_FLATS:
+            continue
+        place = (offset + 0.5) * CELL
+        if any(normal @ place >= behind - flats._MAX_PROTRUSION for _, normal, behind in found):
+            continue
+        code = round(float(np.arctan2(place[1], place[0])) * 256 / (2 * np.pi)) % 256
+        normal = np.array([np.cos(2 * np.pi * code / 256), np.sin(2 * np.pi * code / 256)])
+        found.append((code, normal, float(normal @ place)))
+    return [(code, behind - CELL / 2 * float(np.abs(normal).sum())) for code, normal, behind in found]
+
+
+def test_flats_are_peeled_off_one_after_the_other() -> None:
+    """Against the same in Python, where no two blocked cells are equally near."""
+    free = np.random.default_rng(2).random((24, 30)) < 0.93
+    space = FreeSpace(np.zeros(2), free, np.zeros(free.shape, np.uint8))
+    table, alike, seen = flats.flats_of(space, 0.8), 0, 0
+    for cell in np.ndindex(*table.shape[:2]):
+        row = table[cell]
+        distances = row[flats.NUM_FLATS :]
+        used = distances < 255
+        block = space.free[tuple(slice(c * flats.POOL, (c + 1) * flats.POOL) for c in cell)]
+        if not block.all():
+            assert not used.any()
+            continue
+        expected = peeled(space, np.array(cell), 0.8)
+        first = expected[0]
+        assert distances[0] * flats.UNIT == pytest.approx(first[1], abs=flats.UNIT)
+        same = {int(x) for x in row[: flats.NUM_FLATS][used]} == {code for code, _ in expected}
+        alike, seen = alike + same, seen + 1
+    assert seen > 10
+    assert alike > 0.6 * seen
 
 
 def test_flats_are_made_on_the_cpu_where_jax_may_use_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -455,6 +499,28 @@ def test_scripts_put_people_where_they_say() -> None:
     np.testing.assert_allclose([cuts.x[0], cuts.y[0], cuts.anchor_x[0]], [-4.0, 5.0, 4.0], atol=1e-5)
     both = behaviours.together(ring, line)
     assert both.mode.shape == (7,)
+
+
+def test_a_script_takes_the_first_slots_that_act() -> None:
+    """The second row does not; the third keeps its own speed."""
+    crowd = crowd_at([1.0, 2.0, 3.0, 4.0], [5.0] * 4, vx=0.7)._replace(present=jnp.zeros(4, bool))
+    f = lambda *v: jnp.array(v, jnp.float32)  # noqa: E731
+    script = behaviours.Script(
+        jnp.array([behaviours.GO, behaviours.ROAM, behaviours.STAY]),
+        *(f(11, 12, 13), f(21, 22, 23), f(0.1, 0.2, 0.3), f(1.5, 1.6, 0.0), f(31, 32, 33), f(41, 42, 43)),
+        f(0.4, 0.5, 0.6),
+    )
+    after = crowd_module._follow(crowd, script)
+    assert after.mode.tolist() == [behaviours.GO, behaviours.ROAM, behaviours.STAY, behaviours.ROAM]
+    assert after.present.tolist() == [True, False, True, False]
+    expected = {
+        "x": [11, 2, 13, 4], "y": [21, 5, 23, 5], "vx": [0, 0.7, 0, 0.7], "vy": [0] * 4, "heading": [0.1, 0, 0.3, 0],
+    }  # fmt: skip
+    for name, values in expected.items():
+        np.testing.assert_allclose(getattr(after.bodies, name), values, atol=1e-6, err_msg=name)
+    for name, values in {"speed": [1.5, 1, 1, 1], "anchor_x": [31, 0, 33, 0], "anchor_y": [41, 0, 43, 0]}.items():
+        np.testing.assert_allclose(getattr(after, name), values, atol=1e-6, err_msg=name)
+    np.testing.assert_allclose(after.face, [0.4, 0, 0.6, 0], atol=1e-6)
 
 
 @pytest.mark.slow

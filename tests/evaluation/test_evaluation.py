@@ -19,6 +19,7 @@ from urbanverse_mjx.evaluation import (
     fixed_episodes,
     go_to_goal,
     make_report,
+    people,
     summarise,
     to_markdown,
 )
@@ -257,6 +258,27 @@ def test_a_policy_from_before_there_were_people_meets_the_crowd_of_its_preset() 
     assert evaluation_config("CocoNav", own, "test", dynamic=True).crowd.yielding == 0.0, "a trained crowd is kept"
 
 
+def test_people_are_counted_from_step_to_step() -> None:
+    """Three steps of one env and one of another: the least distance, seconds near people, and the speed there."""
+    tally = people.no_people(2)
+    assert {name: float(x[0]) for name, x in tally._asdict().items()} == {
+        "nearest": people.MAX_PEOPLE_DISTANCE, "intimate": 0.0, "personal": 0.0, "speed": 0.0,
+    }  # fmt: skip
+    rows = [(3.0, 0.0, 0.0, 0.0), (0.4, 1.0, 1.0, 0.6), (0.9, 0.0, 1.0, 1.0)]
+    names = ("people_distance", "intimate_time_per_step", "personal_time_per_step", "personal_speed_per_step")
+    for row in rows:
+        tally = people.counted(
+            tally, {n: np.array([x, 5.0 if n == names[0] else 0.0]) for n, x in zip(names, row, strict=True)}
+        )
+    steps = np.array([4, 1])
+    assert people.people_fields(tally, steps, 0) == {
+        "people_distance": pytest.approx(0.4), "intimate_time": 0.25, "speed_near_people": pytest.approx(0.8),
+    }  # fmt: skip
+    alone = people.people_fields(tally, steps, 1)
+    assert alone == {"people_distance": 5.0, "intimate_time": 0.0, "speed_near_people": None}
+    assert people.people_fields(tally._replace(intimate=np.array([9.0, 0.0])), steps, 0)["intimate_time"] == 1.0
+
+
 def test_people_in_the_summary_by_hand() -> None:
     people = [
         _result(people_distance=0.5, intimate_time=0.1, speed_near_people=0.8),
@@ -292,7 +314,7 @@ def test_scores_of_a_task_go_into_files_and_tables(tmp_path: pathlib.Path) -> No
     report = make_report("a task", [*scored, lost], {})
     assert report.summary["b"]["task/score"]["mean"] == 0.5
     text = to_markdown(report)
-    assert "| agent | score | jerk |" in text
+    assert "| agent | score | jerk |\n|---|---|---|\n" in text
     assert "| b | 0.5 | 3 |" in text
     assert "| hit_agent | lost |" in text
     write_report(report, tmp_path)

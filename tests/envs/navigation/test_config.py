@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import UnicycleEngine, unicycle_robot
-from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import PRESETS, NavEnv, Result, default_config
 from urbanverse_mjx.envs.navigation.config import go2_nav_config
-from urbanverse_mjx.envs.navigation.scenarios import bank_for
+from urbanverse_mjx.envs.navigation.scenarios import bank_for, select_scenes
 from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.training.config import default_ppo_config
 
@@ -99,3 +99,16 @@ def test_published_terms_pay_as_their_documentation_says(small_bank: SceneBank) 
     assert urbansim.at(1.5, 2.0) == pytest.approx(225, abs=1)
     assert urbansim.at(1.01, 0.0) == pytest.approx(197, abs=1)
     assert urbansim.at(1.01, 0.05) == pytest.approx(203, abs=1)
+
+
+def test_scenes_are_named_by_split_or_id(small_bank: SceneBank) -> None:
+    ids = small_bank.scene_ids
+    assert select_scenes(small_bank, "all").tolist() == [0, 1, 2]
+    assert select_scenes(small_bank, f"{ids[2]},{ids[0]}").tolist() == [2, 0]
+    assert select_scenes(small_bank, [ids[1]]).tolist() == [1]
+    for split in set(small_bank.meta["splits"]):
+        rows = [k for k, name in enumerate(small_bank.meta["splits"]) if name == split]
+        assert select_scenes(small_bank, split).tolist() == rows
+    for which, name in (([], r"\[\]"), ("", "''"), (f"{ids[0]},nowhere", "'nowhere'"), (["nowhere"], "'nowhere'")):
+        with pytest.raises(ValidationError, match=rf"found {name}, which names no scene.*its 3 scenes \({ids[0]}, "):
+            select_scenes(small_bank, which)

@@ -124,3 +124,59 @@ def test_gaps_are_between_two_hulls_and_narrower_than_the_robot(street: _Street,
         (street.planes, street.low, street.high)
     ))  # fmt: skip
     assert drives._between_objects(apart, robot, np.random.default_rng(0)) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "asked"),
+    [
+        ("wedge", ("between",)),
+        ("graze", ("at", True)),
+        ("head_on", ("at", False)),
+        ("free", ("anywhere", 0.5)),
+        ("kerb", ("anywhere", 0.1)),
+        ("ramp", ("anywhere", 0.1)),
+    ],
+)
+def test_each_kind_of_drive_is_planned_as_such(
+    kind: str, asked: tuple[object, ...], street: _Street, robot: RobotSpec, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first plan that begins well and is of its kind is taken, and where there is none, none."""
+    calls: list[tuple[object, ...]] = []
+    plan = _Plan(np.array([[30.0, 0.0], [31.0, 0.0]]), *(np.array([x, x]) for x in (0.0, 1.0, 0.0, 2.0)))
+
+    def planned(name: str) -> object:
+        def make(there: object, of: object, rng: object, *options: object) -> _Plan | None:
+            assert there is street
+            assert of is robot
+            calls.append((name, *options))
+            return plan if len(calls) < 3 else None
+
+        return make
+
+    for name, function in (("between", "_between_objects"), ("at", "_at_objects"), ("anywhere", "_anywhere")):
+        monkeypatch.setattr(drives, function, planned(name))
+    monkeypatch.setattr(drives, "_good_starts", lambda *_: [1])
+    suits: list[str] = []
+    monkeypatch.setattr(drives, "_suits", lambda kind, *_: suits.append(kind) or len(suits) == 2)
+    found = drives._find(kind, street, robot, 2.0, np.random.default_rng(0))
+    assert calls == [asked] * 2
+    assert suits == [kind] * 2
+    assert found is not None
+    np.testing.assert_array_equal(found[0].place, [[31.0, 0.0]])
+    assert found[1] == pytest.approx(float(street.height(np.array([[31.0, 0.0]]))[0]))
+    assert drives._find(kind, street, robot, 2.0, np.random.default_rng(0)) is None
+
+
+def test_an_aim_is_an_object_near_a_start() -> None:
+    bank = box_bank(1, seed=3)
+    present = bank.inst_hull[0] >= 0
+    for seed in range(20):
+        start, yaw = drives._aim(bank, 0, np.random.default_rng(seed))
+        starts = bank.episode_start[0, : bank.num_episodes[0], :3]
+        assert np.isclose(starts, start).all(1).any()
+        away = bank.inst_position[0, present, :2] - start[:2]
+        distance = np.hypot(*away.T)
+        off = np.angle(np.exp(1j * (np.arctan2(away[:, 1], away[:, 0]) - yaw)))
+        near = (distance > 1.5) & (distance < 4.0)
+        assert start.shape == (3,)
+        assert np.abs(off[near]).min() < 0.151

@@ -20,6 +20,8 @@ from urbanverse_mjx.simulation.rendering.pbr_private import eval_sh9, rotate_yaw
 from urbanverse_mjx.simulation.rendering.settings import Settings
 from urbanverse_mjx.simulation.rendering.shapes import primitive_mesh
 from urbanverse_mjx.simulation.rendering.street_batch import StreetBatch, Streets, sky_polynomials
+from urbanverse_mjx.simulation.rendering.street_kernels import LIGHT, Street, module_options
+from urbanverse_mjx.simulation.rendering.street_shade import sky_light
 from urbanverse_mjx.simulation.rendering.street_tree import EMPTY, LEAF, NODE, SLACK, Trees, build_trees, joined
 
 from . import render_cases as cases
@@ -97,6 +99,31 @@ def test_the_polynomial_of_the_sky_is_its_spherical_harmonics() -> None:
     terms = np.stack([np.ones(200), x, y, z, x * x, y * y, x * y, y * z, x * z])
     found = np.einsum("ktc,tn->knc", sky_polynomials(harmonics, yaw), terms)
     np.testing.assert_allclose(found, out.numpy(), atol=2e-5)
+
+
+@wp.kernel(module="unique", module_options=module_options(), enable_backward=False)
+def _lit(street: Street, normals: wp.array[wp.vec3], out: wp.array2d[wp.vec3]):
+    i, j = wp.tid()
+    out[i, j] = sky_light(street, i, normals[j])
+
+
+def test_the_light_of_the_sky_is_its_polynomial_in_any_direction() -> None:
+    """Of two skies whose rows follow each other; nowhere below 0."""
+    rng = np.random.default_rng(2)
+    rows = rng.normal(size=(2, LIGHT, 3)).astype(np.float32)
+    normals = rng.normal(size=(100, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    scalar = rng.normal(size=(2, LIGHT, 1)).astype(np.float32)  # belongs to other numbers of a scene
+    table = wp.array(np.concatenate([rows, scalar], -1).reshape(-1, 4), dtype=wp.vec4, device="cpu")
+    street = Street()
+    street.lights = table.ptr
+    out = wp.zeros((2, 100), dtype=wp.vec3, device="cpu")
+    wp.launch(_lit, dim=(2, 100), inputs=[street, wp.array(normals, dtype=wp.vec3, device="cpu"), out], device="cpu")
+    x, y, z = normals.T
+    terms = np.stack([np.ones(100), x, y, z, x * x, y * y, x * y, y * z, x * z])
+    expected = np.einsum("ktc,tn->knc", rows, terms)
+    np.testing.assert_allclose(out.numpy(), np.maximum(expected, 0.0), atol=2e-5)
+    assert (expected < 0.0).any()
 
 
 def _draw_both(bank: SceneBank, robot: RobotSpec, places: cases.Places, settings: Settings) -> list[np.ndarray]:
