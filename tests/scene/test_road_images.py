@@ -7,7 +7,7 @@ import pytest
 
 from urbanverse_mjx.assets.appearances.ground_materials import build_material
 from urbanverse_mjx.datatypes import PlacedGround
-from urbanverse_mjx.scene.roads import draw_roads, images, rules_of
+from urbanverse_mjx.scene.roads import RoadRules, draw_roads, images, rules_of
 from urbanverse_mjx.scene.roads.drawing import PAINTS, _coat
 
 #: Hues in degrees of the colours that names of images hold; None for those without a hue.
@@ -175,3 +175,59 @@ def test_images_on_kerbs_are_not_stretched() -> None:
         np.testing.assert_allclose(corners[upright, :, 2].max(1), top.max(), atol=1e-6, err_msg="no gap at the edge")
         lowest = np.take_along_axis(uv[upright, :, 1], corners[upright, :, 2].argmin(1)[:, None], 1)
         np.testing.assert_allclose(lowest, 0.0, atol=1e-6)
+
+
+def test_what_lies_along_a_border_has_its_place_its_size_and_its_image() -> None:
+    """A road askew with a crosswalk that the pavement meets at its height: a gutter of 0.3 m in the road and gullies of
+    0.42 m by 0.3 m in it, and at the crosswalk 0.6 m of paving for the blind behind 0.15 m of kerb stones."""
+    turn, origin = np.radians(30.0), np.array([12.0, -7.0])
+    along, left = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
+
+    def region(
+        name: str, kind: str, box: tuple[float, float, float, float], height: float, material: str
+    ) -> PlacedGround:
+        s0, s1, d0, d1 = box
+        ring = tuple(
+            tuple((origin + s * along + d * left).tolist()) for s, d in ((s0, d0), (s1, d0), (s1, d1), (s0, d1))
+        )
+        return PlacedGround(name, kind, ring, (0.0, 0.0, height), material)  # type: ignore[arg-type]
+
+    regions = [
+        region("west", "road", (0.0, 58.0, -3.0, 3.0), 0.0, "asphalt_old"),
+        region("cross", "crosswalk", (58.0, 62.0, -3.0, 3.0), 0.0, "zebra_new"),
+        region("east", "road", (62.0, 120.0, -3.0, 3.0), 0.0, "asphalt_old"),
+        region("walk_a", "sidewalk", (0.0, 58.0, 3.0, 6.0), 0.15, "slabs_grey"),
+        region("ramp", "sidewalk", (58.0, 62.0, 3.0, 6.0), 0.0, "slabs_grey"),
+        region("walk_b", "sidewalk", (62.0, 120.0, 3.0, 6.0), 0.15, "slabs_grey"),
+    ]
+    rules = RoadRules(gutter="concrete", tactile="yellow", kerb="granite")
+    drawn = draw_roads(regions, {"cross": "asphalt_old"}, (), rules, "a")
+    places = {"concrete gutter": (2.7, 3.0, 0.3), "yellow tactile": (3.15, 3.75, 0.3), "gully": (2.7, 3.0, 0.3)}
+    for image, (low, high, width) in places.items():
+        meshes = [d.mesh.vertices[d.mesh.faces] + d.position for d in drawn if image.replace(" ", "") in d.id]
+        uvs = [d.mesh.uv[d.mesh.faces] for d in drawn if image.replace(" ", "") in d.id]
+        assert meshes, image
+        corners, uv = np.concatenate(meshes), np.concatenate(uvs)
+        at = np.stack([(corners[..., :2] - origin) @ along, (corners[..., :2] - origin) @ left], -1)
+        assert at[..., 1].min() == pytest.approx(low, abs=2e-3)
+        assert at[..., 1].max() == pytest.approx(high, abs=2e-3)
+        edges, turned = corners[:, 1:] - corners[:, :1], uv[:, 1:] - uv[:, :1]
+        area = np.abs(np.linalg.det(edges[..., :2])) / 2
+        shown = np.abs(np.linalg.det(turned)) / 2
+        np.testing.assert_allclose(shown * images.LENGTHS[image] * width, area, rtol=2e-3, err_msg=image)
+        if image == "gully":
+            np.testing.assert_allclose(area, 0.42 * 0.3 / 2, rtol=2e-3)
+            assert len(np.unique(np.round(corners.mean(1), 2), axis=0)) >= 2 * 4, "every 18 m"
+        else:
+            s0, s1 = at[..., 0].min(), at[..., 0].max()
+            assert (s0, s1) == (
+                pytest.approx(0.0 if image != "yellow tactile" else 58.0, abs=0.3),
+                pytest.approx(120.0 if image != "yellow tactile" else 62.0, abs=0.3),
+            )
+            # Its own axes: one coordinate of the image runs along the border.
+            straight = np.abs(edges[..., :2] @ left) < 1e-6
+            np.testing.assert_allclose(
+                np.abs(turned[..., 0])[straight] * images.LENGTHS[image],
+                np.abs(edges[..., :2] @ along)[straight],
+                atol=2e-3,
+            )

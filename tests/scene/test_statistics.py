@@ -52,6 +52,19 @@ def test_a_house_is_the_pavements_rim() -> None:
     assert scene_statistics(geometry)["houses"] == 1
 
 
+@pytest.mark.parametrize(
+    ("size", "house"),
+    [
+        ((9.0, 5.0, 6.0), True),
+        ((9.0, 5.0, 1.0), False),  # a platform
+        ((1.0, 1.0, 6.0), False),  # a post
+        ((9.0, 0.5, 6.0), False),  # a wall
+    ],
+)
+def test_a_house_is_wide_and_tall(size: tuple[float, float, float], house: bool) -> None:
+    assert house_mask(_street((45.0, 9.5, size))).tolist() == [house]
+
+
 def test_blockage_is_the_share_of_the_way() -> None:
     """6 m of 120 m of pavement with 0.5 m left on one side and 0 m on the other."""
     pavement = scene_statistics(_street((40.0, 6.3, (6.0, 3.4, 1.5))))["pavement"]

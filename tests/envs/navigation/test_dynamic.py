@@ -16,6 +16,7 @@ from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
 from urbanverse_mjx.crowds.crowd import Crowd
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
+from urbanverse_mjx.envs.navigation import dynamic_tables
 from urbanverse_mjx.envs.navigation.dynamic import (
     INTIMATE_DISTANCE,
     MAX_PEOPLE_DISTANCE,
@@ -120,6 +121,19 @@ def test_touching_a_person_is_a_result_of_its_own(env: NavEnv, begun: Any) -> No
     assert float(after.metrics["hit"][3]) == 0.0
     assert float(after.metrics["people_distance"][3]) == 0.0
     assert float(after.metrics["reward/hit"][3]) == -200.0
+
+
+def test_tables_of_a_crowd_are_kept(env: NavEnv, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of the environment's scenes are read from the cache, not built again."""
+    assert env.dynamic is not None
+    monkeypatch.setattr(dynamic_tables, "build_tables", lambda *_: pytest.fail("built again"))
+    kept = dynamic_tables.kept_tables(env.bank, env.scenes.tolist())
+    np.testing.assert_array_equal(kept.height, env.dynamic._height)
+    np.testing.assert_array_equal(kept.origin, env.dynamic._origin)
+    floor = np.asarray(kept.height)
+    assert floor.shape[0] == small_bank.num_scenes
+    assert np.nanmin(floor) == pytest.approx(0.0, abs=0.01), "the road"
+    assert np.nanmax(floor) == pytest.approx(0.15, abs=0.01), "the pavement"
 
 
 def test_static_streets_carry_nothing_of_it(small_bank: SceneBank) -> None:

@@ -19,9 +19,12 @@ from urbanverse_mjx.envs.navigation.tasks.posts import CAP_RADIUS, DEPTH, HALF_S
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.agents import zero
 from urbanverse_mjx.evaluation.doorbell_agent import DoorbellPresser
+from urbanverse_mjx.evaluation.planner import waypoint_of
 from urbanverse_mjx.evaluation.task_agents import baseline_of, planner_of
 from urbanverse_mjx.robots import make_coco_arm
 
+#: m, from the rear axle, which turns on the spot, to the robot's origin.
+PIVOT = 0.235
 OPTIONS: dict[str, Any] = {"vision": False, "scenes": "all", "impl": "warp-fused", "task.posts": 3}
 
 
@@ -232,6 +235,58 @@ def test_the_scripted_expert_rings_and_one_that_does_not_know_the_height_mostly_
     assert np.mean(rang["presser"]) >= 0.8
     assert np.mean(rang["fixed_height"]) <= 0.5
     assert CAP_RADIUS < 0.5 * (1.2 - 0.9), "or a fixed height would ring everywhere"
+
+
+def base_by_hand(before: float, beside: float, turn: float, max_speed: float, max_turn: float) -> tuple[float, float]:
+    """Speed and yaw rate of the expert with a folded arm whose axle is so many metres before its place and beside the
+    last line (left as seen from the button), and that has to turn so many radians to face the button."""
+    if before < 0.04 and abs(turn) < 0.1:
+        return 0.0, 0.0
+    line = APPROACH - STANDOFF - PIVOT  # of the axle's place, from where the last line begins
+    if abs(beside) < 0.15 and before < line + 0.15:
+        error = turn + (float(np.clip(1.5 * beside, -0.3, 0.3)) if before > 0.04 else 0.0)
+        speed = float(np.clip(before, 0.0, 0.4)) if before >= 0.02 else 0.0
+    else:
+        # As seen by who faces the button: left of it is what was right.
+        ahead, left = before - line, beside
+        error = float(np.angle(np.exp(1j * (np.arctan2(left, ahead) + turn))))
+        speed = float(np.hypot(ahead, left)) + 0.1
+    speed = 0.0 if abs(error) > 0.35 else speed * np.cos(error)
+    return min(speed, max_speed), float(np.clip(1.2 * error, -1.0, 1.0)) * max_turn
+
+
+def test_the_expert_drives_to_the_line_and_along_it(env: NavEnv, begun: Any) -> None:
+    """Its base from places all around the button, against the same rules in the button's frame."""
+    agent, nav = planner_of(env), one(begun)
+    (x, y, _), facing = (np.asarray(v) for v in env.task.button(nav))
+    heading = np.arctan2(facing[1], facing[0])
+    robot, root = env.robot, agent._root
+    rows = [
+        (b, s, t)
+        for b in (-0.1, 0.01, 0.1, 0.3, 0.7, 2.0)
+        for s in (-0.6, -0.1, 0.0, 0.05, 0.4)
+        for t in (-1.0, -0.22, 0.05, 0.3, 2.5)
+    ]
+
+    def action(row: Any) -> Any:
+        before, beside, turn = row
+        yaw = heading + np.pi - turn
+        axle_out = STANDOFF + PIVOT + before  # from the button's surface
+        axle = jnp.array([x + axle_out * facing[0] - beside * facing[1], y + axle_out * facing[1] + beside * facing[0]])
+        place = axle + PIVOT * jnp.stack([jnp.cos(yaw), jnp.sin(yaw)])
+        sim = nav.sim._replace(
+            xpos=nav.sim.xpos.at[root, :2].set(place),
+            xquat=nav.sim.xquat.at[root].set(jnp.stack([jnp.cos(yaw / 2), 0.0 * yaw, 0.0 * yaw, jnp.sin(yaw / 2)])),
+            qpos=nav.sim.qpos.at[agent._reach.addresses].set(agent._folded),
+            qvel=jnp.zeros_like(nav.sim.qvel),
+        )
+        return agent.act(nav._replace(sim=sim))
+
+    found = np.asarray(jax.jit(jax.vmap(action))(jnp.array(rows)))
+    for row, one_action in zip(rows, found, strict=True):
+        v, omega = base_by_hand(*row, robot.max_speed, robot.max_yaw_rate)
+        expected = np.clip(waypoint_of(v, omega, robot.max_speed, env.dt), -1.0, 1.0)
+        np.testing.assert_allclose(one_action[:2], expected, atol=2e-4, err_msg=str(row))
 
 
 @pytest.mark.parametrize(

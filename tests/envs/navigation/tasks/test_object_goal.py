@@ -1,5 +1,6 @@
 """`ObjectGoal`: its episodes, what counts as found, how episodes end, what is observed, and refused configurations."""
 
+import types
 from typing import Any
 
 import jax
@@ -16,6 +17,7 @@ from urbanverse_mjx.envs.navigation.tasks.object_goal import STANDING_SPEED, Obj
 from urbanverse_mjx.envs.navigation.tasks.object_names import EMBEDDING_SIZE, embedding
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.agents import go_to_goal, zero
+from urbanverse_mjx.evaluation.planner import Planner
 from urbanverse_mjx.evaluation.task_agents import ObjectPlanner, ObjectWanderer, baseline_of, planner_of
 from urbanverse_mjx.training.networks import goal_features
 from urbanverse_mjx.training.sequences import mirrored_view
@@ -244,6 +246,58 @@ def test_who_stands_still_stops_elsewhere(env: NavEnv) -> None:
     results, _ = Rollout(env, chunk=10).run({"zero": zero}, fixed_episodes(env, 3))
     assert {r.result for r in results} == {"stopped"}
     assert {r.steps for r in results} == {5}
+
+
+def test_the_wanderer_follows_the_route_until_it_sees_the_object(env: NavEnv, begun: Any) -> None:
+    """It drives to what it sees, else to 3.5 m ahead on its route; it stops within reach, or where the route ends."""
+    agent, nav = ObjectWanderer(env), one(begun)
+    route = jnp.array([[10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [10.0, 10.0, 0.0]])
+    thing = jnp.array([3.0, 4.0])
+    agent.towards = lambda nav, place: place  # type: ignore[method-assign]
+    reach = float(env.task.reach)  # type: ignore[attr-defined]
+    asked = []
+    for at, sees, reached, distance, expected in (
+        ((2.0, 0.5), False, False, 9.0, (5.5, 0.0)),
+        ((8.0, 0.0), False, False, 9.0, (10.0, 1.5)),
+        ((2.0, 0.5), True, False, 9.0, (3.0, 4.0)),
+        ((2.0, 0.5), True, True, reach - 0.06, (0.0, 0.0)),
+        ((2.0, 0.5), True, True, reach - 0.04, (3.0, 4.0)),
+        ((2.0, 0.5), True, False, reach - 0.06, (3.0, 4.0)),
+        ((10.0, 9.1), False, False, 9.0, (0.0, 0.0)),
+        ((10.0, 8.9), False, False, 9.0, (10.0, 10.0)),
+        ((10.0, 9.1), True, False, 9.0, (3.0, 4.0)),
+    ):
+        agent._task = types.SimpleNamespace(  # type: ignore[assignment]
+            reach=reach, in_view=lambda nav, far, sees=sees: asked.append(far) or (jnp.bool_(sees), thing)
+        )
+        state = nav.task._replace(reached=jnp.bool_(reached), distance=jnp.float32(distance))
+        sim = nav.sim._replace(xpos=nav.sim.xpos.at[agent._root, :2].set(jnp.array(at)))
+        action = agent.act(nav._replace(sim=sim, task=state, start=jnp.zeros(4)), route)
+        np.testing.assert_allclose(action, expected, atol=1e-4, err_msg=f"{at} {sees} {reached} {distance}")
+    assert set(asked) == {8.0}, "m at which it recognises an object"
+
+
+def test_the_planner_drives_the_last_metre_straight_and_stops_within_reach(
+    env: NavEnv, begun: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    agent, nav = ObjectPlanner(env), one(begun)
+    monkeypatch.setattr(Planner, "act", lambda *_: jnp.array([0.7, -0.2]))
+    reach, yaw = float(env.task.reach), 0.6  # type: ignore[attr-defined]
+    turn = jnp.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
+    for ahead, reached, distance, expected in (
+        ((1.5, 0.2), False, 9.0, (0.7, -0.2)),
+        ((0.6, 0.4), False, 9.0, (0.3 * 0.6 / np.hypot(0.6, 0.4), 0.3 * 0.4 / np.hypot(0.6, 0.4))),
+        ((0.6, 0.4), True, reach - 0.06, (0.0, 0.0)),
+        ((0.6, 0.4), False, reach - 0.06, (0.3 * 0.6 / np.hypot(0.6, 0.4), 0.3 * 0.4 / np.hypot(0.6, 0.4))),
+        ((1.5, 0.2), True, reach - 0.04, (0.7, -0.2)),
+    ):
+        c, s = np.cos(yaw), np.sin(yaw)
+        place = nav.goal[:2] - jnp.array([c * ahead[0] - s * ahead[1], s * ahead[0] + c * ahead[1]])
+        root = agent._root
+        sim = nav.sim._replace(xpos=nav.sim.xpos.at[root, :2].set(place), xquat=nav.sim.xquat.at[root].set(turn))
+        state = nav.task._replace(reached=jnp.bool_(reached), distance=jnp.float32(distance))
+        action = agent.act(nav._replace(sim=sim, task=state), None)  # type: ignore[arg-type]
+        np.testing.assert_allclose(action, expected, atol=1e-4, err_msg=f"{ahead} {reached} {distance}")
 
 
 @pytest.mark.slow
