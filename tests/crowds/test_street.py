@@ -1,5 +1,6 @@
 """Streets: free space, flats, routes, crossings, places to appear, behaviours, and a crowd that lives in one."""
 
+import dataclasses
 import itertools
 from typing import Any
 
@@ -68,6 +69,35 @@ def test_free_space_is_the_surface_without_what_stands_on_it(
     assert foot.free[crossing, lane].mean() > 0.5
     edge = cell_of(foot, 0.0, HALF_WIDTH + 0.2)[1]
     assert not foot.free[:, edge:].any()
+
+
+def test_the_ground_has_the_height_of_its_regions(small_bank: SceneBank, spaces: dict[str, FreeSpace]) -> None:
+    """Road, ramp and pavement at the crossing; a ramp ten times as steep as theirs; the nearest ground's beside it."""
+    height = free_space.ground_height(small_bank, 0)
+    space = spaces["foot"]
+    assert height.shape == space.free.shape
+    for y in (2.0, KERB_Y + 0.35, KERB_Y + 0.75, KERB_Y + 1.15, 7.0, HALF_WIDTH + 0.2):
+        cell = cell_of(space, 30.0, y)
+        centre = (cell[1] + 0.5) * CELL + space.origin[1]
+        assert height[cell] == pytest.approx(float(np.clip(0.1 * (centre - KERB_Y), 0.0, 0.15)), abs=2e-4), y
+    steep = np.array([(x, y, x - 2.0 if z else -3.0) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (0, 1)])
+    up = np.array([-1.0, 0.0, 1.0]) / np.sqrt(2.0)
+    planes = np.array(small_bank.hull_planes)
+    vertices, count = np.array(small_bank.hull_vertices), np.array(small_bank.hull_num_vertices)
+    vertices[0, :8], count[0], planes[0] = steep, 8, np.array([0.0, 0.0, -1.0, 3.0])
+    planes[0, 3] = [*up, up @ [0.0, 0.0, -2.0]]
+    prisms, places = np.full_like(small_bank.prism_hull, -1), np.array(small_bank.prism_position)
+    prisms[0, 2], places[0, 2] = 0, (10.0, 3.0, 5.0)
+    alone = dataclasses.replace(
+        small_bank, hull_planes=planes, hull_vertices=vertices, hull_num_vertices=count, prism_hull=prisms,
+        prism_position=places,
+    )  # fmt: skip
+    height = free_space.ground_height(alone, 0)
+    for x in (9.25, 10.05, 10.75):
+        cell = cell_of(space, x, 3.0)
+        centre = (cell[0] + 0.5) * CELL + space.origin[0]
+        assert height[cell] == pytest.approx(5.0 + (centre - 10.0) - 2.0, abs=1e-5)
+    assert height[cell_of(space, 20.0, 3.0)] == pytest.approx(4.0, abs=CELL)
 
 
 def test_free_space_refuses_a_scene_that_is_not_there(small_bank: SceneBank) -> None:

@@ -15,6 +15,7 @@ from urbanverse_mjx.envs.navigation.tasks.config import multi_robot_config
 from urbanverse_mjx.envs.navigation.tasks.multi_robot import MOST_ROWS, MultiRobot
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, task_agents
 from urbanverse_mjx.evaluation.agents import go_to_goal, zero
+from urbanverse_mjx.evaluation.planner import RouteField, waypoint_of
 from urbanverse_mjx.evaluation.task_agents import DeliveryPlanner, baseline_of, planner_of
 
 FEW = {"task.robots": 2, "episode_length": 60}
@@ -152,6 +153,28 @@ def test_episodes_of_a_street_stay_together(env: NavEnv) -> None:
     assert len(set(scenes[:3, 0])) == 3, "any number of groups uses the streets equally"
     with pytest.raises(ValidationError, match="episodes: found 3, needed a multiple of 2"):
         fixed_episodes(env, 3)
+
+
+def test_the_planner_drives_to_the_end_of_the_route_whose_turn_it_is(
+    env: NavEnv, pair: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To the goal first, back to the start after each delivery there; what ORCA forbids makes a command dearer."""
+    planner, nav = planner_of(env), one(pair)
+    assert isinstance(planner, DeliveryPlanner)
+    there = RouteField(jnp.zeros(2), jnp.full((2, 2), 1.0))
+    commands, costs = jnp.array([[1.0, 0.0], [0.5, 0.3], [0.0, 0.0]]), jnp.array([1.0, 2.0, 3.0])
+    fields: list[float] = []
+    monkeypatch.setattr(
+        planner, "_first_costs", lambda nav, field: fields.append(float(field.cost[0, 0])) or (commands, costs)
+    )
+    for forbidden, best in ((0.0, 0), (0.5, 1)):
+        monkeypatch.setattr(planner, "_forbidden", lambda nav, c, forbidden=forbidden: jnp.array([forbidden, 0.0, 0.0]))
+        for delivered in range(5):
+            state = nav.task._replace(delivered=jnp.float32(delivered))
+            action = planner.act(nav._replace(task=state), (there, jnp.full((2, 2), 2.0)))
+            v, omega = np.asarray(commands[best])
+            np.testing.assert_allclose(action, waypoint_of(v, omega, env.robot.max_speed, env.dt), atol=1e-6)
+    assert fields == [1.0, 2.0, 1.0, 2.0, 1.0] * 2
 
 
 @pytest.mark.extended
