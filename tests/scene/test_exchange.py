@@ -168,6 +168,10 @@ def test_points_on_blocked_ground_are_moved_or_refused(street: ExchangeMap) -> N
     assert isinstance(outside, NoRoute)
     assert "the start (-30.00, 0.00)" in outside.error
     assert isinstance(same, NoRoute)
+    huge = RoutePlanner(street.map, "huge", dataclasses.replace(ROBOTS["delivery"], radius=3.5))
+    (blocked,) = huge.plan([Wanted("d", (15.0, 6.0), (25.0, 6.0))])
+    assert isinstance(blocked, NoRoute)
+    assert "blocked for the huge robot or off the map, and so is all within 1 m" in blocked.error
 
 
 def test_chosen_routes_reach_both_ends(street: ExchangeMap) -> None:

@@ -1,6 +1,7 @@
 """Dynamic streets in the environment: agents, encounters near the route, distances of the robot to people."""
 
 import dataclasses
+import types
 from typing import Any
 
 import jax
@@ -78,6 +79,48 @@ def test_motion_carries_agents_from_state_to_state(env: NavEnv, begun: Any) -> N
     crowd = jax.tree.map(lambda x: x[0], begun.crowd)
     elsewhere = crowd._replace(bodies=crowd.bodies._replace(x=crowd.bodies.x + 20.0))
     assert not np.asarray(dynamic.motion(crowd, elsewhere, begun.sim.scene[0]).present).any(), "who appears is absent"
+
+
+def test_a_control_step_of_a_crowd_by_hand(env: NavEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of its steps moves everybody by 0.1 m along x and 0.3 rad; the second leaps, the third
+    was absent."""
+    dynamic = env.dynamic
+    assert dynamic is not None
+    crowd = Crowd(Bodies(*[jnp.zeros(9)] * 5), *[jnp.zeros(9)] * (len(Crowd._fields) - 1))
+    body = crowd.bodies._replace(x=jnp.linspace(10.0, 14.0, 9), y=jnp.full(9, 6.0), heading=jnp.full(9, 3.0))
+    before = crowd._replace(bodies=body, present=jnp.arange(9) != 2)
+    seen: list[Any] = []
+
+    def step(crowd: Crowd, scene: Any, observer: Any, robot: Any, key: Any, rights: Any) -> Crowd:
+        seen.append((scene, observer, robot))
+        moved = crowd.bodies.x + 0.1 + 30.0 * (jnp.arange(9) == 1)
+        return crowd._replace(bodies=crowd.bodies._replace(x=moved, heading=crowd.bodies.heading + 0.3))
+
+    monkeypatch.setattr(dynamic.model, "step", step)
+    sim = types.SimpleNamespace(
+        scene=jnp.int32(1),
+        xpos=jnp.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.3]]),
+        xquat=jnp.array([[1.0, 0.0, 0.0, 0.0], [np.cos(0.2), 0.0, 0.0, np.sin(0.2)]]),
+        qvel=jnp.array([0.5, -0.6, 0.0, 0.0, 0.0, 0.0]),
+    )
+    nav: Any = types.SimpleNamespace(sim=sim, crowd=before, key=jax.random.key(0), steps=jnp.int32(3))
+    with jax.disable_jit():
+        after, motion = dynamic.advance(nav, 1)
+    steps = round(env.dt / 0.1)
+    assert len(seen) == steps
+    scene, observer, robot = seen[0]
+    assert int(scene) == 1
+    np.testing.assert_allclose(
+        [observer.x, observer.y, observer.heading, *robot], [3.0, 4.0, 0.4, 0.5, -0.6], atol=1e-6
+    )
+    others = np.arange(9) != 1
+    np.testing.assert_allclose((after.bodies.x - body.x)[others], 0.1 * steps, atol=1e-5)
+    np.testing.assert_allclose(motion.position[:, :2], np.stack([body.x, body.y], -1), atol=1e-6)
+    np.testing.assert_allclose(motion.position[:, 2], 0.15, atol=1e-3)
+    np.testing.assert_allclose(motion.velocity[others], np.tile([0.1 * steps / env.dt, 0.0, 0.0], (8, 1)), atol=1e-4)
+    np.testing.assert_allclose(motion.velocity[1], 0.0)
+    np.testing.assert_allclose(motion.turn_rate, 0.3 * steps / env.dt, atol=1e-4)
+    assert motion.present.tolist() == [True, False, False] + [True] * 6
 
 
 def test_gaps_and_metrics_by_hand(env: NavEnv) -> None:

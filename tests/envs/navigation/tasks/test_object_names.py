@@ -39,6 +39,11 @@ def test_colours_are_those_of_cie_lab() -> None:
         assert colours.main_colour(np.array(examples[:1]), np.ones(1)) == name
     half = np.array([colours.EXAMPLES["red"][0], colours.EXAMPLES["blue"][0]])
     assert colours.main_colour(half, np.ones(2)) is None
+    between = [[143.0, 43.0, 90.0], [240.5, 183.5, 132.5], [137.5, 158.5, 204.5]]
+    assert colours.name_rows(np.array(between)).tolist() == [-1, -1, -1], (
+        "purple or red, orange or white, blue or white"
+    )
+    assert colours.main_colour(np.array(between[:1]), np.ones(1)) is None
     assert colours.main_colour(half, np.array([4.0, 1.0])) == "red"
 
 
