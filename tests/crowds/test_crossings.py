@@ -160,7 +160,8 @@ def test_everybody_waits_and_stops_by_the_rules(signals: bool) -> None:
     def one(r: dict[str, jax.Array]) -> crossings.Order:
         f = {k: v.astype(jnp.float32) for k, v in r.items()}
         bodies = Bodies(f["x"], f["y"], f["vx"], f["vy"], f["heading"])
-        rights = crossings.Precedence(r["phase"], *f["robot"], r["robot_walks"]) if signals else None
+        x, y, heading = (f["robot"][k] for k in range(3))
+        rights = crossings.Precedence(r["phase"], x, y, heading, r["robot_walks"]) if signals else None
         return crossings.give_way(
             made, r["scene"], bodies, f["course"], f["speed"], r["walks"], f["front"], r["present"], rights
         )

@@ -1,4 +1,4 @@
-"""Free bodies of the JAX engine against those of C MuJoCo: their mass, their acceleration and a step of their motion."""
+"""Free bodies of the JAX engine against those of C MuJoCo: mass, acceleration, and a step of their motion."""
 
 import jax.numpy as jnp
 import mujoco
@@ -37,7 +37,7 @@ def tumbling() -> tuple[mujoco.MjModel, mujoco.MjData, Awake, body_dynamics.Matt
     moments = np.einsum("wij,wj,wkj->wik", own, model.body_inertia[1:], own)
     none = jnp.zeros((2, 1))
     made = [jnp.asarray(x, jnp.float32) for x in (qpos[:, :3], qpos[:, 3:], qvel[:, :3], spin)]
-    awake = Awake(jnp.arange(2), jnp.arange(2), *made, jnp.zeros((2, 6)))
+    awake = Awake(jnp.arange(2), jnp.arange(2), made[0], made[1], made[2], made[3], jnp.zeros((2, 6)))
     mass = jnp.asarray(model.body_mass[1:], jnp.float32)
     matter = body_dynamics.Matter(mass, jnp.asarray(moments, jnp.float32), none[:, 0], none, none, none)
     return model, data, awake, matter

@@ -255,10 +255,10 @@ def base_by_hand(before: float, beside: float, turn: float, max_speed: float, ma
     return min(speed, max_speed), float(np.clip(1.2 * error, -1.0, 1.0)) * max_turn
 
 
-def test_the_expert_drives_to_the_line_and_along_it(env: NavEnv, begun: Any) -> None:
+def test_the_expert_drives_to_the_line_and_along_it(env: NavEnv, task: Deliver, begun: Any) -> None:
     """Its base from places all around the button, against the same rules in the button's frame."""
-    agent, nav = planner_of(env), one(begun)
-    (x, y, _), facing = (np.asarray(v) for v in env.task.button(nav))
+    agent, nav = DoorbellPresser(env), one(begun)
+    (x, y, _), facing = (np.asarray(v) for v in task.button(nav))
     heading = np.arctan2(facing[1], facing[0])
     robot, root = env.robot, agent._root
     rows = [

@@ -1,5 +1,7 @@
 """Where doorbells stand in a yard whose distances are known, and the lines that lead to them."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import shapely
@@ -27,8 +29,8 @@ def ground(points: np.ndarray) -> np.ndarray:
 
 
 def yard(paved: bool = True) -> doorbells._Street:
-    cells = np.round(SIZE / CELL).astype(int)
-    centres = ORIGIN + (np.stack(np.indices(cells), -1) + 0.5) * CELL
+    cells = (round(SIZE[0] / CELL), round(SIZE[1] / CELL))
+    centres = ORIGIN + (np.moveaxis(np.indices(cells), 0, -1) + 0.5) * CELL
     pavement = np.full(cells, paved)
     pavement[centres[..., 1] > 19.0] = False  # lawn, or whatever
     return doorbells._Street(ORIGIN, clear(centres), ground(centres), pavement, RADIUS)
@@ -125,14 +127,16 @@ def test_starts_lead_past_all_posts(furnished: tuple[np.ndarray, np.ndarray, np.
     post, ahead = np.array([2.0, 7.5]), np.array([0.0, HALF_SIDE + DEPTH])
     ends = [post + ahead + [0.0, away] for away in (STANDOFF, APPROACH)]
     many = [
-        yard()._starts(post, *ends, np.zeros((0, 2)), (2.0, 6.0), np.random.default_rng(seed)) for seed in range(25)
+        yard()._starts(post, ends[0], ends[1], np.zeros((0, 2)), (2.0, 6.0), np.random.default_rng(seed))
+        for seed in range(25)
     ]
     nearest = min(clear(rows[:, :2]).min() for rows in many)
     assert RADIUS + 2 * MARGIN - CELL < nearest < RADIUS + 2 * MARGIN + 0.08
     keep = RADIUS + HALF_SIDE + MARGIN
+    points: Any = shapely.points(place)
     for row, number in zip(starts, of, strict=True):
         lines = shapely.linestrings([row[:2], approach[number]]), shapely.linestrings([approach[number], stand[number]])
-        for other, point in enumerate(shapely.points(place)):
+        for other, point in enumerate(points):
             assert shapely.distance(lines[0], point) > keep
             assert other == number or shapely.distance(lines[1], point) > keep
     aim = approach[of] - starts[:, :2]
