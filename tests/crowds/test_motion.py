@@ -142,6 +142,7 @@ NO_WALLS = HalfPlanes(*(jnp.zeros((0, 1, 1)),) * 3)
         ((0.9, -1.2), (0.0, 0.0), (0.54, -0.72)),  # slower: 3 m/s²
         ((1.0, 0.0), (0.0, 1.0), (1.0 - 0.6 / 2**0.5, 0.6 / 2**0.5)),  # a turn: 3 m/s²
         ((1.0, 0.5), (1.1, 0.3), (1.1, 0.3)),  # within reach
+        ((1.0, 0.5), (0.0, 1.3), (1.0 - 0.6 / 1.64**0.5, 0.5 + 0.48 / 1.64**0.5)),  # faster, but a turn all the same
     ],
 )
 def test_a_walker_changes_its_velocity_within_its_limits(now: tuple, chosen: tuple, after: tuple) -> None:

@@ -531,6 +531,39 @@ def test_scripts_put_people_where_they_say() -> None:
     assert both.mode.shape == (7,)
 
 
+def test_people_of_a_script_walk_to_their_place_or_keep_it() -> None:
+    """Far and near ones who go, slower within half a second of their place; who stays returns at up to 0.6 m/s."""
+    f = lambda *v: jnp.array(v, jnp.float32)  # noqa: E731
+    bodies = Bodies(f(0, 0, 0, 0), f(0, 0, 0, 0), f(0, 0, 0, 0), f(0, 0, 0, 0), f(0, 0, 0, 0))
+    mode = jnp.array([behaviours.GO, behaviours.GO, behaviours.STAY, behaviours.STAY])
+    anchor = f(3.0, 0.2, 0.5, 0.0), f(4.0, 0.0, 0.0, 3.0)
+    found = behaviours.scripted_velocity(mode, anchor, f(0.7, 0.7, 0.7, 0.7), f(1.3, 1.3, 1.3, 1.3), bodies)
+    expected = [[0.78, 0.4, 0.5, 0.0], [1.04, 0.0, 0.0, 0.6], [np.arctan2(4.0, 3.0), 0.7, 0.7, 0.7]]
+    np.testing.assert_allclose(np.stack(found), expected, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("gap", "there", "hidden", "away", "free"),
+    [
+        (0.52, True, False, 9.0, True),
+        (0.48, True, False, 9.0, False),
+        (0.48, False, False, 9.0, True),
+        (2.0, True, False, 1.52, True),
+        (2.0, True, False, 1.48, False),
+        (2.0, True, True, 9.0, False),  # in sight
+    ],
+)
+def test_who_appears_has_half_a_metre_around_it(gap: float, there: bool, hidden: bool, away: float, free: bool) -> None:
+    """A body of 0.27 m beside one of 0.4 m, and a robot that looks at it."""
+    place = jnp.array([[10.0, 5.0]])
+    observer = spawning.Observer(
+        jnp.float32(10.0), jnp.float32(5.0 - 0.27 - away), jnp.float32(np.pi / 2), jnp.array(True)
+    )
+    other = jnp.array([10.0 + 0.27 + 0.4 + gap]), jnp.array([5.0]), jnp.array([0.4]), jnp.array([there])
+    _, found = spawning.choose(jax.random.key(0), place, jnp.float32(0.27), *other, observer, hidden)
+    assert bool(found) == free
+
+
 def test_a_script_takes_the_first_slots_that_act() -> None:
     """The second row does not; the third keeps its own speed."""
     crowd = crowd_at([1.0, 2.0, 3.0, 4.0], [5.0] * 4, vx=0.7)._replace(present=jnp.zeros(4, bool))
