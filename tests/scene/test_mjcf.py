@@ -44,6 +44,7 @@ def test_every_hull_and_prism_stands_where_the_scene_has_it(scene: SceneGeometry
             assert np.abs(mine[:, None] - world[None]).max(-1).min(1).max() < 1e-5
         assert model.body(name).mass[0] == pytest.approx(scene.object_mass[o], rel=1e-4)
         assert model.geom(f"{name}/hull_0").friction[0] == pytest.approx(scene.object_friction[o], rel=1e-6)
+    assert model.njnt == 0, "objects stand where they are, unless they are asked to be free"
     prisms = [g for g in range(model.ngeom) if model.geom_group[g] == 3 and model.geom_bodyid[g] == 0]
     assert len(prisms) == len(scene.prism_hull)
     parts = [list(scene.prism_region[:n]).count(region) for n, region in enumerate(scene.prism_region)]

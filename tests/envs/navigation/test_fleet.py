@@ -1,5 +1,6 @@
 """Robots of one street: the exchange between consecutive envs, what each knows of the others, and contacts."""
 
+import types
 from typing import Any
 
 import jax
@@ -14,6 +15,8 @@ from urbanverse_mjx.envs import NavEnv, Result, registry
 from urbanverse_mjx.envs.navigation.fleet import (
     ROBOT,
     START_SPACING,
+    TRIES,
+    Fleet,
     first_of_group,
     fleet_middle,
     fleet_shapes,
@@ -274,3 +277,24 @@ def test_bad_configurations_are_refused_in_a_sentence(
 ) -> None:
     with pytest.raises(ValidationError, match=words):
         unicycle_env(small_bank, {**FEW, **overrides}, config=multi_robot_config())
+
+
+def test_the_next_episode_begins_away_from_other_robots() -> None:
+    """Of the drawn starts on a line, robots stand at those up to x = 20 m, and somebody absent everywhere else."""
+    x = np.arange(50.0)
+    place = jnp.asarray(np.stack([np.stack([x, 0.0 * x + scene], -1) for scene in range(2)]), jnp.float32)
+    body = types.SimpleNamespace(x=jnp.asarray(x, jnp.float32), y=jnp.ones(50))
+    crowd = types.SimpleNamespace(bodies=body, present=jnp.asarray(x <= 20.0))
+    nav: Any = types.SimpleNamespace(sim=types.SimpleNamespace(scene=jnp.int32(1)), crowd=crowd)
+    fleet: Any = types.SimpleNamespace(_count=jnp.array([7, 50]), _starts=place)
+    chosen = []
+    for seed in range(12):
+        key = jax.random.key(seed)
+        scene, row = Fleet.again(fleet, key, nav)
+        drawn = np.asarray(jax.random.randint(key, (TRIES,), 0, 50))
+        free = np.minimum(np.maximum(drawn - 20.0, 0.0), 2.0 * START_SPACING)
+        assert int(scene) == 1
+        assert int(row) == drawn[free.argmax()], "the first of those that are far enough away"
+        chosen.append(int(row))
+    assert min(chosen) >= 20 + 2.0 * START_SPACING
+    assert len(set(chosen)) > 6
