@@ -42,6 +42,7 @@ Rows, of which `--rows` names patterns:
     embodiment-shared-SEED  one privileged policy of many robots, told their size and dynamics; embodiment-untold-SEED
                             not told; embodiment-ROBOT-SEED of one robot (see benchmarks.embodiment)
     embodiment-score-ROBOT-SEED  these, driven with a robot on validation streets
+    gait-ROBOT-SEED         the gait of a robot with legs (see benchmarks.gaits, whose `ship` puts it into the package)
     street-tuning-STREET    coco_best before and after PPO on cousins of a filmed street (see benchmarks.street_tuning)
 
 OUT gets a folder and a log for each job, and campaign.log.
@@ -63,6 +64,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from benchmarks import (
     embodiment,
+    gaits,
     image_streets,
     imitation,
     missions,
@@ -126,6 +128,8 @@ ENDLESS = 86_400
 TEACHER, IMITATION, STUDENT, PAPER, DRIVE, FAST = 12, 16, 34, 38, 14, 14
 #: The same of the policy of many robots and of one robot's, without camera; not measured, from the number of envs.
 MANY_ROBOTS, ONE_ROBOT = 24, 6
+#: The same of a joystick environment without images; not measured.
+GAIT = 10
 #: Studies that drive on all cores -> what writes their rows.
 OF_ALL_CORES = {"transfer": transfer.add, "missions": missions.add}
 
@@ -521,6 +525,15 @@ def _embodiment(args: argparse.Namespace) -> Iterator[Job]:
             yield _job(args, name, [*words, "--env"], ("validation",), ONE_ROBOT, [row], *needs)
 
 
+def _gaits(args: argparse.Namespace) -> Iterator[Job]:
+    """The gaits of the robots with legs, on the terrain of `urbanverse scene terrain`."""
+    for seed in args.seeds:
+        for robot in gaits.ROBOTS:
+            words = ["benchmarks.gaits", "train", "--robot", robot, "--steps", args.gait_steps, "--seed", seed]
+            words += ["--processes", args.gait_processes, "--trials", args.gait_trials]
+            yield _job(args, f"gait-{robot}-{seed}", [*words, "--env"], (), GAIT, (), settings.terrain_bank_path())
+
+
 def trainings(args: argparse.Namespace) -> Iterator[Job]:
     """All jobs that train or score, whatever `--rows` says, in the order in which they should begin."""
     for prefix, ending in RECIPES.items():
@@ -551,6 +564,7 @@ def trainings(args: argparse.Namespace) -> Iterator[Job]:
     yield from _several_gpus(args)
     yield from _tasks(args)
     yield from _embodiment(args)
+    yield from _gaits(args)
     for name in OF_ALL_CORES:
         command = ("-m", f"benchmarks.{name}", "--out", str(args.out / name))
         # A GPU of its own each, because trainings beside them would want for processors.
@@ -741,6 +755,9 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--scaling-steps", type=int, default=6_000_000, help="env-steps, rounded up to rollouts")
     cli.add_argument("--task-steps", type=int, default=20_000_000, help="env-steps of a task's teacher")
     cli.add_argument("--embodiment-steps", type=int, default=1_400_000, help="env-steps of each robot of embodiment-*")
+    cli.add_argument("--gait-steps", type=int, default=300_000_000, help="env-steps of gait-*")
+    cli.add_argument("--gait-trials", type=int, default=100, help="trials of each kind of gait-*")
+    cli.add_argument("--gait-processes", type=int, default=4, help="that judge a gait of gait-*")
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")
     cli.add_argument("--ppo", type=int, default=200, help="iterations of PPO after it")
     cli.add_argument(

@@ -2,7 +2,7 @@
 
     python -m benchmarks.go2_gait --json
 
-evaluates the shipped gait of the Go2 (or `--gait`, a gait file) with random commands on level ground (velocity error,
+evaluates the shipped gait of the Go2 (or `--gait`, a gait file; `--robot`, another robot with legs) with random commands on level ground (velocity error,
 falls, cost of transport, foot slip, torque, speed and joint limits), full speed ahead, kicks, kerbs up and down by
 height, ramps. One JSON line holds the results and which goals are met; the exit status is 1 if one is not.
 
@@ -23,8 +23,7 @@ from typing import Any
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.process_pool import worker_pool
-from urbanverse_mjx.robots import make_go2
-from urbanverse_mjx.robots.go2 import load_gait
+from urbanverse_mjx.robots import gait_of, legged, load
 
 from .lib.gait_published import goals_table, published_table
 from .lib.gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps, judge_straight
@@ -38,6 +37,8 @@ PUSH_GOAL, RAMP_GOAL = 95.0, 100.0
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.go2_gait", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    walkers = [name for name in legged.NAMES if legged.row(name).drive == "gait"]
+    parser.add_argument("--robot", choices=walkers, default="go2")
     parser.add_argument("--gait", type=pathlib.Path, help="gait file (default: the shipped one)")
     parser.add_argument("--episodes", type=int, default=1000, help="on level ground")
     parser.add_argument("--trials", type=int, default=100, help="of each kerb, ramp, and half of the kicks")
@@ -58,10 +59,12 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 def judge_all(arguments: argparse.Namespace) -> dict[str, Any]:
     """Runs all trials of a gait."""
+    robot = load(arguments.robot)
+    gait = gait_of(robot, arguments.gait)
     if arguments.processes == 1:
-        return _judge(arguments, Judge(make_go2(), load_gait(arguments.gait)))
+        return _judge(arguments, Judge(robot, gait))
     with worker_pool(arguments.processes) as pool:
-        return _judge(arguments, Judge(make_go2(), load_gait(arguments.gait), pool))
+        return _judge(arguments, Judge(robot, gait, pool))
 
 
 def _judge(arguments: argparse.Namespace, judge: Judge) -> dict[str, Any]:

@@ -14,13 +14,13 @@ import numpy as np
 from urbanverse_mjx.datatypes import GroundRegion, RobotSpec
 from urbanverse_mjx.evaluation.gait_walks import Walk, walk
 from urbanverse_mjx.geometry import rotations
-from urbanverse_mjx.robots import go2_body
+from urbanverse_mjx.robots import legged
 from urbanverse_mjx.robots.gait import Gait
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import region_scene, strips_regions
 from urbanverse_mjx.simulation.parity.c_mujoco import reference_model
 
-#: Largest random commands (m/s, m/s, rad/s), and the time that each is held (s).
+#: Largest random commands of the Go2 (m/s, m/s, rad/s), and the time that each is held (s).
 RANGE, HOLD = np.array([1.0, 0.5, 1.0]), 5.0
 #: s after a new command in which the error does not count; s over which velocities are averaged: two strides or so.
 RISE_TIME, WINDOW = 1.0, 0.5
@@ -51,7 +51,15 @@ class Judge:
     @property
     def speed_limit(self) -> np.ndarray:
         """(J,) rad/s of the motors."""
-        return np.tile([go2_body.MOTORS[joint].speed for joint in go2_body.JOINTS], len(go2_body.LEGS))
+        return np.array(legged.row(self.robot.name).motor_speeds)
+
+    @property
+    def range(self) -> np.ndarray:
+        """(3,) largest random commands (m/s, m/s, rad/s): those that the robot practised to both sides."""
+        walk = legged.row(self.robot.name).walk
+        if walk is None:
+            return RANGE
+        return np.array([min(abs(x) for x in span) for span in (walk.forward, walk.aside, walk.turn)])
 
     def model(self, regions: list[GroundRegion]) -> mujoco.MjModel:
         """The robot on a ground."""
@@ -148,10 +156,10 @@ def ramp(slope: float) -> list[GroundRegion]:
     return strips_regions(iter(strips), RAMP_SIDE)
 
 
-def _wandering(seed: int, number: int, seconds: float) -> Wandering:
-    """Commands drawn anew every `HOLD` s, the same for every gait."""
+def _wandering(judge: Judge, seed: int, number: int, seconds: float) -> Wandering:
+    """Commands drawn anew every `HOLD` s, the same for every gait of a robot."""
     count = int(np.ceil(seconds / HOLD)) + 1
-    return Wandering(np.random.default_rng([seed, 1]).uniform(-RANGE, RANGE, (number, count, 3)))
+    return Wandering(np.random.default_rng([seed, 1]).uniform(-judge.range, judge.range, (number, count, 3)))
 
 
 def settled_errors(found: Walk, control_dt: float) -> tuple[np.ndarray, np.ndarray]:
@@ -176,7 +184,7 @@ def judge_flat(judge: Judge, episodes: int, seconds: float, seed: int) -> dict[s
     model = judge.model(flat())
     yaws = np.random.default_rng([seed, 0]).uniform(-np.pi, np.pi, episodes)
     found = judge.run(
-        model, judge.start(model, np.zeros((episodes, 3)), yaws), _wandering(seed, episodes, seconds), seconds
+        model, judge.start(model, np.zeros((episodes, 3)), yaws), _wandering(judge, seed, episodes, seconds), seconds
     )
     linear, angular = settled_errors(found, judge.gait.control_dt)
     speed = np.linalg.norm(found.velocity[..., :2], axis=-1)
@@ -221,7 +229,7 @@ def judge_pushes(judge: Judge, episodes: int, seed: int) -> dict[str, Any]:
     kick = PUSH * np.stack([np.cos(angle), np.sin(angle)], 1)
     start = judge.start(model, np.zeros((episodes, 3)), yaws)
     seconds = PUSH_AT + 5.0
-    found = judge.run(model, start, _wandering(seed, episodes, seconds), seconds, (PUSH_AT, kick))
+    found = judge.run(model, start, _wandering(judge, seed, episodes, seconds), seconds, (PUSH_AT, kick))
     return {"episodes": episodes, "kick_m_s": PUSH, "survived_percent": 100.0 * float((~found.fell).mean())}
 
 

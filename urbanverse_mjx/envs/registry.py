@@ -13,13 +13,13 @@ from ml_collections import ConfigDict
 from .. import settings
 from ..datatypes import SceneBank, ValidationError
 from ..datatypes import validation as v
-from ..robots import catalogue
+from ..robots import catalogue, legged
 from .joystick import JoystickEnv
-from .joystick.config import JOYSTICK_PRESETS, joystick_config
+from .joystick.config import JOYSTICK_PRESETS, joystick_config, legged_joystick_config
 from .joystick.make import make_joystick_env
 from .joystick.ppo import joystick_ppo_config
 from .navigation import NavEnv
-from .navigation.config import PRESETS, catalogue_config, default_config, go2_nav_config
+from .navigation.config import PRESETS, catalogue_config, default_config, go2_nav_config, legged_nav_config
 from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import deliver_ppo_config, ppo_config
@@ -390,6 +390,27 @@ register_environment(
     joystick_ppo_config,
     about="Go2 learns the gait that follows a commanded velocity",
 )
+for _robot in legged.NAMES:
+    _legged = legged.row(_robot)
+    if _legged.walk is not None:
+        register_environment(
+            legged.joystick_name(_robot),
+            make_joystick_env,
+            functools.partial(legged_joystick_config, _robot),
+            load_terrain_bank,
+            "fast",
+            JOYSTICK_PRESETS,
+            joystick_ppo_config,
+            about=f"{_legged.title} learns the gait that follows a commanded velocity",
+        )
+    # A robot that walks has this task once its gait is shipped.
+    if _robot != "go2" and (_legged.drive != "gait" or legged.gait_path(_robot).is_file()):
+        register_environment(
+            catalogue.environment_name(_robot),
+            make_walking_env if _legged.drive == "gait" else make_wheeled_env,
+            functools.partial(legged_nav_config, _robot),
+            about=f"{_legged.title} ({_legged.kind}) moves to a goal 10-30 m away on the pavement of a street",
+        )
 for _robot in catalogue.NAMES:
     _row = catalogue.row(_robot)
     register_environment(

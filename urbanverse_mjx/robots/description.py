@@ -1,7 +1,7 @@
 """Loads robots from an MJCF and a description file.
 
 In: a folder with robot.json, or that file; or the name of a robot that ships with the package in this form, or of one
-of `catalogue`. Out: `RobotSpec`. When: once, at construction.
+of `catalogue` or `legged`. Out: `RobotSpec`. When: once, at construction.
 
 docs/tutorials/own_robot.md describes the file and the requirements on the MJCF.
 """
@@ -18,10 +18,10 @@ import numpy as np
 
 from ..datatypes import Response, RobotSpec
 from ..datatypes import validation as v
-from . import catalogue
+from . import catalogue, legged
 from .collision import Fit, is_fitted_sphere, replace_by_spheres
 from .gait import Gait
-from .go2 import load_gait
+from .go2 import load_gait, make_go2
 from .model_limits import check_size
 from .sphere_fit import FitOptions
 from .waypoint import gait_command, pd_velocity
@@ -40,7 +40,7 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
     """Loads a robot from its description.
 
     Args:
-      source: folder of the robot, its robot.json, one of `SHIPPED`, or a name of `catalogue.NAMES`.
+      source: folder of the robot, its robot.json, one of `SHIPPED`, or a name of `catalogue.NAMES` or `legged.NAMES`.
 
     Raises:
       ValidationError: the description or its MJCF is incomplete or invalid.
@@ -54,9 +54,13 @@ def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit
     Raises:
       ValidationError: see `load`.
     """
-    if isinstance(source, str) and source in catalogue.NAMES:
-        row = catalogue.row(source)
-        described = catalogue.describe(row)
+    if source == "go2":
+        return make_go2(), ()
+    if isinstance(source, str) and source in (*catalogue.NAMES, *legged.NAMES):
+        if source in legged.NAMES:
+            described = legged.describe(legged.row(source))
+        else:
+            described = catalogue.describe(catalogue.row(source))
         spec = mujoco.MjSpec.from_string(described["mjcf"])
         return _make(described, spec, spec.compile(), f"robot {source!r}")
     path = _file_of(source)
@@ -104,13 +108,20 @@ def _make(
 
 
 def gait_of(robot: RobotSpec, path: str | pathlib.Path | None = None) -> Gait:
-    """The gait of a robot: that of a file, the controller of a balancer of `catalogue`, or else the Go2's.
+    """The gait of a robot: that of a file, the controller of a balancer of `catalogue`, the shipped one of a robot of
+    `legged`, or else the Go2's.
 
     Raises:
-      ValidationError: the file does not exist or is not a gait.
+      ValidationError: the file does not exist or is not a gait, or none is shipped for this robot.
     """
     if path is None and robot.name in catalogue.NAMES:
         return catalogue.balance_gait(catalogue.row(robot.name))
+    if path is None and robot.name in legged.NAMES:
+        path = legged.gait_path(robot.name)
+        if not path.is_file():
+            where, needed = f"robot {robot.name!r}", "the file of one"
+            task = legged.joystick_name(robot.name)
+            raise v.fail(where, "no shipped gait", needed, f"train {task}, then run `urbanverse export-gait`")
     return load_gait(path)
 
 
@@ -120,7 +131,7 @@ def _file_of(source: str | os.PathLike[str]) -> pathlib.Path:
     path = pathlib.Path(source).expanduser()
     path = path / FILE if path.is_dir() else path
     if not path.is_file():
-        known = f"coco, go2, {', '.join((*SHIPPED, *catalogue.NAMES))}"
+        known = f"coco, {', '.join((*SHIPPED, *legged.NAMES, *catalogue.NAMES))}"
         needed = f"{known}, or a {FILE} or its folder"
         raise v.fail("robot", v.show(os.fspath(source)), needed, "see docs/robots.md and docs/tutorials/own_robot.md")
     return path.absolute()
@@ -248,7 +259,10 @@ def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: st
     }
     kind = v.choice(body.get("kind") if isinstance(body, Mapping) else None, f"{where}.kind", kinds)
     m = v.mapping(
-        body, where, ("kind", *kinds[kind]), ("axle", "skid", "lateral", "bend", "slide") if kind == "wheels" else ()
+        body,
+        where,
+        ("kind", *kinds[kind]),
+        ("axle", "skid", "lateral", "bend", "slide", "held") if kind == "wheels" else (),
     )
     if kind == "gait":
         return functools.partial(gait_command, **limits)
@@ -297,6 +311,12 @@ def _wheel_table(m: Mapping[str, Any], model: mujoco.MjModel, limits: dict[str, 
         motor, steer = actuators.get("motor"), actuators.get("steer")
         wheels.append(Wheel(**place, radius=radius, motor=motor, steer=steer, max_steer=end))
         named += actuators.values()
+    held = v.mapping(m.get("held", {}), f"{where}.held", (), m.get("held", {}))
+    kept = tuple(
+        (_named(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name, f"{where}.held"), v.number(angle, f"{where}.held.{name}"))
+        for name, angle in held.items()
+    )
+    named += [actuator for actuator, _ in kept]
     if sorted(named) != list(range(model.nu)):
         raise v.fail(where, f"{len(set(named))} actuators named", f"each of the {model.nu} of the MJCF once")
     if not any(wheel.motor is not None for wheel in wheels):
@@ -314,6 +334,7 @@ def _wheel_table(m: Mapping[str, Any], model: mujoco.MjModel, limits: dict[str, 
         slide=v.number(m.get("slide", 0.0), f"{where}.slide", minimum=0.0),
         curvature=math.inf if spot else largest_curvature(turns, axle),
         lateral=v.number(m["lateral"], f"{where}.lateral", above=0.0) if "lateral" in m else math.inf,
+        held=kept,
         **limits,
     )
 

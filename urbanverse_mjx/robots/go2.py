@@ -13,6 +13,7 @@ from typing import Any
 
 from ..datatypes import Response, RobotSpec
 from . import go2_body as body
+from . import legged
 from .gait import Gait
 from .go2_menagerie import make_menagerie_mjcf
 from .waypoint import gait_command, pd_velocity
@@ -37,7 +38,7 @@ def load_gait(path: str | pathlib.Path | None = None) -> Gait:
     Raises:
       ValidationError: the file does not exist or is not a gait.
     """
-    return Gait.load(path or pathlib.Path(__file__).parent / "go2_gait.npz")
+    return Gait.load(path or legged.gait_path("go2"))
 
 
 def circumradius() -> float:

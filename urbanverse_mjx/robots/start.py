@@ -75,13 +75,13 @@ def start(robot: RobotSpec, share: float = 1.0) -> Start | None:
     root = model.body(robot.root_body)
     data.joint(root.jntadr[0]).qpos[2] = robot.spawn_height
     feet = {model.geom(name).id for name in robot.foot_geoms}
-    full = np.asarray(command(np.array([robot.max_speed, 0.0])), np.float64)
+    full, still = (np.asarray(command(np.array([v, 0.0])), np.float64) for v in (robot.max_speed, 0.0))
     speed = 0.0
     for step in range(
         -int(_STANDING_TIME / model.opt.timestep), int((DRIVING_TIME + _STOPPING_TIME) / model.opt.timestep)
     ):
         time = step * float(model.opt.timestep)
-        data.ctrl[:] = full if 0.0 <= time < DRIVING_TIME else 0.0
+        data.ctrl[:] = full if 0.0 <= time < DRIVING_TIME else still
         mujoco.mj_step(model, data)
         others = set(data.contact.geom.ravel().tolist()) - feet - {model.geom("_ground").id}
         if others:

@@ -104,6 +104,7 @@ class WheelTable:
         ahead of the axle resists a bend, and servos give a force only by an error of the speed.
       slide: m/s, the same for a tyre that slides straight ahead, at any yaw rate above `SLIDE_RATE`; one that slides
         aslant needs its share.
+      held: index and command (rad) of each actuator that keeps its pose, as of legs that carry the wheels.
     """
 
     wheels: tuple[Wheel, ...]
@@ -116,6 +117,7 @@ class WheelTable:
     lateral: float = math.inf
     bend: float = 0.0
     slide: float = 0.0
+    held: tuple[tuple[int, float], ...] = ()
 
     @property
     def motors(self) -> tuple[int, ...]:
@@ -138,6 +140,9 @@ class WheelTable:
             omega = jnp.clip(omega / jnp.maximum(v, STANDSTILL), -self.curvature, self.curvature)
             v, scale = 1.0, v
         commands = jnp.zeros(self.size)
+        if self.held:
+            actuators, angles = zip(*self.held, strict=True)
+            commands = commands.at[np.array(actuators)].set(jnp.array(angles))
         for wheel in self.wheels:
             ahead, aside = v - omega * wheel.y, omega * (wheel.x - self.axle)
             if wheel.steer is not None:

@@ -1,6 +1,7 @@
 """Configurations of the locomotion task: `joystick_config(preset)` returns a new, locked `ConfigDict`.
 
-docs/decisions/go2.md lists the public task from which each number is taken, and the differences.
+docs/decisions/go2.md lists the public task from which each number of the Go2's task is taken, and the differences. Other
+robots have its task with their own sizes (`legged_joystick_config`).
 """
 
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 from ml_collections import ConfigDict
 
 from ...datatypes import ValidationError
+from ...robots import legged
 
 JOYSTICK_PRESETS = ("fast", "cpu")
 
@@ -131,3 +133,48 @@ def joystick_config(preset: str = "fast") -> ConfigDict:
     if preset not in makers:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(JOYSTICK_PRESETS)}.")
     return makers[preset]().lock()
+
+
+#: kg m, mass times height in the standing pose of the Go2: torques of another robot grow like its own.
+_GO2_SIZE = 15.2 * 0.33
+#: Terms of a robot on two legs that differ from the Go2's: upright, high, with one foot in the air at a time. Tilt,
+#: height: unitree_rl_gym's G1; single_stance: isaaclab's feet_air_time_positive_biped, 0.75 on level ground.
+_BIPED_SCALES = {"tilt": -1.0, "trunk_height": -10.0, "air_time": 0.0, "single_stance": 0.75, "touch": -0.5}
+#: Steps and kerbs are for robots with four legs; a blind humanoid meets low ones, slopes and slabs.
+_BIPED_SHARES = {"flat": 0.45, "kerbs": 0.15, "stairs": 0.05, "slopes": 0.15, "rough": 0.2}
+
+
+def legged_joystick_config(robot: str, preset: str = "fast") -> ConfigDict:
+    """The Go2's task of a preset for another robot of `robots.legged`: its own joints, heights, commands and torques.
+
+    Raises:
+      ValidationError: the preset or the robot is unknown, or the robot does not walk.
+    """
+    row = legged.row(robot)
+    if row.walk is None:
+        raise ValidationError(f"robot {robot!r}: found no `walk` in its row, needed a robot that learns a gait.")
+    config, walk, links = joystick_config(preset).unlock(), row.walk, row.links
+    config.robot = robot
+    del config.menagerie
+    config.action_scale = tuple(link.scale for link in links)
+    config.lowest = walk.lowest
+    top = row.max_speed
+    config.command |= {
+        "linear_x": walk.forward,
+        "linear_y": walk.aside,
+        "angular": walk.turn,
+        "forward_speed": (0.4 * top, top),
+        "forward_angular": (0.3 * walk.turn[0], 0.3 * walk.turn[1]),
+    }
+    rewards = config.reward_config
+    rewards.foot_clearance, rewards.trunk_height = walk.clearance, walk.height
+    rewards.motor_speed = tuple(link.speed for link in links)
+    rewards.pose_weights = tuple(link.pose for link in links)
+    rewards.scales.torque *= (_GO2_SIZE / (row.mass * row.spawn)) ** 2
+    if len(row.legs) == 2:
+        rewards.scales = ConfigDict({**rewards.scales.to_dict(), **_BIPED_SCALES})
+        if preset != "cpu":
+            config.terrain.shares = ConfigDict(_BIPED_SHARES)
+        # Both soles of four spheres each, and knees and hands of one that falls.
+        config.engine.num_contacts = 16
+    return config.lock()

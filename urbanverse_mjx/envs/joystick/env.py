@@ -25,7 +25,7 @@ from .terms import CONTACT_FORCE, Motion, terms
 
 #: z component of the world's up axis in the body frame below which a robot counts as fallen (72 degrees).
 _MIN_UP = 0.3
-#: m, height of the trunk above the ground below which a robot counts as fallen.
+#: m, height of the trunk above the ground below which a robot counts as fallen, unless its config has another.
 _MIN_TRUNK_HEIGHT = 0.12
 #: m/s or rad/s; higher speeds mean that the simulation diverged (the fastest motor turns at 30 rad/s).
 _MAX_SPEED = 1e3
@@ -100,6 +100,7 @@ class JoystickEnv(StagedBase[GaitState]):
     def __init__(self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Simulator) -> None:
         self._config, self.bank, self.robot, self.engine = config, bank, robot, engine
         self._legs = Legs(robot, tuple(config.action_scale))
+        self._lowest = float(config.get("lowest", _MIN_TRUNK_HEIGHT))
         self._heights = GroundHeights(bank)
         self._levels = TerrainLevels(bank, config.terrain)
         self.scenes = np.unique(self._levels.scenes).astype(np.int32)
@@ -271,7 +272,7 @@ class JoystickEnv(StagedBase[GaitState]):
         legs = self._legs
         quaternion, feet = sim.xquat[legs.root], legs.feet(sim)
         under, up = self._heights(sim.scene, feet[:, :2]), -felt_gravity(jnp, quaternion)
-        contact = sim.contacts.foot_force > CONTACT_FORCE
+        contact = legs.foot_force(sim) > CONTACT_FORCE
         speed = sim.qvel[6:]
         return Motion(
             linear=jnp.append(to_body(sim.qvel[:2], rotations.yaw_of(quaternion)), sim.qvel[2]),
@@ -290,7 +291,7 @@ class JoystickEnv(StagedBase[GaitState]):
             touch=sim.contacts.hit_fraction,
             action=action,
             last_action=gait.action,
-            fell=(up[2] < _MIN_UP) | (sim.xpos[legs.root, 2] - under.min() < _MIN_TRUNK_HEIGHT),
+            fell=(up[2] < _MIN_UP) | (sim.xpos[legs.root, 2] - under.min() < self._lowest),
             command=gait.command,
         )
 
@@ -316,7 +317,7 @@ class JoystickEnv(StagedBase[GaitState]):
             sensor_frame(jnp, sensed[:3], sensed[3:6], bend, sensed[6 + n :], gait.command, gait.action),
             to_body(sim.qvel[:2], yaw),
             sim.qvel[2:3],
-            _FORCE_SCALE * sim.contacts.foot_force,
+            _FORCE_SCALE * legs.foot_force(sim),
             10.0 * soles,
             gait.air_time,
             5.0 * jnp.clip(position[2] - around - self.robot.spawn_height, -1.0, 1.0),

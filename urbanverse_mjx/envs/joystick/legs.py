@@ -12,8 +12,10 @@ from ...geometry import rotations
 class Legs:
     """Data of a robot's model for the env: joints, servos and feet, all constant arrays.
 
+    A foot is a body with one or more of the robot's foot spheres, each foot with as many.
+
     Raises:
-      ValidationError: the actuators are not position servos, one per joint in order.
+      ValidationError: the actuators are not position servos, one per joint in order, or feet differ.
     """
 
     def __init__(self, robot: RobotSpec, scale: tuple[float, ...]) -> None:
@@ -33,17 +35,30 @@ class Legs:
         self.max_torque = jnp.asarray(model.actuator_forcerange[:, 1], jnp.float32)
         self.scale = jnp.tile(jnp.array(scale, jnp.float32), model.nu // len(scale))
         feet = [model.geom(name) for name in robot.foot_geoms]
-        self.foot_body = np.array([g.bodyid[0] for g in feet])
-        self.foot_place = jnp.asarray(np.array([g.pos for g in feet]), jnp.float32)
-        self.sole = jnp.asarray(np.array([g.size[0] for g in feet]), jnp.float32)
+        bodies = np.array([g.bodyid[0] for g in feet])
+        self.foot_body, count = np.unique(bodies, return_counts=True)
+        if len(set(count)) != 1:
+            raise ValidationError(
+                f"robot {robot.name!r}: found feet of {', '.join(map(str, sorted(set(count))))} spheres, needed as "
+                "many in each."
+            )
+        #: (F, G) rows of `foot_geoms`, the spheres of each foot.
+        self.spheres = np.array([np.flatnonzero(bodies == body) for body in self.foot_body])
+        places = np.array([g.pos for g in feet])[self.spheres].mean(1)
+        self.foot_place = jnp.asarray(places, jnp.float32)
+        self.sole = jnp.asarray(np.array([g.size[0] for g in feet])[self.spheres].mean(1), jnp.float32)
 
     @property
     def number(self) -> int:
         return self.model.nu
 
     def feet(self, sim: SimState) -> Float[Array, "F 3"]:
-        """(F, 3) m, centres of the feet."""
+        """(F, 3) m, centres of the feet: the means of their spheres' middles."""
         return sim.xpos[self.foot_body] + rotations.rotate(sim.xquat[self.foot_body], self.foot_place)
+
+    def foot_force(self, sim: SimState) -> Float[Array, " F"]:
+        """(F,) N, contact forces of the feet: the sums of their spheres'."""
+        return sim.contacts.foot_force[..., self.spheres].sum(-1)
 
     def torque(
         self, ctrl: Float[Array, " J"], qpos: Float[Array, " nq"], qvel: Float[Array, " nv"]

@@ -15,7 +15,8 @@ CONTACT_FORCE = 1.0
 STANDING_COMMAND = 0.1
 #: s; shorter steps than the first are penalised, longer ones than the second have no additional reward.
 MIN_STEP_TIME, MAX_STEP_TIME = 0.2, 0.5
-#: Weights of a leg's deviations from the standing pose (Playground: 1, 1, 0.1; the thigh's is lower here, for kerbs).
+#: Weights of a leg's deviations from the standing pose (Playground: 1, 1, 0.1; the thigh's is lower here, for kerbs),
+#: unless the config has others.
 POSE_WEIGHTS = (1.0, 0.2, 0.1)
 #: Share of a joint's range without a penalty.
 SOFT_RANGE_SHARE = 0.95
@@ -77,7 +78,8 @@ def terms(
     """The unweighted terms by name; stand (J,) rad, limits (J, 2) rad, `config` is the env's reward_config."""
     moving = is_moving(m.command)
     deviation = m.joints - stand
-    weights = jnp.tile(jnp.array(POSE_WEIGHTS), len(stand) // len(POSE_WEIGHTS))
+    pose_weights = config.get("pose_weights", POSE_WEIGHTS)
+    weights = jnp.tile(jnp.array(pose_weights), len(stand) // len(pose_weights))
     middle, half = limits.mean(1), 0.5 * (limits[:, 1] - limits[:, 0])
     beyond = jnp.maximum(jnp.abs(m.joints - middle) - SOFT_RANGE_SHARE * half, 0.0)
     fastest = jnp.tile(jnp.array(config.motor_speed), len(stand) // len(config.motor_speed))
@@ -86,6 +88,7 @@ def terms(
     low = jnp.maximum(config.foot_clearance - m.foot_height, 0.0)
     step = jnp.minimum(m.air_time, MAX_STEP_TIME) - MIN_STEP_TIME
     contact = m.contact.astype(jnp.float32)
+    lifted = jnp.minimum(jnp.max(m.air_time * (1.0 - contact)), MAX_STEP_TIME)
     return {
         "track_linear": jnp.exp(-jnp.sum(error**2) / config.tracking_width),
         "track_angular": jnp.exp(-((m.command[2] - m.angular[2]) ** 2) / config.tracking_width),
@@ -103,6 +106,8 @@ def terms(
         "foot_clearance": jnp.sum(low * m.foot_speed) * moving,
         "foot_slip": jnp.sum(contact * m.foot_speed**2),
         "air_time": jnp.sum(step * m.landed) * moving,
+        # Of two feet: time of a step on the other one (isaaclab's biped term, without the time of the stance).
+        "single_stance": lifted * (jnp.sum(contact) == 1.0) * moving,
         "touch": m.touch,
         "fall": m.fell.astype(jnp.float32),
     }

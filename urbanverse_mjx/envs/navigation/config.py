@@ -9,7 +9,7 @@ from typing import Any
 from ml_collections import ConfigDict
 
 from ...datatypes import ValidationError
-from ...robots import catalogue
+from ...robots import catalogue, legged
 from .draws import OFF
 
 
@@ -254,6 +254,21 @@ def go2_nav_config(preset: str = "paper") -> ConfigDict:
     config.gait = ""  # a file of `urbanverse export-gait`; "" = the one that ships with the package
     config.menagerie = ""  # folder unitree_go2 of mujoco_menagerie; "" = the built-in model
     config.sim_dt = 0.005  # as in the training of the gait
+    return config.lock()
+
+
+def legged_nav_config(robot: str, preset: str = "paper") -> ConfigDict:
+    """COCO's task of a preset for a robot of `robots.legged`, which walks by its gait or drives on its wheels.
+
+    Raises:
+      ValidationError: the preset or the robot is unknown.
+    """
+    walks = legged.row(robot).drive == "gait"
+    config = go2_nav_config(preset) if walks else ConfigDict(default_config(preset).to_dict())
+    with config.unlocked():
+        for key in ("menagerie",) if walks else ("drive",):
+            del config[key]
+        config.robot, config.sim_dt = robot, legged.PHYSICS_TIMESTEP
     return config.lock()
 
 

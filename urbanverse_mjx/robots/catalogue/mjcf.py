@@ -134,13 +134,20 @@ def chassis(row: Row) -> tuple[float, np.ndarray, np.ndarray]:
 
 def motor_inertia(row: Row) -> float:
     """Inertia of the motors by that of the robot at its wheels."""
-    return _SKID_INERTIA if row.drive == "skid" else _MOTOR_INERTIA
+    if row.drive != "skid":
+        return _MOTOR_INERTIA
+    if not row.acceleration:
+        return _SKID_INERTIA
+    # Such that motors which hold tyres that slide in a turn on the spot accelerate the robot by no more.
+    wheel = row.driven[0]
+    along, across = (factor_of(row) - 1.0) * wheel.y, abs(wheel.x - row.axle)
+    return along / math.hypot(along, across) * _GRAVITY / row.acceleration - 1.0
 
 
 def acceleration(row: Row) -> float:
     """m/s², the largest at a start or stop."""
     if row.drive == "skid":  # a motor holds a wheel on ground with the friction 1
-        return _GRAVITY / (1.0 + _SKID_INERTIA)
+        return row.acceleration or _GRAVITY / (1.0 + _SKID_INERTIA)
     (x, z), ends = row.centre, [wheel.x for wheel in row.wheels]
     return min(_ACCELERATION, _TIP_SHARE * _GRAVITY * min(max(ends) - x, x - min(ends)) / z)
 

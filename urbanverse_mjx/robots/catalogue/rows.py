@@ -85,6 +85,7 @@ class Row:
       lateral: m/s², largest sideways acceleration, above which it slows down in bends.
       wheels: see `WheelRow`.
       source: where which numbers are published. typical: the others, and why they are what they are.
+      acceleration: m/s², the largest of a robot on soft legs (`robots.legged`) with skid steering; 0 for a rigid one.
     """
 
     name: str
@@ -106,6 +107,7 @@ class Row:
     rider: tuple[float, ...] | None = None
     lateral: float = math.inf
     camera: tuple[float, ...] | None = None
+    acceleration: float = 0.0
 
     @property
     def max_speed(self) -> float:

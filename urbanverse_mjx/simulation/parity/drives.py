@@ -234,7 +234,7 @@ def mixed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, cont
     """
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     scene = (np.arange(count) % bank.num_scenes).astype(np.int32)
-    qpos = np.tile(model.qpos0.astype(np.float32), (count, 1))
+    qpos = np.tile(_at_rest(model), (count, 1))
     command = np.zeros((steps, count, 2), np.float32)
     time, names = np.arange(steps) * control_dt, []
     streets = [_street(bank, z) for z in range(min(bank.num_scenes, count))]
@@ -267,7 +267,7 @@ def aimed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, cont
     rng = np.random.default_rng(seed)
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
     scene = (np.arange(count) % bank.num_scenes).astype(np.int32)
-    qpos = np.tile(model.qpos0.astype(np.float32), (count, 1))
+    qpos = np.tile(_at_rest(model), (count, 1))
     command = np.zeros((steps, count, 2), np.float32)
     time = np.arange(steps) * control_dt
     for i in range(count):
@@ -279,6 +279,11 @@ def aimed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, cont
             rng.uniform(0, 0.5) * robot.max_yaw_rate * np.sin(rng.uniform(1, 3) * time + rng.uniform(0, 6))
         )
     return Drives(scene, qpos, _commands(robot, command), ("aimed",) * count)
+
+
+def _at_rest(model: mujoco.MjModel) -> np.ndarray:
+    """(nq,) f32, the first keyframe, or the initial pose of the MJCF."""
+    return (model.key_qpos[0] if model.nkey else model.qpos0).astype(np.float32)
 
 
 def _commands(robot: RobotSpec, velocity: np.ndarray) -> np.ndarray:
