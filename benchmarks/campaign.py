@@ -612,11 +612,14 @@ def chosen(args: argparse.Namespace) -> list[Job]:
     if banks in files:
         words = ("-m", "benchmarks.image_streets", "--out", str(args.out / IMAGE_STREETS))
         prepares.append(Job(f"prepare-{IMAGE_STREETS}", words, (store,), banks))
+    if settings.terrain_bank_path() in files:
+        code = "from urbanverse_mjx.pipeline.banks import ensure_terrain_bank; ensure_terrain_bank()"
+        prepares.append(Job("terrain", ("-c", code), (), settings.terrain_bank_path()))
     # UrbanVerse-160 first: packing its bank takes minutes of one process, beside which the others are built.
     sets = ("urbanverse160", "craftbench", "autobench", "validation", "procedural", "places")
     code = "import sys; from urbanverse_mjx import pipeline; sys.exit(not pipeline.build_library({!r}, quiet=False).ok)"
     builds = [Job(f"scenes-{x}", ("-c", code.format(x)), (store,), bank(x)) for x in sets if bank(x) in files]
-    if prepares or any(not job.gives.exists() for job in builds):
+    if any(store in job.needs for job in prepares) or any(not job.gives.exists() for job in builds):
         make = "from urbanverse_mjx.assets.records.store import ensure_store; ensure_store()"
         builds.insert(0, Job("catalogue", ("-c", make), (), store))
     return builds + halves + prepares + wanted

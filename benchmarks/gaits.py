@@ -3,10 +3,10 @@
     python -m benchmarks.gaits train --robot b2 --steps 300000000 --seed 0 --out runs/gait-b2
     python -m benchmarks.gaits ship runs/gait-b2/result.json
 
-`train` needs the bank of `urbanverse scene terrain`, trains the robot's joystick environment by PPO (the Go2's settings,
-a smaller network), exports the newest policy to OUT/gait.npz, runs the trials of `benchmarks.go2_gait` in small numbers
-and writes OUT/result.json. `ship` copies a gait into the package, where `robots.gait_of` finds it and the robot's
-navigation environment is registered (B2Nav). benchmarks.campaign runs `train` for all robots: `--rows "gait-*"`.
+`train` trains the robot's joystick environment by PPO (the Go2's settings, a smaller network), exports the newest
+policy to OUT/gait.npz, runs the trials of `benchmarks.go2_gait` in small numbers and writes OUT/result.json. `ship`
+copies a gait into the package, where `robots.gait_of` finds it and the robot's navigation environment is registered
+(B2Nav). benchmarks.campaign runs `train` for all robots: `--rows "gait-*"`.
 """
 
 import argparse

@@ -2,9 +2,10 @@
 
     python -m benchmarks.go2_gait --json
 
-evaluates the shipped gait of the Go2 (or `--gait`, a gait file; `--robot`, another robot with legs) with random commands on level ground (velocity error,
-falls, cost of transport, foot slip, torque, speed and joint limits), full speed ahead, kicks, kerbs up and down by
-height, ramps. One JSON line holds the results and which goals are met; the exit status is 1 if one is not.
+evaluates the shipped gait of the Go2 (or `--gait`, a gait file; `--robot`, of another robot with legs) with random
+commands on level ground (velocity error, falls, cost of transport, foot slip, torque, speed and joint limits), full
+speed ahead, kicks, kerbs up and down by height, ramps. One JSON line holds the results and which goals are met; the
+exit status is 1 if one is not.
 
 Without `--json` it prints two tables: the results with the goals, and with published figures (`lib.gait_published`).
 `--show FILE` prints them for an earlier JSON line. The whole benchmark is 47,000 s of walking, half an hour of one

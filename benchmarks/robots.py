@@ -1,4 +1,4 @@
-"""Drives every robot of the catalogue: on level ground, in engines against C MuJoCo, and by the planner in streets.
+"""Drives the robots on wheels of both tables: on level ground, in engines against C MuJoCo, by the planner in streets.
 
     python -m benchmarks.robots --drive                        # straight, brake, arc, turn: in C MuJoCo
     python -m benchmarks.robots --parity warp jax              # engines against C MuJoCo in box streets
@@ -24,11 +24,12 @@ import numpy as np
 from benchmarks.lib import robot_drives
 from benchmarks.results import replace_rows, with_table
 from urbanverse_mjx.datatypes import ValidationError
-from urbanverse_mjx.robots import catalogue
+from urbanverse_mjx.robots import catalogue, legged
 
 ROOT = pathlib.Path(__file__).parents[1]
 SCORES, PAGE, SHEET = ROOT / "benchmarks/scores/robots.csv", ROOT / "docs/robots.md", ROOT / "docs/robots.jpg"
 MARKS = "<!-- robots: python -m benchmarks.robots --page -->", "<!-- end of robots -->"
+LEGGED = "<!-- legged: python -m benchmarks.robots --page -->", "<!-- end of legged -->"
 MEASURED = "<!-- measured: python -m benchmarks.robots --page -->", "<!-- end of measured -->"
 COLUMNS = ("robot", "what", "figures")
 #: Robots that are no rows of the catalogue, for `--planner`: environment and overrides of its config.
@@ -111,13 +112,33 @@ def robots_text() -> str:
     return "\n".join([*lines, *notes])
 
 
+def legged_text() -> str:
+    """Markdown of the robots with legs, with their sources."""
+    head = ["`robot`", "environments", "what it is", "length x width x height, m", "mass, kg", "joints"]
+    head += ["stands at, m", "commands, m/s and rad/s"]
+    lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
+    notes = ["", "Sources, and what no public source that could be read gives:", ""]
+    for name in legged.NAMES:
+        row = legged.row(name)
+        walks, ships = row.drive == "gait", legged.gait_path(name).is_file()
+        environments = [legged.joystick_name(name)] * walks
+        environments += [catalogue.environment_name(name)] * (ships or not walks)
+        size = " x ".join(f"{x:.2f}" for x in row.size)
+        cells = [f"`{name}`", ", ".join(f"`{x}`" for x in environments), f"{row.title}: {row.kind}", size]
+        joints = str(len(row.joint_names)) + ("" if walks else f" held, {len(row.legs)} wheels")
+        cells += [f"{row.mass:.1f}", joints, f"{row.spawn:.2f}", f"{row.max_speed:g}, {row.max_yaw_rate:g}"]
+        lines.append(f"| {' | '.join(cells)} |")
+        notes.append(f"* `{name}`: {row.source}. Typical: {row.typical}.")
+    return "\n".join([*lines, *notes])
+
+
 def measured_text(path: pathlib.Path = SCORES) -> str:
     """Markdown of what was measured."""
     found = kept(path)
     head = ["robot", "speed, m/s", "brakes in, m", "yaw rate by command", "turning radius, m (kinematic)"]
     head += ["warp, mm", "jax, mm", "planner's success", "ends"]
     lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
-    for name in (*OTHERS, *catalogue.NAMES):
+    for name in (*OTHERS, *robot_drives.DRIVEN):
         row = found.get(name, {})
         drive, planned = row.get("drive"), row.get("planner")
         cells = [f"`{name}`"]
@@ -143,8 +164,9 @@ def measured_text(path: pathlib.Path = SCORES) -> str:
 
 
 def write_page() -> None:
-    """Writes both tables of docs/robots.md."""
+    """Writes the tables of docs/robots.md."""
     page = with_table(PAGE.read_text(encoding="utf-8"), robots_text(), MARKS)
+    page = with_table(page, legged_text(), LEGGED)
     PAGE.write_text(with_table(page, measured_text(), MEASURED), encoding="utf-8")
 
 
@@ -162,18 +184,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--sheet", action="store_true")
     parser.add_argument("--page", action="store_true")
     arguments = parser.parse_args(argv)
-    unknown = set(arguments.robots or ()) - {*catalogue.NAMES, *OTHERS}
+    unknown = set(arguments.robots or ()) - {*robot_drives.DRIVEN, *OTHERS}
     if unknown:
-        raise ValidationError(f"--robots: found {', '.join(sorted(unknown))}, needed names of robots.catalogue.")
+        found, known = ", ".join(sorted(unknown)), ", ".join((*OTHERS, *robot_drives.DRIVEN))
+        raise ValidationError(f"--robots: found {found}, needed names of robots on wheels: {known}.")
     if arguments.episodes < 1:
         parser.error("--episodes must be positive")
-    rows = [name for name in arguments.robots or catalogue.NAMES if name in catalogue.NAMES]
+    rows = [name for name in arguments.robots or robot_drives.DRIVEN if name in robot_drives.DRIVEN]
     for name in rows if arguments.drive else ():
         keep(name, "drive", robot_drives.drive_figures(name))
     for impl in arguments.parity:
         for name in rows:
             keep(name, f"parity_{impl}", robot_drives.parity_figures(name, impl))
-    for name in (arguments.robots or (*OTHERS, *catalogue.NAMES)) if arguments.planner else ():
+    for name in (arguments.robots or (*OTHERS, *robot_drives.DRIVEN)) if arguments.planner else ():
         keep(name, "planner", planner_success(name, arguments.episodes, arguments.impl))
     if arguments.sheet:
         robot_drives.write_sheet(SHEET)

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from urbanverse_mjx.datatypes import RobotSpec
-from urbanverse_mjx.robots import catalogue, gait_of, load, make_coco, make_go2
+from urbanverse_mjx.robots import catalogue, gait_of, legged, load, make_coco
 from urbanverse_mjx.robots.gait import Gait, felt_gravity, sensor_frame
 
 #: Friction of the ground: streets of uniform friction, and the tyres' own, as on streets of materials.
@@ -19,7 +19,9 @@ BENDS, SPOT = ((0.5, 0.3), (0.8, -0.6)), (0.0, 0.8)
 #: s of a drive, and of its end that counts.
 _SECONDS, _END = 5.0, 3.0
 #: Robots on the sheet before those of the catalogue.
-_BEFORE = {"COCO": make_coco, "Go2": make_go2, "wheelchair": lambda: load("wheelchair")}
+_BEFORE = {"COCO": make_coco, "wheelchair": lambda: load("wheelchair")}
+#: Robots that drive on wheels: rows of `robots.catalogue`, and of `robots.legged` whose legs are held.
+DRIVEN = (*catalogue.NAMES, *(name for name in legged.NAMES if legged.row(name).drive != "gait"))
 #: Pixels of an image on the sheet, and images in a row.
 _HEIGHT, _WIDTH, _ROW = 260, 320, 6
 
@@ -29,18 +31,23 @@ def _robot(name: str) -> RobotSpec:
     return load(name)
 
 
+def _balances(name: str) -> bool:
+    return name in catalogue.NAMES and catalogue.row(name).drive == "balance"
+
+
 class LevelGround:
     """A robot in C MuJoCo on a plane."""
 
     def __init__(self, name: str, friction: float = 1.0) -> None:
         self.robot = _robot(name)
-        row = catalogue.row(name)
-        self.gait: Gait | None = gait_of(self.robot) if row.drive == "balance" else None
+        self.gait: Gait | None = gait_of(self.robot) if _balances(name) else None
         spec = mujoco.MjSpec.from_string(self.robot.mjcf)
         plane = spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[60.0, 60.0, 1.0])
         plane.friction[0], plane.contype, plane.conaffinity = friction, 1, 0
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
+        if self.model.nkey:
+            mujoco.mj_resetDataKeyframe(self.model, self.data, 0)
         self.data.qpos[2] = self.robot.spawn_height
         self._feet = {self.model.geom(foot).id for foot in self.robot.foot_geoms} | {self.model.geom("ground").id}
         #: Names of other parts that touched the ground.
@@ -127,7 +134,7 @@ def parity_figures(name: str, impl: str, count: int = 14) -> dict[str, Any]:
     robot, scenes = _robot(name), 2
     models = [c_mujoco.reference_model(scene_spec(scene), robot) for scene in box_scenes(scenes)]
     bank = box_bank(scenes)
-    if catalogue.row(name).drive == "balance":
+    if _balances(name):
         control_dt, drives = gait_of(robot).control_dt, _balanced(name, scenes)
     else:
         control_dt = 0.2
@@ -190,7 +197,8 @@ def write_sheet(path: pathlib.Path) -> None:
     """Writes an image of all robots with their names."""
     from PIL import Image, ImageDraw
 
-    robots = {**{name: make() for name, make in _BEFORE.items()}, **{name: _robot(name) for name in catalogue.NAMES}}
+    robots = {name: make() for name, make in _BEFORE.items()}
+    robots |= {name: _robot(name) for name in (*legged.NAMES, *catalogue.NAMES)}
     tiles = []
     for name, robot in robots.items():
         tile = Image.fromarray(image_of(robot))

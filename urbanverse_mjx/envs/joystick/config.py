@@ -1,7 +1,7 @@
 """Configurations of the locomotion task: `joystick_config(preset)` returns a new, locked `ConfigDict`.
 
-docs/decisions/go2.md lists the public task from which each number of the Go2's task is taken, and the differences. Other
-robots have its task with their own sizes (`legged_joystick_config`).
+docs/decisions/go2.md lists the public task from which each number of the Go2's task is taken, and the differences.
+Other robots have its task with their own sizes (`legged_joystick_config`).
 """
 
 from typing import Any

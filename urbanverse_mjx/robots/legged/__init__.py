@@ -12,8 +12,16 @@ from .mjcf import CAMERA, PHYSICS_TIMESTEP, ROOT, describe, make_mjcf
 from .rows import NAMES, LeggedRow, joystick_name, row
 
 __all__ = [
-    *("CAMERA", "NAMES", "PHYSICS_TIMESTEP", "ROOT", "LeggedRow", "describe", "gait_path", "joystick_name"),
-    *("make_mjcf", "row"),
+    "CAMERA",
+    "NAMES",
+    "PHYSICS_TIMESTEP",
+    "ROOT",
+    "LeggedRow",
+    "describe",
+    "gait_path",
+    "joystick_name",
+    "make_mjcf",
+    "row",
 ]
 
 

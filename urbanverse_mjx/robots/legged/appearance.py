@@ -100,7 +100,11 @@ def _quadruped(row: LeggedRow) -> Looks:
     )
     # The dome of a lidar, where a sphere of the base stands above the trunk.
     tall = [s for s in row.base.spheres if s[2] > high]
-    base += "".join(_disc("rubber", (s[0], s[1], s[2]), 0.95 * s[3], s[3], "0 0 1") for s in tall)
+    base += "".join(
+        _disc("rubber", (s[0], s[1], s[2] - 0.25 * s[3]), 0.75 * s[3], 0.5 * s[3], "0 0 1")
+        + _ball("joint", (s[0], s[1], s[2] + 0.25 * s[3]), (0.72 * s[3], 0.72 * s[3], 0.45 * s[3]))
+        for s in tall
+    )
     out = thigh.at[1]
 
     def leg(left: float) -> Mapping[str, str]:
@@ -154,7 +158,8 @@ def _biped(row: LeggedRow) -> Looks:
             hip_pitch: _disc("joint", (0, 0.03 * left, 0), 0.052, 0.035)
             + _tube("joint", 0.04, (0, 0.03 * left, 0), mirrored[1]),
             hip_roll: _tube("paint", 0.055, (0.0, 0, -0.01), mirrored[2]),
-            hip_yaw: _tube("paint", 0.06, (-0.01, 0, -0.03), (-0.055, 0, -0.13)) + _disc("joint", mirrored[3], 0.055, 0.05),
+            hip_yaw: _tube("paint", 0.06, (-0.01, 0, -0.03), (-0.055, 0, -0.13))
+            + _disc("joint", mirrored[3], 0.055, 0.05),
             knee: _tube("paint", 0.046, (0.005, 0, -0.04), (0.012, 0, -0.12))
             + _tube("paint", 0.036, (0.012, 0, -0.12), (0, 0, -0.27)),
             ankle_pitch: _disc("joint", (0, 0, 0), 0.03, 0.032),

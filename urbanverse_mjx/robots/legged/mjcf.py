@@ -51,7 +51,9 @@ def describe(row: LeggedRow) -> dict[str, Any]:
         {"x": round(float(x), 4), "y": round(float(y), 4), "radius": row.wheel.radius, "motor": f"{leg}_wheel"}
         for leg, (x, y, _) in zip(row.legs, row.ends(), strict=True)
     ]
-    held = {name.removesuffix("_joint"): angle + 0.0 for name, angle in zip(row.joint_names, row.stand_pose, strict=True)}
+    held = {
+        name.removesuffix("_joint"): angle + 0.0 for name, angle in zip(row.joint_names, row.stand_pose, strict=True)
+    }
     drive = {"kind": "wheels", "axle": rover.axle, "skid": factor_of(rover), "slide": slide(rover), "wheels": wheels}
     return described | {"drive": drive | {"held": held}, "response": {"speed_lag": speed, "turn_lag": turn}}
 

@@ -98,8 +98,8 @@ class Foot:
 
 @dataclasses.dataclass(frozen=True)
 class Tyre:
-    """A driven wheel at the end of a leg: its middle in the last link (3,) m, radius and width (m), mass (kg), principal
-    moments of inertia (3,) kg m², friction, and the largest acceleration of the robot (m/s²)."""
+    """A driven wheel at the end of a leg: its middle in the last link (3,) m, radius and width (m), mass (kg),
+    principal moments of inertia (3,) kg m², friction, and the largest acceleration of the robot (m/s²)."""
 
     at: _Vector
     radius: float
@@ -148,7 +148,8 @@ class LeggedRow:
       size: (3,) m, length, width, height.
       camera: see `Camera`.
       spawn: m, the base's origin above level ground in the standing pose.
-      top_speed: m/s, of commands to a gait or of the wheels, at most `PAVEMENT_SPEED` of it is used. max_yaw_rate: rad/s.
+      top_speed: m/s, of commands to a gait or of the wheels, at most `PAVEMENT_SPEED` of it is used.
+      max_yaw_rate: rad/s.
       step: m, the highest step for which routes are planned.
       mount: (3,) m, of the first joint of the front left leg in the base; x = 0 for a pair of legs.
       base, links: see `Solid`, `Link`.
