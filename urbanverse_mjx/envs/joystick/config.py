@@ -159,13 +159,15 @@ def legged_joystick_config(robot: str, preset: str = "fast") -> ConfigDict:
     config.action_scale = tuple(link.scale for link in links)
     config.lowest = walk.lowest
     top = row.max_speed
-    config.command |= {
-        "linear_x": walk.forward,
-        "linear_y": walk.aside,
-        "angular": walk.turn,
-        "forward_speed": (0.4 * top, top),
-        "forward_angular": (0.3 * walk.turn[0], 0.3 * walk.turn[1]),
-    }
+    config.command.update(
+        {
+            "linear_x": walk.forward,
+            "linear_y": walk.aside,
+            "angular": walk.turn,
+            "forward_speed": (0.4 * top, top),
+            "forward_angular": (0.3 * walk.turn[0], 0.3 * walk.turn[1]),
+        }
+    )
     rewards = config.reward_config
     rewards.foot_clearance, rewards.trunk_height = walk.clearance, walk.height
     rewards.motor_speed = tuple(link.speed for link in links)

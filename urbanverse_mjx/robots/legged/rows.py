@@ -285,13 +285,14 @@ def _row(name: str, table: Any) -> LeggedRow:
         raise v.fail(where, f"{found} for the drive {drive!r}", f"a {wanted} alone")
     links = tuple(_link(x, f"{where}.links[{i}]") for i, x in enumerate(v.items(m["links"], f"{where}.links", 1)))
     camera = v.mapping(m["camera"], f"{where}.camera", ("at", "pitch", "fovy"))
+    plain: dict[str, Any] = {key: v.text(m[key], f"{where}.{key}") for key in ("title", "kind", "source", "typical")}
+    plain |= {key: v.vector(m[key], f"{where}.{key}", 3) for key in ("paint", "size", "mount")}
+    plain |= {key: v.number(m[key], f"{where}.{key}", above=0.0) for key in ("top_speed", "max_yaw_rate", "step")}
     return LeggedRow(
         name=name,
-        **{key: v.text(m[key], f"{where}.{key}") for key in ("title", "kind", "source", "typical")},
+        **plain,
         drive=drive,
         style=v.choice(m["style"], f"{where}.style", STYLES),
-        **{key: v.vector(m[key], f"{where}.{key}", 3) for key in ("paint", "size", "mount")},
-        **{key: v.number(m[key], f"{where}.{key}", above=0.0) for key in ("top_speed", "max_yaw_rate", "step")},
         camera=Camera(
             v.vector(camera["at"], f"{where}.camera.at", 3),
             v.number(camera["pitch"], f"{where}.camera.pitch"),
@@ -361,15 +362,17 @@ def _foot(table: Any, where: str) -> Foot:
 def _wheel(table: Any, where: str) -> Tyre:
     m = v.mapping(table, where, ("at", "radius", "width", "mass", "inertia", "friction", "acceleration"))
     positive = ("radius", "width", "mass", "friction", "acceleration")
-    numbers = {key: v.number(m[key], f"{where}.{key}", above=0.0) for key in positive}
-    return Tyre(**{key: v.vector(m[key], f"{where}.{key}", 3) for key in ("at", "inertia")}, **numbers)
+    parts: dict[str, Any] = {key: v.number(m[key], f"{where}.{key}", above=0.0) for key in positive}
+    parts |= {key: v.vector(m[key], f"{where}.{key}", 3) for key in ("at", "inertia")}
+    return Tyre(**parts)
 
 
 def _walk(table: Any, where: str) -> Walk:
     spans = ("forward", "aside", "turn")
     m = v.mapping(table, where, ("height", "lowest", "clearance", *spans))
-    numbers = {key: v.number(m[key], f"{where}.{key}", above=0.0) for key in ("height", "lowest", "clearance")}
-    return Walk(**numbers, **{key: v.vector(m[key], f"{where}.{key}", 2) for key in spans})
+    parts: dict[str, Any] = {key: v.vector(m[key], f"{where}.{key}", 2) for key in spans}
+    parts |= {key: v.number(m[key], f"{where}.{key}", above=0.0) for key in ("height", "lowest", "clearance")}
+    return Walk(**parts)
 
 
 @functools.cache
