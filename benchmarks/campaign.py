@@ -530,6 +530,7 @@ def _gaits(args: argparse.Namespace) -> Iterator[Job]:
     for seed in args.seeds:
         for robot in gaits.ROBOTS:
             words = ["benchmarks.gaits", "train", "--robot", robot, "--steps", args.gait_steps, "--seed", seed]
+            words += ["--preset", args.gait_preset]
             words += ["--processes", args.gait_processes, "--trials", args.gait_trials]
             yield _job(args, f"gait-{robot}-{seed}", [*words, "--env"], (), GAIT, (), settings.terrain_bank_path())
 
@@ -759,6 +760,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--task-steps", type=int, default=20_000_000, help="env-steps of a task's teacher")
     cli.add_argument("--embodiment-steps", type=int, default=1_400_000, help="env-steps of each robot of embodiment-*")
     cli.add_argument("--gait-steps", type=int, default=300_000_000, help="env-steps of gait-*")
+    cli.add_argument("--gait-preset", default="fast", help="of the training and the environment of gait-*")
     cli.add_argument("--gait-trials", type=int, default=100, help="trials of each kind of gait-*")
     cli.add_argument("--gait-processes", type=int, default=4, help="that judge a gait of gait-*")
     cli.add_argument("--imitation", type=int, default=320, help="iterations of a student")

@@ -10,7 +10,7 @@ import types
 
 import pytest
 
-from benchmarks import campaign, embodiment, generalise, scaling, tasks
+from benchmarks import campaign, embodiment, gaits, generalise, scaling, tasks
 from benchmarks.campaign import Campaign, Job
 from benchmarks.lib.unseen import named_scenes, parsed_options
 from urbanverse_mjx.envs import registry
@@ -272,6 +272,7 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
     scripts["benchmarks.image_streets"] = image_streets.arguments
     scripts["benchmarks.tasks"] = tasks.arguments
     scripts["benchmarks.embodiment"] = embodiment.arguments
+    scripts["benchmarks.gaits"] = gaits.arguments
     parsed = []
     for job in campaign.chosen(_args(tmp_path)):
         if job.command[0] == "-m":
@@ -286,7 +287,7 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
 
 def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
     by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (2 * 12 + 2) + 12 + 2 + 2 * len(tasks.TASKS)
-    by_seed += 2 + 2 * len(embodiment.TRAINED) + len(embodiment.HELD_OUT)
+    by_seed += 2 + 2 * len(embodiment.TRAINED) + len(embodiment.HELD_OUT) + len(gaits.ROBOTS)
     assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2 + 1
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
     assert scaled.scenes == scaling.subset("layouts", 8, 2)
@@ -298,8 +299,14 @@ def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Nam
     assert scaled.env == ["vision_config.height=54", "vision_config.width=96", *light]
     # Those of street tuning take the same conditions by themselves; others are not judged on CraftBench.
     assert all(
-        args.env[-2:] == light for args in parsed if "env" in args and not {"stage", "task", "untold"} & set(vars(args))
+        args.env[-2:] == light
+        for args in parsed
+        if "env" in args and not {"stage", "task", "untold", "actor"} & set(vars(args))
     )
+    walks = {args.out.name: args for args in parsed if "actor" in args}
+    assert set(walks) == {f"gait-{robot}-{seed}" for robot in ("mini_cheetah", "b2", "g1") for seed in (0, 1, 2)}
+    assert (walks["gait-b2-1"].robot, walks["gait-b2-1"].seed, walks["gait-b2-1"].preset) == ("b2", 1, "fast")
+    assert {args.steps for args in walks.values()} == {300_000_000}
     arms = {args.out.name: args for args in parsed if "-arm-" in args.out.name}
     assert all([path.parent.name for path in args.test] == ["validation"] for args in arms.values())
     for name in ("streets-both-0", "teacher-0", "student-0"):

@@ -91,7 +91,7 @@ def test_joints_and_motors(model: mujoco.MjModel) -> None:
         np.testing.assert_allclose(motor.ctrlrange, RANGES[joint][leg[0]])
         assert motor.gainprm[0] == 40.0
         np.testing.assert_allclose(motor.biasprm[:3], (0.0, -40.0, 0.0))
-        assert go2_body.MOTORS[joint].speed == (15.7 if joint == "calf" else 30.1)
+        assert go2_body.ROW.motor_speeds[i] == (15.7 if joint == "calf" else 30.1)
 
 
 def test_legs_are_as_long_and_stand_where_they_should(model: mujoco.MjModel) -> None:

@@ -131,7 +131,8 @@ def _file_of(source: str | os.PathLike[str]) -> pathlib.Path:
     path = pathlib.Path(source).expanduser()
     path = path / FILE if path.is_dir() else path
     if not path.is_file():
-        known = f"coco, {', '.join((*SHIPPED, *legged.NAMES, *catalogue.NAMES))}"
+        legs = (name for name in legged.NAMES if name != "go2")
+        known = f"coco, go2, {', '.join((*SHIPPED, *catalogue.NAMES, *legs))}"
         needed = f"{known}, or a {FILE} or its folder"
         raise v.fail("robot", v.show(os.fspath(source)), needed, "see docs/robots.md and docs/tutorials/own_robot.md")
     return path.absolute()

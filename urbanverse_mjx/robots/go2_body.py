@@ -8,6 +8,7 @@ from . import legged
 ROW = legged.row("go2")
 #: Leg name -> (+1 front, -1 rear), (+1 left, -1 right).
 LEGS = ROW.legs
+JOINTS = tuple(link.name for link in ROW.links)
 JOINT_NAMES, FOOT_NAMES = ROW.joint_names, ROW.foot_names
 #: m, of the first joint in the trunk, and from there to the thigh's; lengths of thigh and calf; radius of a foot.
 HIP_X, HIP_Y, _ = ROW.mount
