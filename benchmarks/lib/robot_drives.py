@@ -23,7 +23,7 @@ _BEFORE = {"COCO": make_coco, "wheelchair": lambda: load("wheelchair")}
 #: Robots that drive on wheels: rows of `robots.catalogue`, and of `robots.legged` whose legs are held.
 DRIVEN = (*catalogue.NAMES, *(name for name in legged.NAMES if legged.row(name).drive != "gait"))
 #: Pixels of an image on the sheet, and images in a row.
-_HEIGHT, _WIDTH, _ROW = 225, 275, 7
+_HEIGHT, _WIDTH, _ROW = 200, 240, 7
 
 
 @functools.cache
@@ -206,4 +206,4 @@ def write_sheet(path: pathlib.Path) -> None:
         tiles.append(np.asarray(tile))
     tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % _ROW)
     rows = [np.concatenate(tiles[k : k + _ROW], 1) for k in range(0, len(tiles), _ROW)]
-    Image.fromarray(np.concatenate(rows)).save(path, quality=74)
+    Image.fromarray(np.concatenate(rows)).save(path, quality=68)
