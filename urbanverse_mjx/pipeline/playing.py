@@ -207,9 +207,10 @@ def _finest_step(config: "ConfigDict") -> float:
     """s, what control steps of a config are whole multiples of: the gait's own step, or the simulation's."""
     if "gait" not in config:
         return config.sim_dt
-    from ..robots.go2 import load_gait
+    from ..envs.robot import make_robot
+    from ..robots import gait_of
 
-    return load_gait(config.gait or None).control_dt
+    return gait_of(make_robot(config), config.gait or None).control_dt
 
 
 def _steps_held(fps: float | None, control_period: float, finest: float) -> int:
