@@ -206,4 +206,4 @@ def write_sheet(path: pathlib.Path) -> None:
         tiles.append(np.asarray(tile))
     tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % _ROW)
     rows = [np.concatenate(tiles[k : k + _ROW], 1) for k in range(0, len(tiles), _ROW)]
-    Image.fromarray(np.concatenate(rows)).save(path, quality=68)
+    Image.fromarray(np.concatenate(rows)).save(path, quality=58)
