@@ -252,7 +252,7 @@ def test_the_wanderer_follows_the_route_until_it_sees_the_object(env: NavEnv, be
     """It drives to what it sees, else to 3.5 m ahead on its route; it stops within reach, or where the route ends."""
     agent, nav = ObjectWanderer(env), one(begun)
     route = jnp.array([[10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [10.0, 10.0, 0.0]])
-    thing = jnp.array([3.0, 4.0])
+    aim = jnp.array([3.0, 4.0])
     agent.towards = lambda nav, place: place  # type: ignore[method-assign]
     reach = float(env.task.reach)  # type: ignore[attr-defined]
     asked = []
@@ -268,7 +268,7 @@ def test_the_wanderer_follows_the_route_until_it_sees_the_object(env: NavEnv, be
         ((10.0, 9.1), True, False, 9.0, (3.0, 4.0)),
     ):
         agent._task = types.SimpleNamespace(  # type: ignore[assignment]
-            reach=reach, in_view=lambda nav, far, sees=sees: asked.append(far) or (jnp.bool_(sees), thing)
+            reach=reach, in_view=lambda nav, far, sees=sees: asked.append(far) or (jnp.bool_(sees), aim)
         )
         state = nav.task._replace(reached=jnp.bool_(reached), distance=jnp.float32(distance))
         sim = nav.sim._replace(xpos=nav.sim.xpos.at[agent._root, :2].set(jnp.array(at)))
