@@ -255,6 +255,7 @@ def test_its_acceleration_keeps_it_on_all_wheels() -> None:
     assert least[3.0] > 15.0
 
 
+@pytest.mark.extended
 def test_an_engine_drives_it_as_c_mujoco_does() -> None:
     found = parity_figures("go2w", "warp", 6)
     assert found["before_contact_max_mm"] <= 2.0, found

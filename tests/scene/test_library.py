@@ -250,7 +250,11 @@ def test_a_set_with_the_regional_look_is_built(monkeypatch: pytest.MonkeyPatch, 
 def test_only_the_second_versions_ask_for_objects_that_stand(monkeypatch: pytest.MonkeyPatch) -> None:
     """The others are frozen, and policies were chosen on them."""
     known = library.sets()
-    assert {name for name, scenes in known.items() if scenes.standing} == {"autobench_v2", "craftbench_v2"}
+    assert {name for name, scenes in known.items() if scenes.standing} == {
+        "autobench_v2",
+        "craftbench_v2",
+        "validation_v2",
+    }
     asked = []
     monkeypatch.setattr(
         "urbanverse_mjx.materialisation.materialise_cousins", lambda *_, **more: asked.append(more["standing"]) or []

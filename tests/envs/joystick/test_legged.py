@@ -88,6 +88,7 @@ def test_single_stance_rewards_one_foot_in_the_air() -> None:
     assert reward((True, False), (0.0, 0.3), (0.0, 0.0, 0.0)) == 0.0
 
 
+@pytest.mark.extended
 def test_a_humanoid_stands_on_its_soles_and_falls_without_a_gait() -> None:
     env = load_env("g1")
     reset, step = jax.jit(jax.vmap(env.reset)), jax.jit(jax.vmap(env.step))

@@ -97,6 +97,7 @@ class Drawn:
         return script._replace(x=script.x - START[0], y=script.y - START[1])
 
 
+@pytest.mark.extended
 def test_places_and_chances_of_encounters() -> None:
     """On 30 m along x. Those who cross need 2.5 m at 1.34 m/s, in which a robot covers 2.2 m; 1 to 3 m before it."""
     drawn = Drawn(dict.fromkeys(encounters.ENCOUNTERS, 0.3))
@@ -126,6 +127,7 @@ def test_places_and_chances_of_encounters() -> None:
     assert (drawn((30.0, 0.0), free=0.375).mode != ROAM).any()
 
 
+@pytest.mark.extended
 def test_encounters_keep_apart_from_the_robot_and_each_other() -> None:
     """On a route that comes back to its start after 9 m."""
     script = Drawn(dict.fromkeys(encounters.ENCOUNTERS, 1.0))((4.0, 0.0), (4.0, 1.0), (-5.0, 1.0))
