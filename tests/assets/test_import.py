@@ -39,6 +39,7 @@ def street(tmp_path_factory: pytest.TempPathFactory):
     patch.undo()
 
 
+@pytest.mark.extended
 def test_every_good_file_is_imported(street) -> None:
     _, _, good, _, entries = street
     assert len(good) >= 20

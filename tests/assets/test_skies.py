@@ -24,6 +24,7 @@ def irradiance_on_the_ground(sky: skies.Sky) -> tuple[np.ndarray, np.ndarray]:
     return (sky.radiance * weight[..., None]).sum((0, 1)), sky.sun_irradiance * sky.sun_direction[2]
 
 
+@pytest.mark.extended
 def test_there_are_enough_and_they_differ() -> None:
     ids = skies.sky_ids()
     assert len(ids) >= 8

@@ -241,6 +241,7 @@ def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: py
         campaign.chosen(_args(tmp_path, "--rows", "papers-x"))
 
 
+@pytest.mark.extended
 def test_all_needs_are_given_by_jobs_of_all_rows(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     jobs = campaign.chosen(_args(tmp_path))
@@ -363,6 +364,7 @@ def test_students_are_trained_as_by_the_preset_and_without_its_variation(parsed:
         assert trained[f"{prefix}student-2"].teacher.name == f"{prefix}teacher-2"
 
 
+@pytest.mark.extended
 def test_results_become_rows_of_scores(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

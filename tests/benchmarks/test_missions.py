@@ -148,6 +148,7 @@ def test_what_stands_before_the_robot_is_avoided_by_the_supervisor() -> None:
     assert done["end"] == "arrived"
 
 
+@pytest.mark.extended
 def test_a_policy_that_heads_for_the_road_is_stopped() -> None:
     scene = scene_of(CUBE, movable=False)
     _, y, _ = scene.object_position[0]

@@ -92,6 +92,7 @@ def test_a_bank_without_objects_is_refused() -> None:
         placing.crowded_poses(box_bank(1, num_objects=0), make_coco(), 4, control_dt=0.2)
 
 
+@pytest.mark.extended
 def test_peak_memory_grows_with_what_is_held() -> None:
     """In a process of its own: a new peak of this one would take as much memory as all tests so far."""
     code = (

@@ -27,6 +27,7 @@ def world_points(recording: Recording, frame: int) -> np.ndarray:
     return (recording.camera.rays() * depth[..., None]) @ pose[:3, :3].T + pose[:3, 3]
 
 
+@pytest.mark.extended
 def test_masked_depth_lies_in_the_true_box(filmed: Recording, small_bank: SceneBank) -> None:
     ground_truth = {t.id: t for t in true_objects(small_bank, 1)}
     checked = 0

@@ -137,6 +137,7 @@ def test_cars_keep_to_their_side() -> None:
         assert np.mean(agree) > 0.7  # some stand the wrong way round
 
 
+@pytest.mark.extended
 def test_the_lane_stays_free() -> None:
     plan = plan_of(city("Naples"), random.Random(5), 80.0)
     filler = Filler(plan, random.Random(5))
@@ -151,6 +152,7 @@ def test_the_lane_stays_free() -> None:
     assert len(filler.objects) > 15
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("name", sorted(city_blocks.PROFILES))
 def test_committed_graphs_are_the_layouts(name: str) -> None:
     folder = settings.scene_root() / name

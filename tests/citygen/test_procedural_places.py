@@ -130,6 +130,7 @@ def some() -> list[SceneGraph]:
     return [build(k) for k in range(0, COUNT, 7)]
 
 
+@pytest.mark.extended
 def test_labels_poses_and_densities_vary(some: list[SceneGraph]) -> None:
     assert len({o.label for g in some for o in g.objects}) >= 150
     askew = [abs(np.degrees(o.yaw) % 90.0 - 45.0) < 40.0 for g in some for o in g.objects if not _is_front(o.label)]

@@ -107,6 +107,7 @@ def test_a_bank_that_is_named_is_taken_as_it_is_and_never_written(builds, small_
     assert not builds
 
 
+@pytest.mark.extended
 def test_terrain_of_another_seed_has_a_file_of_its_own(capsys) -> None:
     assert main(["scene", "terrain", "--levels", "1", "--seed", "1"]) == 0
     path = pathlib.Path(json.loads(capsys.readouterr().out)["bank"])

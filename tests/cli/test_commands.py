@@ -82,6 +82,7 @@ def test_the_command_films_and_writes_a_video(
     assert "needed one of" in capsys.readouterr().err
 
 
+@pytest.mark.extended
 def test_the_command_exports_a_gait(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     save_walking_policy(tmp_path / "run" / "checkpoints")
     out = tmp_path / "gait.npz"

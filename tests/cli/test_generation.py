@@ -251,6 +251,7 @@ def test_a_killed_batch_goes_on_with_what_is_not_done(tmp_path: pathlib.Path, mo
     assert journal.read_text().count('"started"') == before.count('"started"') + 2
 
 
+@pytest.mark.extended
 def test_a_source_runs_in_a_process_of_its_own(tmp_path: pathlib.Path) -> None:
     outcome = batch.run_source(batch.job_of(tmp_path / "none.mp4", tmp_path / "out", GenerationOptions()))
     assert outcome.status == batch.WRONG_INPUT
@@ -258,6 +259,7 @@ def test_a_source_runs_in_a_process_of_its_own(tmp_path: pathlib.Path) -> None:
     assert "none.mp4" in outcome.words
 
 
+@pytest.mark.extended
 def test_a_source_ends_with_its_batch(tmp_path: pathlib.Path) -> None:
     """Started for a batch whose process has ended, it exits before it makes any file."""
     job = batch.job_of(GRAPH, tmp_path, GenerationOptions())

@@ -86,6 +86,7 @@ def test_velocities_do_not_depend_on_how_many_agents_there_are() -> None:
     np.testing.assert_allclose(many, np.tile(few, 3), atol=1e-5)
 
 
+@pytest.mark.extended
 def test_missing_lines_change_nothing() -> None:
     lines, limit, preferred_velocity = random_cases(6, 6, 0, 0.0)
     expected, _ = ground_truth(lines, 0, limit, preferred_velocity)
@@ -116,6 +117,7 @@ _floats = st.floats(-1.5, 1.5, width=32, allow_subnormal=False)
 _angles = st.lists(st.floats(-3.125, 3.125, width=32, allow_subnormal=False), min_size=_NUMBER, max_size=_NUMBER)
 
 
+@pytest.mark.extended
 @settings(max_examples=300, deadline=None)
 @given(
     angles=_angles,

@@ -130,6 +130,7 @@ def test_alone_mapped_and_nested_are_one_step() -> None:
     np.testing.assert_allclose(np.stack(list(nested), 2).reshape(expected.shape), expected, atol=2e-6)
 
 
+@pytest.mark.extended
 def test_an_absent_agent_changes_nothing() -> None:
     kinds = (PED,) * 6
     bodies, traits, preferred_velocity = random_state(kinds, 1, 3.0)

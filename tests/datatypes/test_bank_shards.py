@@ -305,6 +305,7 @@ def test_banks_that_do_not_fit_together_are_refused(small_bank: SceneBank, tmp_p
     assert_same(SceneBank.load(tmp_path / "a.bank"), small_bank)
 
 
+@pytest.mark.extended
 def test_joined_to_a_folder_banks_are_as_joined_to_a_file(
     small_bank: SceneBank, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -36,6 +36,7 @@ def drained(recording: Recording) -> Recording:
     return recording
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("grey", [False, True])
 def test_a_recording_without_colour_leaves_the_choice_of_ground_and_sky_open(
     tmp_path: pathlib.Path, grey: bool

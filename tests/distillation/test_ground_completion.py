@@ -91,6 +91,7 @@ def test_a_stub_is_cut_off_and_a_path_is_not() -> None:
     assert kind_at(done, 30.7, 11.0) == PAVEMENT
 
 
+@pytest.mark.extended
 def test_regions_share_their_corners_and_make_few_prisms() -> None:
     rng = np.random.default_rng(0)
     kind, height = np.zeros((480, 120), np.uint8), np.full((480, 120), np.nan)

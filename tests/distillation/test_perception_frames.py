@@ -185,6 +185,7 @@ def test_a_film_that_ends_early_is_refused_with_the_seconds_that_are_missing(tmp
     assert kept.time_s[-1] == pytest.approx(float(found), abs=0.7)
 
 
+@pytest.mark.extended
 def test_a_film_of_uneven_rate_or_beyond_the_frame_limit_is_not_called_cut_off(tmp_path: pathlib.Path):
     """Half of the images are dropped in the second half, as phones do in the dark."""
     uneven = _film(tmp_path / "uneven.mp4", 8, "-vf", "select='lt(t,4)+not(mod(n,3))'", "-fps_mode", "vfr")

@@ -87,6 +87,7 @@ def _outputs(model: network.PerceptionNetwork, variables: Any) -> list[np.ndarra
     return [np.asarray(x) for x in jax.jit(model.apply)(variables, images)]
 
 
+@pytest.mark.extended
 def test_a_scan_over_blocks_gives_the_same_outputs_and_its_variables_come_back(small: dict[str, Any]):
     plain, scanned = (network.PerceptionNetwork(**small, blocks=network.BLOCKS, scanned=s) for s in (False, True))
     variables = _random(plain, 1)
@@ -99,6 +100,7 @@ def test_a_scan_over_blocks_gives_the_same_outputs_and_its_variables_come_back(s
     assert all((a == b).all() for a, b in zip(jax.tree.leaves(again), jax.tree.leaves(variables), strict=True))
 
 
+@pytest.mark.extended
 def test_a_grown_network_gives_the_outputs_of_the_smaller_one(small: dict[str, Any], monkeypatch: pytest.MonkeyPatch):
     before = network.PerceptionNetwork(**small, blocks=(1, 1, 2, 1, 1))
     after = network.PerceptionNetwork(**small, blocks=network.BLOCKS)

@@ -117,6 +117,7 @@ def test_summary_by_hand() -> None:
     assert s["n"] == 4
 
 
+@pytest.mark.extended
 def test_rollouts_tell_agents_apart_and_repeat(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 120})
     episodes = fixed_episodes(env, 9)

@@ -217,6 +217,7 @@ def _flank(small_bank: SceneBank) -> tuple[Planner, np.ndarray]:
     return Planner(env), np.array([28.0, KERB_Y + 0.75])
 
 
+@pytest.mark.extended
 def test_no_kerb_is_under_the_trunk(small_bank: SceneBank) -> None:
     """Astride of a flank, no foot is near it; the trunk would touch it."""
     planner, border = _flank(small_bank)

@@ -29,6 +29,7 @@ def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
     assert [r.result for r in results] == ["goal"] * 6
 
 
+@pytest.mark.extended
 def test_it_comes_through_a_furnished_scene_without_touching_a_hull(small_bank: SceneBank) -> None:
     """The kinematic engine has no contacts, so distances below a disc's radius minus the look-up error count as one."""
     env = unicycle_env(small_bank)

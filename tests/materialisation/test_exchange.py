@@ -98,4 +98,8 @@ def test_rows_name_variants_that_exist() -> None:
 
 def test_only_sets_with_a_version_of_their_own_ask_for_it() -> None:
     """Scenes of UrbanVerse-160 keep their hashes."""
-    assert {name for name, s in library.sets().items() if s.exchange} == {"autobench_v2", "craftbench_v2"}
+    assert {name for name, s in library.sets().items() if s.exchange} == {
+        "autobench_v2",
+        "craftbench_v2",
+        "validation_v2",
+    }

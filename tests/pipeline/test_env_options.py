@@ -209,6 +209,7 @@ def test_a_table_names_the_run_of_a_checkpoint(
     assert "The rows of scenes pool the episodes" in done.page
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("frozen", [None, "direct"])
 def test_a_benchmark_is_driven_under_the_conditions_of_its_list(
     frozen: str | None, bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch

@@ -30,6 +30,7 @@ def env(small_bank: SceneBank) -> NavEnv:
     return drawn_env(small_bank, {"episode_length": 6})
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(
     "options",
     [

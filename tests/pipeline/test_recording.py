@@ -121,6 +121,7 @@ def test_it_says_that_its_program_compiles_and_when_it_is_done(notes: list[tuple
     assert ("recording", f"{5 * STEPS} frames") in notes
 
 
+@pytest.mark.extended
 def test_rows_are_those_of_a_rollout(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:
     """The same random actions and poses as an evaluation's, and the rewards of stepping the environment."""
     rows, order = table_of(recorded[0]), drawn_episodes(env.bank, env.scenes, 5, 0)
@@ -147,6 +148,7 @@ def test_rows_are_those_of_a_rollout(recorded: tuple[pathlib.Path, dict[str, Any
                 np.testing.assert_allclose(speed[2], nav.sim.qvel[5], atol=1e-5)
 
 
+@pytest.mark.extended
 def test_images_are_those_of_the_rows_poses(recorded: tuple[pathlib.Path, dict[str, Any]], env: NavEnv) -> None:
     folder = recorded[0]
     rows, view = table_of(folder), env.config.vision_config

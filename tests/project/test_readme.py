@@ -84,7 +84,7 @@ def test_the_counts_are_those_of_the_tables() -> None:
     layouts = {name: len(s.graphs()) for name, s in sets.items()}
     procedural_scenes, by_hand = (
         procedural_streets.COUNT,
-        2 * len(craftbench.BUILDERS) + len(validation_streets.BUILDERS),
+        2 * (len(craftbench.BUILDERS) + len(validation_streets.BUILDERS)),
     )
     assert f"{layouts['urbanverse160']} layouts modelled on the paper's cities" in INCLUDED
     assert f"{procedural_scenes} procedural scenes" in INCLUDED

@@ -114,6 +114,7 @@ def test_the_policy_of_the_tutorial_drives_to_the_goal(tmp_path: pathlib.Path) -
     np.testing.assert_allclose(actions, [[1, 0], [0, 1], [0, 0.8]], atol=1e-12)
 
 
+@pytest.mark.extended
 def test_the_messages_of_a_tutorial_are_those_of_the_code() -> None:
     """The words of each message between its `...`, and `found` and `needed`, stand in one file of the package."""
     text = (ROOT / "docs" / "tutorials" / "own_video.md").read_text(encoding="utf-8")

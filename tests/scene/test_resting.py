@@ -40,6 +40,7 @@ def model(free: CompiledScene) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_path(str(free.folder / "scene.xml"))
 
 
+@pytest.mark.extended
 def test_free_bodies_rest_for_five_seconds_and_weigh_what_they_should(
     free: CompiledScene, model: mujoco.MjModel
 ) -> None:

@@ -166,6 +166,7 @@ def test_nothing_lies_beside_the_road_and_rails_keep_their_gauge() -> None:
     np.testing.assert_allclose(rails[:, 2] - rails[:, 0], axis.length, atol=0.02, err_msg="from end to end")
 
 
+@pytest.mark.extended
 def test_what_is_drawn_lies_millimetres_above_the_ground() -> None:
     regions = ground()
     for drawn in draw(regions, ("Tokyo", "Japan")):

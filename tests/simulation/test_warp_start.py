@@ -10,6 +10,7 @@ import warp
 from urbanverse_mjx.simulation import warp_start
 
 
+@pytest.mark.extended
 def test_the_engines_package_is_quiet_about_cuda() -> None:
     code = "import urbanverse_mjx.simulation, warp; warp.init()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

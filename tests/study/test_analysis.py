@@ -103,6 +103,7 @@ def plan() -> StudyPlan:
     return plan_study(rows, videos, pairs=10, catches=3)
 
 
+@pytest.mark.extended
 def test_shares_and_means_are_recovered_and_careless_people_left_out(plan: StudyPlan) -> None:
     found = analyse(answers_of(plan, 24, 0.8, careless=4), plan)
     assert (found["participants"], len(found["excluded"])) == (20, 4)
@@ -121,6 +122,7 @@ def test_shares_and_means_are_recovered_and_careless_people_left_out(plan: Study
     assert with_careless["pairs"]["overall_realism"]["shares"]["urbanverse"]["mean"] < shares["urbanverse"]["mean"] - 5
 
 
+@pytest.mark.extended
 def test_people_without_preference_give_a_large_p_and_no_agreement(plan: StudyPlan) -> None:
     row = analyse(answers_of(plan, 30, 0.5, seed=3), plan)["pairs"]["layout_coherence"]
     assert row["p"] > 0.05

@@ -204,6 +204,7 @@ def test_a_full_disk_is_said_on_the_page_which_goes_on(served: tuple[Page, Stree
     wait(lambda: page.session is not session)
 
 
+@pytest.mark.extended
 def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Streets, str]) -> None:
     page = served[0]
     session = page.session
@@ -300,6 +301,7 @@ def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page,
     assert (page.session.num_robots, page._robot(), page._which.disabled) == (1, 0, True)
 
 
+@pytest.mark.extended
 def test_layers_are_switched(tab: Any, served: tuple[Page, Streets, str]) -> None:
     page = served[0]
     for layer, node in page.stage._robots[0].lines.items():

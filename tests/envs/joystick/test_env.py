@@ -87,6 +87,7 @@ def test_an_episode_begins_near_the_standing_pose(calm: JoystickEnv, two_calm: C
     assert 0.8 * reach < np.abs(away).max() < reach + 0.01, "around the middle of the ground"
 
 
+@pytest.mark.extended
 def test_standing_still_earns_more_than_falling(two_calm: Compiled) -> None:
     """A robot that holds its pose lasts and stays where it is; one that lies down has fallen."""
     reset, step = two_calm
@@ -169,7 +170,7 @@ def test_terms_by_hand() -> None:
     )
     config = joystick_config().reward_config
     found = {name: float(x) for name, x in terms.terms(motion, config, stand, limits).items()}
-    assert set(found) == set(config.scales)
+    assert set(found) == {*config.scales, "single_stance"}  # that of robots with two legs
     expected = {
         "track_linear": np.exp(-0.25 / 0.25),
         "track_angular": 1.0,
@@ -187,6 +188,7 @@ def test_terms_by_hand() -> None:
         "foot_clearance": 0.1 * 0.1 + 0.06 * 1.0,
         "foot_slip": 0.01,
         "air_time": 0.2,
+        "single_stance": 0.0,
         "touch": 0.25,
         "fall": 0.0,
     }

@@ -46,6 +46,7 @@ def test_values_fill_their_ranges_and_leave_the_rest_alone(small_bank: SceneBank
     assert (after.appearance_seed != drawn.appearance_seed).all()
 
 
+@pytest.mark.extended
 def test_wet_streets_have_less_friction(small_bank: SceneBank) -> None:
     """A share of the episodes, beside the friction that each draws."""
     _, plain = begun(small_bank, RANGES)
@@ -64,6 +65,7 @@ def test_the_paper_has_it_and_the_laptop_has_not() -> None:
         assert registry.get_default_config("CocoNav", preset).randomization.to_dict() == OFF
 
 
+@pytest.mark.extended
 def test_each_episode_has_its_camera_mount_and_keeps_it(small_bank: SceneBank) -> None:
     limits = {"camera_position": 0.05, "camera_angle": 4.0, "camera_fovy": 0.1}
     env, drawn = begun(small_bank, {f"randomization.{name}": x for name, x in limits.items()})

@@ -181,6 +181,7 @@ def test_hit_ends_the_episode_or_is_only_measured(small_bank: SceneBank) -> None
         assert float(state.metrics["reward/hit"]) == -200.0
 
 
+@pytest.mark.extended
 def test_leaving_the_pavement_ends_the_episode(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
     state = jax.jit(env.reset)(jax.random.key(1))

@@ -146,6 +146,7 @@ def test_a_robot_alone_has_the_street_to_itself(env: NavEnv) -> None:
     assert int(new.result) == Result.RUNNING
 
 
+@pytest.mark.extended
 def test_after_a_step_each_knows_the_new_places_and_speeds(env: NavEnv) -> None:
     nav = at(begun(env, SIZE), [[5.0, 6.0], [9.0, 6.0], [15.0, 6.0]])
     new, *_ = jax.jit(jax.vmap(env.advance))(nav, jnp.array([[0.5, 0.0], [0.0, 0.0], [0.25, 0.0]]))

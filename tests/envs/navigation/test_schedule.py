@@ -67,6 +67,7 @@ def test_a_limit_below_every_route_leaves_the_shortest_eight(small_bank: SceneBa
         assert small_bank.episode_length[z, row[scene == z]].max() == pytest.approx(lengths[7])
 
 
+@pytest.mark.extended
 def test_counts_outlive_episodes(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"episode_length": 5, "terminate_off_traversable": False})
     wrapped = wrap_for_training(env, 5)

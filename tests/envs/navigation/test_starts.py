@@ -70,6 +70,7 @@ def test_starts_are_free_and_keep_the_rest_of_the_route(small_bank: SceneBank) -
     assert np.mean(off_route) > 0.2
 
 
+@pytest.mark.extended
 def test_the_share_and_the_heading_are_drawn(small_bank: SceneBank) -> None:
     nav, scenes, rows = begun(small_bank, 0.5)
     always, _, _ = begun(small_bank, 1.0)

@@ -90,6 +90,7 @@ def test_terms_of_ends_and_hits_are_one_on_their_step() -> None:
     assert float(slow) == pytest.approx(0.2)
 
 
+@pytest.mark.extended
 def test_places_beside_a_route_and_their_distances_to_it() -> None:
     """Along an L that rises by 1 m over its second leg; left of its first leg is north, of its second west."""
     corners = jnp.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 5.0, 1.0]])

@@ -33,6 +33,7 @@ def robot() -> RobotSpec:
     return make_coco()
 
 
+@pytest.mark.extended
 def test_it_is_what_mujocos_rays_meet_of_each_object_alone(bank: SceneBank, robot: RobotSpec) -> None:
     """Robots in all scenes; some objects are hidden in part, and none that is not seen is counted."""
     places = cases.make_places(bank, robot, 4, seed=3)

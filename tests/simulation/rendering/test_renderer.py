@@ -141,6 +141,7 @@ def test_empty_slots_are_not_seen(bank: SceneBank, robot: RobotSpec, places: cas
     assert (image[places.slot[0] != gone] == places.slot[0][places.slot[0] != gone]).mean() > 0.999
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("shading", ["matte", "pbr"])
 def test_two_faces_in_one_place_are_seen_from_both_sides(
     bank: SceneBank, robot: RobotSpec, places: cases.Places, shading: str

@@ -173,6 +173,7 @@ def test_forces_that_it_does_not_know_are_refused(options: dict[str, float], mes
         build_program(edited(make_coco(), **options), 24, 12, 0)
 
 
+@pytest.mark.extended
 def test_it_is_chosen_by_name_and_refuses_movable_objects() -> None:
     bank = box_bank(1)
     engine = make_engine(bank, make_coco(), impl="warp-fused", control_dt=CONTROL_DT)

@@ -162,6 +162,7 @@ def test_a_world_of_nans_disturbs_no_other_and_leaves_nothing_behind(
         assert_equal(first, roll(batched, state, ctrl, 12))
 
 
+@pytest.mark.extended
 def test_replay_is_what_plain_launches_do(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
     plain = WarpEngine(small_bank, engine.robot, control_dt=CONTROL_DT, graphs=False)
     state, ctrl = starts(engine, small_bank)

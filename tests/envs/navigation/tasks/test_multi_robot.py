@@ -72,6 +72,7 @@ def test_the_way_back_is_the_way_there_reversed(env: NavEnv, task: MultiRobot) -
     np.testing.assert_allclose(back[n - 1 :], np.repeat(start[None], len(back) - n + 1, 0), atol=1e-6)
 
 
+@pytest.mark.extended
 def test_each_end_is_a_delivery_and_turns_the_robot_round(env: NavEnv, task: MultiRobot, pair: Any) -> None:
     nav = one(pair)
     start, goal = np.asarray(nav.start), np.asarray(nav.goal)

@@ -242,6 +242,7 @@ def test_agents_that_drive_to_a_vector_refuse_a_phrase(env: NavEnv, begun: Any) 
 # Whole episodes.
 
 
+@pytest.mark.extended
 def test_who_stands_still_stops_elsewhere(env: NavEnv) -> None:
     results, _ = Rollout(env, chunk=10).run({"zero": zero}, fixed_episodes(env, 3))
     assert {r.result for r in results} == {"stopped"}

@@ -247,6 +247,7 @@ def legs(planner: SignalPlanner) -> Any:
     return jax.tree.map(lambda x: x[0], planner.prepare(np.array([0], np.int32), np.array([0], np.int32)))
 
 
+@pytest.mark.extended
 def test_the_planners_cost_leads_past_every_waypoint(planner: SignalPlanner, legs: Any, begun: Any) -> None:
     places, rest = np.asarray(legs.places), np.asarray(legs.rest)
     left = np.append(np.linalg.norm(np.diff(places, axis=0), axis=-1)[::-1].cumsum()[::-1], 0.0)

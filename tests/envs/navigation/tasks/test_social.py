@@ -88,6 +88,7 @@ def test_penalties_grow_from_personal_to_intimate_distance_and_to_contact() -> N
     np.testing.assert_allclose([reward_time_to_collision(x, 3.0) for x in times], [0.0, 0.0, 0.5, 1.0], atol=1e-6)
 
 
+@pytest.mark.extended
 def test_distances_and_delays_are_those_of_the_nearest_people(env: NavEnv, begun: Any) -> None:
     radius = env.robot.planner_radius
     # Bodies 0.3 m and 1.0 m from the robot's disc; both prefer 1 m/s, one stands and one walks at half of it.
