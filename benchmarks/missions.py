@@ -176,7 +176,8 @@ def read_missions(out: pathlib.Path, tested: transfer.TestedPolicy, size: street
 
 
 def add(out: pathlib.Path, folder: pathlib.Path = results.SCORES, size: streets.Size | None = None) -> int:
-    """Writes the missions of the default policies that are there into missions.csv; returns their number."""
+    """Writes the missions of the default policies that are there into missions.csv, which keeps the others; returns
+    their number."""
     size, count = size or streets.Size(), 0
     for name, robot in DRIVERS:
         missions = read_missions(out, transfer.TestedPolicy(name, "", robot), size)
@@ -184,8 +185,8 @@ def add(out: pathlib.Path, folder: pathlib.Path = results.SCORES, size: streets.
         rows = [
             {**about, **{k: m[k] for k in COLUMNS[4:]}, **{c: m["interventions"][c] for c in _CAUSES}} for m in missions
         ]
-        if rows:
-            results.replace_rows(folder / "missions.csv", about, rows)
+        for row in rows:
+            results.replace_rows(folder / "missions.csv", {**about, "mission": row["mission"]}, [row])
         count += len(rows)
     return count
 

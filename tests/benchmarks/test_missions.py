@@ -289,6 +289,8 @@ def test_missions_are_added_once_and_the_page_counts_them(tmp_path: pathlib.Path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(_outcome(k, k, 400.0)), encoding="utf-8")
     assert missions.add(tmp_path, tmp_path) == missions.add(tmp_path, tmp_path) == 3
+    missions.mission_file(tmp_path, tested, size, 0).unlink()  # as in the folder of another machine
+    assert missions.add(tmp_path, tmp_path) == 2
     text = missions.page_text(tmp_path)
     assert "| coco_best | COCO | 3 x 56 m | 3 | 1.20 | 100 [44, 100] | 2.5 | 3 / 0 / 0 / 0 / 0 | 5.0 | 2.0 |" in text
     assert "Not run yet, of 50 missions: 47 of coco_best (coco), 50 of go2_best (go2)" in text
