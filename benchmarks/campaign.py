@@ -652,7 +652,7 @@ class Campaign:
         return tuple(sorted(order)) if fits else None
 
     def start(self, job: Job) -> bool:
-        """Starts a job if its files are there and a GPU has room."""
+        """Starts a job if its files are there and a GPU has memory for it."""
         # A file of a running job may be incomplete or of an earlier run.
         unfinished = {other.gives for other in self.running}
         if not all(path.exists() and path not in unfinished for path in job.needs):
