@@ -263,12 +263,9 @@ def legged_nav_config(robot: str, preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: the preset or the robot is unknown.
     """
-    walks = legged.row(robot).drive == "gait"
-    config = go2_nav_config(preset) if walks else ConfigDict(default_config(preset).to_dict())
+    config = _config_of_row(robot, preset, by_gait=legged.row(robot).drive == "gait")
     with config.unlocked():
-        for key in ("menagerie",) if walks else ("drive",):
-            del config[key]
-        config.robot, config.sim_dt = robot, legged.PHYSICS_TIMESTEP
+        config.sim_dt = legged.PHYSICS_TIMESTEP
     return config.lock()
 
 
@@ -278,11 +275,14 @@ def catalogue_config(robot: str, preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: the preset or the robot is unknown.
     """
-    balances = catalogue.row(robot).drive == "balance"
-    config = go2_nav_config(preset) if balances else ConfigDict(default_config(preset).to_dict())
+    return _config_of_row(robot, preset, by_gait=catalogue.row(robot).drive == "balance")
+
+
+def _config_of_row(robot: str, preset: str, *, by_gait: bool) -> ConfigDict:
+    """The Go2's task for a robot that a gait moves, else COCO's, each without what is of its own robot alone."""
+    config = go2_nav_config(preset) if by_gait else ConfigDict(default_config(preset).to_dict())
     with config.unlocked():
-        for key in ("menagerie",) if balances else ("drive",):
-            del config[key]
+        del config["menagerie" if by_gait else "drive"]
         config.robot = robot
     return config.lock()
 

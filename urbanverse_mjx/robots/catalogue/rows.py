@@ -9,7 +9,7 @@ import math
 import os
 import pathlib
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ...datatypes import validation as v
@@ -126,12 +126,21 @@ def read_rows(path: str | os.PathLike[str]) -> dict[str, Row]:
     Raises:
       ValidationError: the file is no TOML, or a row is incomplete or invalid.
     """
+    return rows_by(_row, path)
+
+
+def rows_by[T](make: Callable[[str, Any], T], path: str | os.PathLike[str]) -> dict[str, T]:
+    """What `make` makes of the name and the table of each robot of a TOML file, by name.
+
+    Raises:
+      ValidationError: the file is no TOML, a name is none, or `make` refuses a table.
+    """
     text = pathlib.Path(path).read_text(encoding="utf-8")
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise v.fail(str(path), f"no TOML ({error})", "a table for each robot") from error
-    return {name: _row(v.identifier(name, f"{path}: robot"), table) for name, table in tables.items()}
+    return {name: make(v.identifier(name, f"{path}: robot"), table) for name, table in tables.items()}
 
 
 def environment_name(name: str) -> str:

@@ -8,7 +8,6 @@ import functools
 import math
 import os
 import pathlib
-import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from ...datatypes import validation as v
 from ...geometry import rotations
-from ..catalogue.rows import PAVEMENT_SPEED, environment_name
+from ..catalogue.rows import PAVEMENT_SPEED, environment_name, rows_by
 
 FILE = pathlib.Path(__file__).with_name("legged.toml")
 #: gait: a trained gait moves all joints; skid: the legs are held in the standing pose, and a wheel at the end of each
@@ -262,12 +261,7 @@ def read_rows(path: str | os.PathLike[str]) -> dict[str, LeggedRow]:
     Raises:
       ValidationError: the file is no TOML, or a row is incomplete or invalid.
     """
-    text = pathlib.Path(path).read_text(encoding="utf-8")
-    try:
-        tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise v.fail(str(path), f"no TOML ({error})", "a table for each robot") from error
-    return {name: _row(v.identifier(name, f"{path}: robot"), table) for name, table in tables.items()}
+    return rows_by(_row, path)
 
 
 def joystick_name(name: str) -> str:
