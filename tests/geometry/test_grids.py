@@ -40,6 +40,13 @@ def test_points_find_their_cells_in_numpy_and_under_jit() -> None:
     assert cell_of(jnp.asarray(points[:, 1]), 1.0, GRID.side).tolist() == [c[1] for c in cells]
 
 
+def test_values_are_those_of_the_cells_and_outside_of_the_nearest() -> None:
+    values = np.arange(12).reshape(3, 4)
+    grid = Grid(np.array([1.0, -2.0]), 0.5, (3, 4))
+    points = np.array([[[1.1, -1.9], [2.4, -0.1]], [[1.6, -1.4], [9.0, -9.0]]])
+    np.testing.assert_array_equal(grid.at(values, points), [[0, 11], [5, 8]])
+
+
 def test_centres_lie_in_their_cells_and_on_the_axes() -> None:
     cells = np.moveaxis(np.indices(GRID.shape), 0, -1)
     assert (GRID.cell(GRID.centres(cells)) == cells).all()

@@ -51,7 +51,7 @@ class CrossingOptions:
     robot_distance: float = 1.3
 
 
-_OPTIONS = CrossingOptions()
+OPTIONS = CrossingOptions()
 
 
 class Crossings(NamedTuple):
@@ -153,7 +153,7 @@ def give_way(
     here = crossing_at(table, scene, bodies.x, bodies.y)
     cos, sin = jnp.cos(course), jnp.sin(course)
     ahead = crossing_at(
-        table, scene, bodies.x + _OPTIONS.decision_distance * cos, bodies.y + _OPTIONS.decision_distance * sin
+        table, scene, bodies.x + OPTIONS.decision_distance * cos, bodies.y + OPTIONS.decision_distance * sin
     )
     at_kerb = walks & present & (here == 0) & (ahead > 0)
     on_it = walks & present & (here > 0)
@@ -169,10 +169,10 @@ def give_way(
     gap = jnp.asarray(_LOOKAHEAD_STEPS)[first] - 1.0 - front
     going = jnp.sqrt(bodies.vx * bodies.vx + bodies.vy * bodies.vy)
     arrives = jnp.maximum(gap, 0.0) / jnp.maximum(going, 0.1)
-    needs = table.width[scene, ahead] / jnp.maximum(speed, 0.1) + _OPTIONS.clearance_time
+    needs = table.width[scene, ahead] / jnp.maximum(speed, 0.1) + OPTIONS.clearance_time
     same = coming[:, None] == ahead[None]
     threatened = (
-        same & (coming > 0)[:, None] & (arrives[:, None] < needs[None]) & (going > _OPTIONS.stopped_speed)[:, None]
+        same & (coming > 0)[:, None] & (arrives[:, None] < needs[None]) & (going > OPTIONS.stopped_speed)[:, None]
     )
     # A vehicle on the crosswalk itself also blocks it.
     threatened |= drives[:, None] & (here > 0)[:, None] & (here[:, None] == ahead[None])
@@ -186,8 +186,8 @@ def give_way(
         lights = (phase == WALK) | (phase == CLEAR)
         busy = jnp.where(phase == STOP, on_foot, busy | lights) | _robot_crosses(table, scene, rights, coming)
         busy &= coming > 0
-    stop = busy & (going * going < 2.0 * 2.0 * _OPTIONS.braking * jnp.maximum(gap, 0.0))
-    limit = jnp.sqrt(2.0 * _OPTIONS.braking * jnp.maximum(gap - _OPTIONS.stop_distance, 0.0))
+    stop = busy & (going * going < 2.0 * 2.0 * OPTIONS.braking * jnp.maximum(gap, 0.0))
+    limit = jnp.sqrt(2.0 * OPTIONS.braking * jnp.maximum(gap - OPTIONS.stop_distance, 0.0))
     return Order(wait, jnp.where(stop, limit, jnp.inf))
 
 
@@ -196,7 +196,7 @@ def _robot_crosses(table: Crossings, scene: Any, rights: Precedence, coming: Any
     heading to it, there not in the phase `STOP`."""
     x, y = rights.x, rights.y
     here = crossing_at(table, scene, x, y)
-    reach = _OPTIONS.robot_distance
+    reach = OPTIONS.robot_distance
     ahead = crossing_at(table, scene, x + reach * jnp.cos(rights.heading), y + reach * jnp.sin(rights.heading))
     waits = (here == 0) & (ahead == coming) & (rights.phase[ahead] != STOP)
     return rights.walks & ((here == coming) | waits)

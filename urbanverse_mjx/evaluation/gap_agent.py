@@ -14,10 +14,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..crowds import KINDS
+from ..crowds.crossings import OPTIONS as CROSSING
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..envs.navigation.tasks.cross import NEAR_MISS_POST_TIME, NEAR_MISS_TIME, CrossStreet
-from ..envs.navigation.tasks.traffic import HALF_LENGTH, LANES
+from ..envs.navigation.tasks.traffic import HALF_LENGTH, LANES, road_of
 
 #: m between the robot's centre and the crosswalk before which it waits: COCO's wheels are behind the ramp then.
 KERB_DISTANCE = 2.0
@@ -27,8 +28,8 @@ COMMITTED = 0.3
 CROSSING_SPEED, STARTING_TIME = 1.8, 0.4
 #: s, additions to the times of near misses: drivers speed up, and the robot's speed varies.
 SPARE_TIME = 0.5
-#: m/s below which a vehicle counts as stopped, that of `crowds.crossings`; a faster one may go at its preferred speed.
-STOPPED = 0.8
+#: m/s below which a vehicle counts as stopped; a faster one may go at its preferred speed.
+STOPPED = CROSSING.stopped_speed
 #: s in which the robot stops before the line.
 BRAKING_TIME = 0.7
 
@@ -57,14 +58,14 @@ class GapAcceptor:
         return jnp.where(goes, 1.0, slow) * goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
 
     def _towards(self, nav: NavState) -> Any:
-        """() 1 or -1, the direction of the way across."""
+        """() 1 or -1, the direction across."""
         road = self._road(nav)
         ends = self._roads.beside(nav.sim.scene, road, jnp.stack([nav.start[:2], nav.goal[:2]]))
         return jnp.sign(ends[1, 0] - ends[0, 0])
 
     def _road(self, nav: NavState) -> Any:
         assert nav.crowd is not None
-        return nav.crowd.goal[0]
+        return road_of(nav.crowd)
 
     def _to_line(self, nav: NavState) -> Any:
         """() m to the line at which the robot waits; negative behind it."""

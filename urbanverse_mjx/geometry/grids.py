@@ -41,6 +41,11 @@ class Grid:
         """Returns (..., 2) cells of points (..., 2) m; points outside get the nearest cell."""
         return cell_of(np.asarray(points), self.origin, self.side, self.shape)
 
+    def at(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Returns the values (...) of the cells (X, Y) that contain points (..., 2) m; outside, of the nearest cell."""
+        cells = self.cell(points)
+        return values[cells[..., 0], cells[..., 1]]
+
     def centres(self, cells: np.ndarray) -> np.ndarray:
         """Returns the centres (..., 2) m of cells (..., 2)."""
         return self.origin + (np.asarray(cells) + 0.5) * self.side

@@ -15,6 +15,7 @@ from skimage.graph import MCP_Geometric
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from ..geometry.geodesics import extra_near
 from ..geometry.grids import cell_of, closed, pooled
+from ..geometry.polylines import arc_lengths, points_at
 from .geometry import SceneMap
 
 #: Cells of the 5 cm map along a side of a planning cell (20 cm) for episodes.
@@ -263,9 +264,9 @@ def path_length(path: np.ndarray) -> float:
 
 def resample(path: np.ndarray, spacing: float) -> np.ndarray:
     """Points on a polyline (n, 2) every `spacing` m, without its first point and always with its last."""
-    span = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    span = arc_lengths(path)
     number = max(1, int(np.ceil(span[-1] / spacing - 1e-6)))
     at = np.minimum(spacing * np.arange(1, number + 1), span[-1])
-    points = np.column_stack([np.interp(at, span, path[:, k]) for k in (0, 1)])
+    points = points_at(path, span, at)
     points[-1] = path[-1]  # to the bit: the same goal in every row
     return points

@@ -78,7 +78,7 @@ def make_mjcf(row: LeggedRow) -> str:
     (rad/s) of wheels, leg by leg."""
     drawn, at = looks(row), row.camera
     legs = "".join(_leg(row, leg, drawn) for leg in row.legs)
-    servos = [_servo(link, leg, front) for leg, (front, _) in row.legs.items() for link in row.links]
+    servos = [_servo(link, leg, *sides) for leg, sides in row.legs.items() for link in row.links]
     actuators = "\n    ".join([*servos, *(_speed_servo(row, leg) for leg in row.legs if row.wheel)])
     view = _numbers(math.sin(at.pitch), 0.0, math.cos(at.pitch))
     # A wheel's joint follows those of its leg; its actuator follows those of all legs.
@@ -139,11 +139,10 @@ def _leg(row: LeggedRow, leg: str, drawn: Looks) -> str:
 def _foot(row: LeggedRow, leg: str) -> str:
     assert row.foot is not None
     pad, left = "  " * (3 + len(row.links)), row.legs[leg][1]
-    many = len(row.foot.at) > 1
     return "".join(
-        f'\n{pad}<geom name="{leg}_foot{f"_{i}" if many else ""}" class="collision" size="{row.foot.radius}" '
+        f'\n{pad}<geom name="{name}" class="collision" size="{row.foot.radius}" '
         f'pos="{_numbers(x, left * y, z)}"\n{pad}      friction="{row.foot.friction} 0.005 0.0001"/>'
-        for i, (x, y, z) in enumerate(row.foot.at)
+        for name, (x, y, z) in zip(row.foot.names(leg), row.foot.at, strict=True)
     )
 
 
@@ -191,8 +190,8 @@ def _joint(link: Link, leg: str, front: float, left: float) -> str:
     )
 
 
-def _servo(link: Link, leg: str, front: float) -> str:
-    name, left = f"{leg}_{link.name}", -1.0 if leg.endswith("R") else 1.0
+def _servo(link: Link, leg: str, front: float, left: float) -> str:
+    name = f"{leg}_{link.name}"
     # Damping is a joint property, so that all engines integrate it in the same way.
     return (
         f'<general name="{name}" joint="{name}_joint" biastype="affine" gainprm="{link.stiffness}" '

@@ -94,6 +94,11 @@ class Foot:
     friction: float
     at: tuple[_Vector, ...]
 
+    def names(self, leg: str) -> tuple[str, ...]:
+        """Of the spheres of a leg's foot."""
+        many = len(self.at) > 1
+        return tuple(f"{leg}_foot{f'_{i}' if many else ''}" for i in range(len(self.at)))
+
 
 @dataclasses.dataclass(frozen=True)
 class Tyre:
@@ -206,8 +211,7 @@ class LeggedRow:
         """Of the spheres that may touch the ground, leg by leg."""
         if self.foot is None:
             return tuple(f"{leg}_wheel" for leg in self.legs)
-        many = range(len(self.foot.at))
-        return tuple(f"{leg}_foot{f'_{i}' if len(many) > 1 else ''}" for leg in self.legs for i in many)
+        return tuple(name for leg in self.legs for name in self.foot.names(leg))
 
     @property
     def motor_speeds(self) -> tuple[float, ...]:

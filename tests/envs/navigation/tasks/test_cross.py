@@ -162,6 +162,21 @@ def test_routes_lead_straight_over_the_crosswalk_from_pavement_to_pavement(env: 
     np.testing.assert_allclose(bank.episode_length[scene, :count], np.linalg.norm(along, axis=1), rtol=1e-5)
 
 
+def test_lanes_end_with_the_map(small_bank: SceneBank) -> None:
+    """Also where the road does not."""
+    (road,) = carriageways.roads_of(small_bank, 0)
+    low = np.min([lane.min(0) for lane in road.lanes], 0)
+    axis = int(np.ptp(road.lanes[0], axis=0).argmax())
+    cut = int((low[axis] + 3.0 - small_bank.map_origin[0, axis]) / small_bank.map_resolution)
+    origin = np.array(small_bank.map_origin)
+    origin[:, axis] += cut * small_bank.map_resolution
+    kinds = small_bank.map_kind[:, cut:] if axis == 0 else small_bank.map_kind[:, :, cut:]
+    (shorter,) = carriageways.roads_of(dataclasses.replace(small_bank, map_kind=kinds, map_origin=origin), 0)
+    for lane, whole in zip(shorter.lanes, road.lanes, strict=True):
+        assert origin[0, axis] <= lane[:, axis].min() < origin[0, axis] + 1.0
+        assert lane[:, axis].max() == pytest.approx(whole[:, axis].max(), abs=0.5)
+
+
 def test_what_stands_in_a_lane_is_taken_away_and_nothing_else(small_bank: SceneBank) -> None:
     roads = {0: carriageways.roads_of(small_bank, 0)}
     there = np.flatnonzero(small_bank.inst_hull[0] >= 0)

@@ -58,7 +58,7 @@ def test_straight_lines_keep_their_distance_and_climb_no_step() -> None:
         assert street.passable(a[None], b[None]).tolist() == [one], "alone as together"
     far = np.array([[-99.0, 8.0], [99.0, 8.0], [3.0, -99.0]])
     nearest = np.array([[-3.975, 8.0], [19.975, 8.0], [3.0, 7.025]])
-    np.testing.assert_allclose(street.at(street.clear, far), clear(nearest), atol=CELL)
+    np.testing.assert_allclose(street.grid.at(street.clear, far), clear(nearest), atol=CELL)
 
 
 def test_distances_to_segments() -> None:

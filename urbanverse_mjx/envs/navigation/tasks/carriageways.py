@@ -19,6 +19,7 @@ from scipy import ndimage, spatial
 from ....crowds import KINDS
 from ....datatypes import KIND_INDEX, RobotSpec, SceneBank
 from ....geometry.grids import Grid
+from ....geometry.polylines import arc_lengths, points_at
 from ..clearance_maps import CELL as FINE
 from ..clearance_maps import ClearanceMaps
 from .crosswalks import Rectangle, rectangles
@@ -94,12 +95,11 @@ def roads_of(bank: SceneBank, scene: int) -> list[Road]:
         np.asarray(bank.map_origin[scene], np.float64), float(bank.map_resolution), bank.map_kind[scene].shape
     )
     is_road = np.isin(bank.map_kind[scene], _ROAD)
+    # Points outside the map get the nearest cell, and no road leads there.
+    is_road[[0, -1]] = is_road[:, [0, -1]] = False
 
     def driven(points: np.ndarray) -> np.ndarray:
-        cells = ground.cell(points)
-        inside = ((cells >= 0) & (cells < is_road.shape)).all(-1)
-        cells = np.clip(cells, 0, np.array(is_road.shape) - 1)
-        return inside & is_road[cells[..., 0], cells[..., 1]]
+        return ground.at(is_road, points)
 
     found = []
     for row in rectangles(bank, scene):
@@ -180,9 +180,8 @@ def _lanes(
 
 def _even(points: np.ndarray) -> np.ndarray:
     """The line through points (n, 2) m by points `STEP` m apart."""
-    span = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    arc = np.arange(0.0, span[-1], STEP)
-    return np.stack([np.interp(arc, span, points[:, k]) for k in (0, 1)], -1)
+    lengths = arc_lengths(points)
+    return points_at(points, lengths, np.arange(0.0, lengths[-1], STEP))
 
 
 class Carriageways(NamedTuple):
@@ -303,10 +302,6 @@ def crossing_routes(
     side = round(float(bank.map_resolution) / FINE)
     paved = np.kron(bank.map_kind[scene] == KIND_INDEX["sidewalk"], np.ones((side, side), bool))
 
-    def at(values: np.ndarray, points: np.ndarray) -> np.ndarray:
-        cells = np.clip(grid.cell(points.reshape(-1, 2)), 0, np.array(values.shape) - 1)
-        return values[cells[:, 0], cells[:, 1]].reshape(points.shape[:-1])
-
     rng = np.random.default_rng(scene)
     low, high = _OPTIONS.from_kerb
     needed = _half_width(robot) + _OPTIONS.clearance
@@ -325,17 +320,17 @@ def crossing_routes(
         ]
         share = np.linspace(0.0, 1.0, 120)[:, None, None]
         line = ends[0] + share * (ends[1] - ends[0])
-        good = (at(clear, line) >= needed).all(0) & at(paved, ends[0]) & at(paved, ends[1])
+        good = (grid.at(clear, line) >= needed).all(0) & grid.at(paved, ends[0]) & grid.at(paved, ends[1])
         # A robot that turns at its start sweeps the disc around it.
-        good &= at(clear, ends[0]) >= float(robot.planner_radius) + 0.1
+        good &= grid.at(clear, ends[0]) >= float(robot.planner_radius) + 0.1
         rows += [(ends[0][k], ends[1][k]) for k in np.flatnonzero(good)[:each]]
     rows = rows[: _OPTIONS.number]
     if not rows:
         return None
     a, b = (np.array([row[k] for row in rows]) for k in (0, 1))
     yaw = np.arctan2(*(b - a).T[::-1])
-    start = np.column_stack([a, at(maps.ground[scene], a), yaw])
-    goal = np.column_stack([b, at(maps.ground[scene], b)])
+    start = np.column_stack([a, grid.at(maps.ground[scene], a), yaw])
+    goal = np.column_stack([b, grid.at(maps.ground[scene], b)])
     length = np.linalg.norm(b - a, axis=1)
     return Routes(
         start.astype(np.float32), goal[:, None].astype(np.float32), np.ones(len(rows), np.int32), length.astype("f4")

@@ -31,7 +31,7 @@ from .carriageways import Carriageways, Road
 from .people import MAX_TIME_TO_COLLISION, PeopleTask
 from .social import reward_time_to_collision
 from .task import Parts
-from .traffic import HALF_LENGTH, LANES, Traffic
+from .traffic import HALF_LENGTH, LANES, Traffic, road_of
 
 #: s, time to a collision, and time between two road users at one place, below which there is a near miss.
 NEAR_MISS_TIME, NEAR_MISS_POST_TIME = 1.5, 1.0
@@ -198,7 +198,7 @@ class CrossStreet(PeopleTask):
         assert crowd is not None
         before: CrossState = nav.task
         robot = self.pose(sim)
-        scene, road = sim.scene, crowd.goal[0]
+        scene, road = sim.scene, road_of(crowd)
         across, along = jnp.abs(self.roads.beside(scene, road, robot.xy))
         half = self.roads.half[scene, road]
         on_road = (across < half[0] + self.radius) & (along < half[1] + self.radius)
@@ -249,7 +249,7 @@ class CrossStreet(PeopleTask):
     def marked(self, nav: NavState) -> Bool[Array, ""]:
         """() bool, whether the crosswalk of the episode has stripes."""
         assert nav.crowd is not None
-        return self.roads.marked[nav.sim.scene, nav.crowd.goal[0]]
+        return self.roads.marked[nav.sim.scene, road_of(nav.crowd)]
 
     def scores(self, nav: NavState) -> dict[str, Float[Array, ""]]:
         """See `Task.scores`."""
@@ -280,7 +280,7 @@ class CrossStreet(PeopleTask):
         """See `Task.privileged`."""
         assert nav.crowd is not None
         crowd, robot = nav.crowd, self.pose(nav.sim)
-        scene, road = nav.sim.scene, crowd.goal[0]
+        scene, road = nav.sim.scene, road_of(crowd)
         place = self.roads.beside(scene, road, robot.xy)
         within = self.roads.half[scene, road, 0] - jnp.abs(place[0])
         station, _ = self.roads.along(scene, road, robot.xy)

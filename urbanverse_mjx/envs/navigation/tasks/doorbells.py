@@ -131,20 +131,14 @@ class _Street:
         self.grid = Grid(np.asarray(origin, np.float64), CELL, clear.shape)
         self.clear, self.ground, self.pavement, self.radius = clear, ground, pavement, radius
 
-    def at(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """(...) values of the cells of points (..., 2) m; of the nearest cell outside."""
-        cells = self.grid.cell(points.reshape(-1, 2))
-        cells = np.clip(cells, 0, np.array(values.shape) - 1)
-        return values[cells[:, 0], cells[:, 1]].reshape(points.shape[:-1])
-
     def passable(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """(n,) bool, whether the robot drives straight from points (n, 2) m to others with `MARGIN` to everything and
         without a step."""
         longest = np.linalg.norm(end - start, axis=1).max(initial=0.0)
         share = np.linspace(0.0, 1.0, max(int(longest / SPACING), 1) + 1)[:, None, None]
         line = start + share * (end - start)
-        free = (self.at(self.clear, line) > self.radius + MARGIN).all(0)
-        return free & (np.abs(np.diff(self.at(self.ground, line), axis=0)) < STEP).all(0)
+        free = (self.grid.at(self.clear, line) > self.radius + MARGIN).all(0)
+        return free & (np.abs(np.diff(self.grid.at(self.ground, line), axis=0)) < STEP).all(0)
 
     def furnish(
         self, options: Options, rng: np.random.Generator
@@ -158,16 +152,16 @@ class _Street:
         out = _directed(2.0 * np.pi * heading / HEADINGS)
         before = HALF_SIDE + DEPTH
         stand, approach = places + (before + STANDOFF) * out, places + (before + APPROACH) * out
-        height = self.at(self.ground, places)
+        height = self.grid.at(self.ground, places)
         # A robot that turns on a slope slides off its line.
         ring = TURN_RADIUS * _directed(np.arange(8) * np.pi / 4)
         near = np.concatenate([stand[None], approach[None], approach + ring[:, None]])
-        level = (np.abs(self.at(self.ground, near) - height) < LEVEL).all(0)
-        turns = self.at(self.clear, approach) > TURN_CLEARANCE
-        paved = self.at(self.pavement, stand) & self.at(self.pavement, approach)
+        level = (np.abs(self.grid.at(self.ground, near) - height) < LEVEL).all(0)
+        turns = self.grid.at(self.clear, approach) > TURN_CLEARANCE
+        paved = self.grid.at(self.pavement, stand) & self.grid.at(self.pavement, approach)
         free = np.flatnonzero(level & turns & paved & self.passable(approach, stand))
         # Those at walls and kerbs first.
-        free = free[np.argsort(self.at(self.clear, places[free]) > BESIDE, kind="stable")]
+        free = free[np.argsort(self.grid.at(self.clear, places[free]) > BESIDE, kind="stable")]
         chosen: list[int] = []
         for i in free:
             if len(chosen) == options.posts:
@@ -183,7 +177,7 @@ class _Street:
                 kept.append(i)
         button = rng.uniform(*options.height, size=POST_TRIES)
         # Heights are above the ground on which the robot stands.
-        told = button + self.at(self.ground, stand) - height
+        told = button + self.grid.at(self.ground, stand) - height
         posts = [([*places[i].tolist(), float(height[i])], int(heading[i]), float(told[i])) for i in kept]
         return posts, rows
 
@@ -201,7 +195,7 @@ class _Street:
         away = rng.uniform(*distance, START_TRIES)
         points = place + away[:, None] * _directed(rng.uniform(-np.pi, np.pi, START_TRIES))
         ends = np.broadcast_to(approach, points.shape)
-        free = self.passable(points, ends) & (self.at(self.clear, points) > self.radius + 2.0 * MARGIN)
+        free = self.passable(points, ends) & (self.grid.at(self.clear, points) > self.radius + 2.0 * MARGIN)
         # Its own post and the others, which the maps do not have.
         for post in [place, *others]:
             free &= _apart(points, ends, post) > self.radius + HALF_SIDE + MARGIN
@@ -210,7 +204,7 @@ class _Street:
         points = points[np.flatnonzero(free)[:STARTS]]
         line = approach - points
         yaw = np.arctan2(line[:, 1], line[:, 0]) + rng.uniform(-START_ANGLE, START_ANGLE, len(points))
-        return np.column_stack([points, self.at(self.ground, points), yaw])
+        return np.column_stack([points, self.grid.at(self.ground, points), yaw])
 
 
 def _apart(start: np.ndarray, end: np.ndarray, point: np.ndarray) -> np.ndarray:

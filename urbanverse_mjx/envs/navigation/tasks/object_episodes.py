@@ -21,6 +21,7 @@ from ....crowds import free_space
 from ....datatypes import RobotSpec, SceneBank, ValidationError, array_file
 from ....geometry.geodesics import GridGraph
 from ....geometry.grids import Grid, pooled
+from ....geometry.polylines import arc_lengths, points_at
 from ..clearance_maps import CELL, build_clearance_maps
 from ..surroundings import kept_fields
 from . import object_names
@@ -252,8 +253,7 @@ class _Scene:
         nodes = self.graph.path(self.following[phrase], int(self.nodes[taken]))[1:]
         line = np.concatenate([start[None, :2].astype(np.float64), self.centres[nodes]])
         points = _spaced(line)
-        cells = self.grid.cell(points)
-        z = self.height[cells[:, 0], cells[:, 1]]
+        z = self.grid.at(self.height, points)
         waypoints = np.column_stack([points, z]).astype(np.float32)
         width = tables["episode_waypoints"].shape[2]
         tables["episode_start"][scene, row] = start
@@ -265,6 +265,6 @@ class _Scene:
 
 def _spaced(line: np.ndarray) -> np.ndarray:
     """(n, 2) m: points every `SPACING` m along a line of corners (m, 2) after its first, and its end."""
-    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    places = np.append(np.arange(SPACING, at[-1] - 0.5 * SPACING, SPACING), at[-1])
-    return np.column_stack([np.interp(places, at, line[:, k]) for k in (0, 1)])
+    lengths = arc_lengths(line)
+    places = np.append(np.arange(SPACING, lengths[-1] - 0.5 * SPACING, SPACING), lengths[-1])
+    return points_at(line, lengths, places)

@@ -28,6 +28,7 @@ from ml_collections import ConfigDict
 from ....crowds import KINDS, free_space
 from ....crowds.behaviours import ROAM
 from ....crowds.bodies import Bodies
+from ....crowds.crossings import OPTIONS as CROSSING
 from ....crowds.crossings import Precedence
 from ....crowds.crowd import Crowd
 from ....datatypes import AgentMotion, RobotSpec, SceneBank, ValidationError
@@ -66,7 +67,7 @@ class TrafficOptions:
     sight: float = 40.0
     beside: float = 0.1
     kerb: float = 2.8
-    stop_distance: float = 1.0
+    stop_distance: float = CROSSING.stop_distance
 
 
 OPTIONS = TrafficOptions()
@@ -86,6 +87,11 @@ class RobotOnRoad(NamedTuple):
     station: Float[Array, "2"]
     aside: Float[Array, "2"]
     crosses: Bool[Array, ""]
+
+
+def road_of(crowd: Crowd) -> Int[Array, ""]:
+    """() i32, the road of an episode's vehicles, see `Traffic`."""
+    return crowd.goal[0]
 
 
 class Traffic(DynamicStreet):
@@ -198,7 +204,7 @@ class Traffic(DynamicStreet):
 
     def _placed(self, crowd: Crowd, scene: Int[Array, ""], station: Array, speed: Array) -> Crowd:
         """The crowd with its vehicles at stations (A,) m with speeds (A,) m/s."""
-        road = crowd.goal[0]
+        road = road_of(crowd)
         xy, heading = self.roads.at(scene, road, self._lane, station)
         length = self.roads.length[scene, road][self._lane]
         body = Bodies(xy[:, 0], xy[:, 1], speed * jnp.cos(heading), speed * jnp.sin(heading), heading)
@@ -207,7 +213,7 @@ class Traffic(DynamicStreet):
 
     def on_road(self, crowd: Crowd, scene: Int[Array, ""], xy: Float[Array, "2"], yaw: Float[Array, ""]) -> RobotOnRoad:
         """The robot at (2,) m with a yaw (rad) as drivers see it."""
-        road = crowd.goal[0]
+        road = road_of(crowd)
         station, aside = self.roads.along(scene, road, xy)
         across, along = self.roads.beside(scene, road, xy)
         half = self.roads.half[scene, road]
@@ -232,7 +238,7 @@ class Traffic(DynamicStreet):
 
     def step(self, crowd: Crowd, scene: Int[Array, ""], robot: RobotOnRoad, dt: float, key: Key[Array, ""]) -> Crowd:
         """The vehicles `dt` s later; the robot stands for that time."""
-        road, lane, station = crowd.goal[0], self._lane, crowd.anchor_x
+        road, lane, station = road_of(crowd), self._lane, crowd.anchor_x
         speed = jnp.hypot(crowd.bodies.vx, crowd.bodies.vy)
         front = station + HALF_LENGTH
         ahead = self._same & (station[None] > station[:, None])
