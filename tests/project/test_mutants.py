@@ -50,16 +50,20 @@ def test_changes_are_of_code_each_of_one_place() -> None:
 
 @pytest.fixture
 def project(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
-    """A repository with a function, and a test of half of it."""
+    """A repository with a function, a test of half of it beside it, and one of the rest elsewhere."""
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
-    (tmp_path / "urbanverse_mjx").mkdir()
+    (tmp_path / "urbanverse_mjx" / "halves").mkdir(parents=True)
     (tmp_path / "urbanverse_mjx" / "__init__.py").touch()
-    (tmp_path / "urbanverse_mjx" / "half.py").write_text(
+    (tmp_path / "urbanverse_mjx" / "halves" / "half.py").write_text(
         "def half(x):\n    if x < 0:\n        return -x\n    return x / 2\n"
     )
-    (tmp_path / "tests").mkdir()
-    (tmp_path / "tests" / "test_half.py").write_text(
-        "from urbanverse_mjx.half import half\n\ndef test_positive():\n    assert half(4) == 2\n\n"
+    for name in ("halves", "other"):
+        (tmp_path / "tests" / name).mkdir(parents=True)
+    (tmp_path / "tests" / "other" / "test_use.py").write_text(
+        "from urbanverse_mjx.halves.half import half\n\ndef test_use():\n    assert half(-6) == 6\n"
+    )
+    (tmp_path / "tests" / "halves" / "test_half.py").write_text(
+        "from urbanverse_mjx.halves.half import half\n\ndef test_positive():\n    assert half(4) == 2\n\n"
         "def test_negative():\n    half(-4)\n\ndef test_other():\n    assert True\n\n"
         "def test_that_fails_already():\n    assert half(-4) == half(2) == 3\n"
     )
@@ -68,11 +72,12 @@ def project(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.
 
 @pytest.mark.slow
 def test_a_fault_is_judged_by_the_tests_of_its_line(project: pathlib.Path) -> None:
-    out, file = project / "out", "urbanverse_mjx/half.py"
+    out, file = project / "out", "urbanverse_mjx/halves/half.py"
     out.mkdir()
-    covered = mutants.coverage(out, ["tests"], "0", project)
+    covered = mutants.coverage(out, ["tests"], root=project)
     tests = {line: {t.rpartition("::")[2] for t in covered["lines"].get(f"{file}:{line}", ())} for line in (2, 3, 4)}
-    assert tests == {2: {"test_positive", "test_negative"}, 3: {"test_negative"}, 4: {"test_positive"}}
+    negative = {"test_negative", "test_use"}
+    assert tests == {2: {"test_positive", *negative}, 3: negative, 4: {"test_positive"}}
     source = (project / file).read_text()
     found = {m.after: m for m in (plant(file, source, place) for place in places_of(source))}
     rows = {after: mutants.judge(found[after], covered, project) for after in ("x * 2", "+x")}
@@ -83,7 +88,14 @@ def test_a_fault_is_judged_by_the_tests_of_its_line(project: pathlib.Path) -> No
     assert (project / file).read_text() == source
     text = mutants.summary(list(rows.values()))
     assert "1 of 2 faults noticed (50.0 %)" in text
-    assert "| urbanverse_mjx/half.py:3 | `-x` | `+x` | 3 |" in text
+    assert "| urbanverse_mjx/halves/half.py:3 | `-x` | `+x` | 3 |" in text
+    rows = {after: mutants.judge(found[after], covered, project, wide=True) for after in ("x * 2", "+x")}
+    assert {after: (row["outcome"], row["stage"], row["tests"]) for after, row in rows.items()} == {
+        "x * 2": ("killed", "near", 3),
+        "+x": ("killed", "wide", 4),
+    }
+    text = mutants.summary(list(rows.values()))
+    assert "2 of 2 faults noticed (100.0 %).\n1 of them by the tests of their own package." in text
 
 
 @pytest.mark.skipif(not pathlib.Path("/proc/self").exists(), reason="no list of processes")
@@ -128,7 +140,28 @@ def test_tests_of_a_line_come_first_then_the_others_of_their_files() -> None:
     assert mutants.chosen_tests(fault, covered, 99.0) == ["c.py::y", "a.py::x", "a.py::y", "a.py::z", "c.py::x"]
     assert mutants.chosen_tests(fault, covered, 9.5) == ["c.py::y", "a.py::x", "a.py::y"]
     assert mutants.chosen_tests(fault, covered, 0.1) == ["c.py::y"], "one at least"
+    assert mutants.chosen_tests(fault, covered, 9.5, "a.py") == ["a.py::x", "a.py::y", "a.py::z"]
     assert mutants.chosen_tests(Mutant("n/n.py", 1, 1, "", "", ""), covered, 99.0) == []
+    assert mutants.folder_of_tests(Mutant("urbanverse_mjx/a/b/c.py", 1, 1, "", "", "")) == "tests/a/"
+
+
+def test_a_file_of_tests_that_changed_is_run_again(project: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ran: list[str] = []
+
+    def run(path: str, marks: str, root: pathlib.Path) -> dict[str, dict[str, float]]:
+        ran.append(path)
+        return {"tests": {}, "seconds": {}}
+
+    def files_that_ran(marks: str) -> list[str]:
+        ran.clear()
+        mutants.coverage(project, ["tests"], marks, project)
+        return list(ran)
+
+    monkeypatch.setattr(mutants, "_run_with_coverage", run)
+    both = ["tests/halves/test_half.py", "tests/other/test_use.py"]
+    assert [files_that_ran("not slow"), files_that_ran("not slow"), files_that_ran("slow")] == [both, [], both]
+    (project / both[1]).write_text("def test_use():\n    pass\n")
+    assert files_that_ran("not slow") == both[1:]
 
 
 def test_tests_of_a_kernel_are_those_that_ran_its_folder() -> None:
@@ -138,7 +171,7 @@ def test_tests_of_a_kernel_are_those_that_ran_its_folder() -> None:
 
 
 def test_the_sample_is_the_same_for_a_seed_and_goes_on(project: pathlib.Path, tmp_path: pathlib.Path) -> None:
-    samples = [[m.name for m in mutants.sample_of(project, ["half.py"], 3, seed)] for seed in (0, 0, 1)]
+    samples = [[m.name for m in mutants.sample_of(project, ["halves/half.py"], 3, seed)] for seed in (0, 0, 1)]
     assert samples[0] == samples[1] != samples[2]
     (tmp_path / "results.jsonl").write_text('{"name": "a", "outcome": "killed"}\n{"name": "b", "out')
     assert [row["name"] for row in mutants.results(tmp_path)] == ["a"]

@@ -1,19 +1,21 @@
 """Inserts faults and lists those that no test detects: `make mutants`; `python -m tests.support.mutants --help` has
 options.
 
-Results are kept in a folder: an interrupted run continues, `--again` begins anew.
+A fault is judged by tests that ran its line: first by those in the folder of tests of its package, and, if they do not
+notice it and `--wide` is given, by those in the other folders. Results are kept in a folder: an interrupted run
+continues, `--again` begins anew.
 """
 
 import argparse
 import collections
 import contextlib
+import hashlib
 import itertools
 import json
 import os
 import pathlib
 import random
 import shutil
-import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,13 +37,16 @@ TESTS = (
     *("tests/crowds", "tests/evaluation", "tests/scene", "tests/envs", "tests/training", "tests/simulation"),
     *("tests/robots", "tests/geometry", "tests/datatypes", "tests/pipeline", "tests/gym", "tests/viewer", "tests/cli"),
 )
-#: Marks of those that continuous integration runs: the quick and the extended ones.
-MARKS = "not slow and not gpu"
+#: Marks of those that continuous integration runs: the quick and the extended ones; and of the quick ones alone.
+MARKS, QUICK = "not slow and not gpu", "not extended and not slow and not gpu"
 #: Tests of the text of the code notice every change of it.
 LEFT_OUT = ("tests/project/",)
 #: Caches that tests need; linked anew for each fault, which may spoil them.
 CACHES = ("assets", "banks", "crowds", "kernels", "light", "meshes", "surroundings", "tests/jax")
+#: Caches without which a fault in these packages is judged: a table that was made without it would hide it.
+MADE_BY = {"crowds": ("crowds/", "envs/navigation/"), "light": ("simulation/rendering/",), "surroundings": ("scene/",)}
 _SLOWER, _START = 4.0, 90.0  # times as long as without the fault, and s, before tests are ended
+_LONGEST = 3600.0  # s, for the tests of a file without a fault
 
 
 def main() -> int:
@@ -51,14 +56,15 @@ def main() -> int:
         shutil.rmtree(out / "coverage", ignore_errors=True)
         (out / "results.jsonl").unlink(missing_ok=True)
     out.mkdir(parents=True, exist_ok=True)
-    covered = coverage(out, options.tests, options.workers)
+    marks = QUICK if options.quick else MARKS
+    covered = coverage(out, options.tests, marks)
     sample = sample_of(ROOT, options.targets, options.number, options.seed)
     done = {row["name"]: row for row in results(out)}
     with (out / "results.jsonl").open("a", encoding="utf-8") as file:
         for number, mutant in enumerate(sample):
             if mutant.name in done:
                 continue
-            row = judge(mutant, covered, seconds=options.seconds)
+            row = judge(mutant, covered, seconds=options.seconds, marks=marks, wide=options.wide)
             done[mutant.name] = row
             file.write(json.dumps(row) + "\n")
             file.flush()
@@ -76,7 +82,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--seconds", type=float, default=300.0, help="of tests for one fault, as long as they take without it"
     )
-    parser.add_argument("--workers", default="logical", help="test processes while coverage is recorded")
+    parser.add_argument("--quick", action="store_true", help="only with the tests that `make test` runs")
+    parser.add_argument("--wide", action="store_true", help="what its own folder misses, also with the other folders")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "build" / "mutants", help="folder of results")
     parser.add_argument("--again", action="store_true", help="forget what was done")
     return parser.parse_args()
@@ -91,15 +98,16 @@ def sample_of(root: pathlib.Path, targets: Sequence[str], number: int, seed: int
     return [plant(str(f.relative_to(root)), f.read_text(encoding="utf-8"), place) for f, place in chosen]
 
 
-def coverage(out: pathlib.Path, tests: Sequence[str], workers: str, root: pathlib.Path = ROOT) -> dict[str, Any]:
-    """{"lines": {"file:line": [tests]}, "seconds": {test: s}} of the tests that pass; each path of `tests` is run once
-    and its result kept."""
+def coverage(out: pathlib.Path, tests: Sequence[str], marks: str = MARKS, root: pathlib.Path = ROOT) -> dict[str, Any]:
+    """{"lines": {"file:line": [tests]}, "seconds": {test: s}} of the tests that pass; each file of `tests`, which may
+    be folders, is run once in a process of its own and its result kept until it changes."""
     lines, seconds = collections.defaultdict[str, list[str]](list), dict[str, float]()
     (out / "coverage").mkdir(exist_ok=True)
-    for path in tests:
-        kept = out / "coverage" / f"{path.replace('/', '-')}.json"
+    for path in _files_of(root, tests):
+        digest = hashlib.sha256(marks.encode() + (root / path).read_bytes()).hexdigest()[:12]
+        kept = out / "coverage" / f"{path.replace('/', '-')}-{digest}.json"
         if not kept.is_file():
-            kept.write_text(json.dumps(_run_with_coverage(path, workers, root)))
+            kept.write_text(json.dumps(_run_with_coverage(path, marks, root)))
         body = json.loads(kept.read_text(encoding="utf-8"))
         seconds |= body["seconds"]
         for test, files in body["tests"].items():
@@ -109,26 +117,21 @@ def coverage(out: pathlib.Path, tests: Sequence[str], workers: str, root: pathli
     return {"lines": lines, "seconds": seconds}
 
 
-def _run_with_coverage(path: str, workers: str, root: pathlib.Path) -> dict[str, Any]:
-    """{"tests": {test: {file: [lines]}}, "seconds": {test: s}} of the tests in a file or folder that pass."""
+def _files_of(root: pathlib.Path, tests: Sequence[str]) -> list[str]:
+    paths = [root / path for path in tests]
+    files = {f for path in paths for f in (path.rglob("test_*.py") if path.is_dir() else [path])}
+    names = sorted(str(file.relative_to(root)) for file in files)
+    return [name for name in names if not name.startswith(LEFT_OUT)]
+
+
+def _run_with_coverage(path: str, marks: str, root: pathlib.Path) -> dict[str, Any]:
+    """{"tests": {test: {file: [lines]}}, "seconds": {test: s}} of the tests in a file that pass."""
     with work_folder("urbanverse-coverage-") as parts:
-        command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-q",
-            "-n",
-            workers,
-            "-p",
-            "tests.support.mutants.covered",
-            "-m",
-            MARKS,
-        ]
-        left_out = [f"--ignore={name}" for name in LEFT_OUT]
+        words = ["-q", "-n", "0", "-p", "no:cacheprovider", "-p", "tests.support.mutants.covered", "-m", marks, path]
         environment = {**os.environ, OUT: str(parts), "PYTHONPATH": f"{root}{os.pathsep}{ROOT}"}
-        done = subprocess.run([*command, *left_out, path], cwd=root, env=environment, check=False)
-        if done.returncode not in (0, 1, 5):
-            raise SystemExit(f"mutants: found that the tests in {path} do not run (status {done.returncode}).")
+        status, text = run_tests(root, environment, words, _LONGEST, parts / "output.txt")
+        if status not in (0, 1, 5):
+            raise SystemExit(f"mutants: found that the tests in {path} do not run (status {status}).\n{text[-2000:]}")
         body: dict[str, Any] = {"tests": {}, "seconds": {}}
         for part in sorted(parts.glob("*.json")):
             found = json.loads(part.read_text())
@@ -152,11 +155,12 @@ def tests_of(mutant: Mutant, lines: Mapping[str, Sequence[str]]) -> set[str]:
     return found or of(f"{mutant.file}:") or of(f"{mutant.file.rpartition('/')[0]}/")
 
 
-def chosen_tests(mutant: Mutant, covered: Mapping[str, Any], limit: float) -> list[str]:
-    """Tests that may notice a fault, as many as take so long without it (s), at least one: those that ran its line, the
-    fastest first, then the others of their files, since what one test traces or a fixture computes, others check."""
+def chosen_tests(mutant: Mutant, covered: Mapping[str, Any], limit: float, start: str = "") -> list[str]:
+    """Tests that may notice a fault and whose names begin so, as many as take so long without it (s), at least one:
+    those that ran its line, the fastest first, then the others of their files, since what one test traces or a fixture
+    computes, others check."""
     seconds: Mapping[str, float] = covered["seconds"]
-    ran = tests_of(mutant, covered["lines"])
+    ran = {test for test in tests_of(mutant, covered["lines"]) if test.startswith(start)}
     files = {test.partition("::")[0] for test in ran}
     others = {test for test in seconds if test.partition("::")[0] in files} - ran
     tests = [test for part in (ran, others) for test in sorted(part, key=lambda test: seconds.get(test, 0.0))]
@@ -164,23 +168,42 @@ def chosen_tests(mutant: Mutant, covered: Mapping[str, Any], limit: float) -> li
     return tests[: max(1, sum(t <= limit for t in total))]
 
 
+def folder_of_tests(mutant: Mutant) -> str:
+    """The folder of the tests of a mutant's package, such as "tests/scene/"."""
+    return f"tests/{mutant.file.split('/')[1]}/"
+
+
 def judge(
-    mutant: Mutant, covered: Mapping[str, Any], root: pathlib.Path = ROOT, seconds: float = 300.0
+    mutant: Mutant,
+    covered: Mapping[str, Any],
+    root: pathlib.Path = ROOT,
+    seconds: float = 300.0,
+    marks: str = MARKS,
+    wide: bool = False,
 ) -> dict[str, Any]:
-    """Results of the `chosen_tests` of a mutant."""
-    tests = chosen_tests(mutant, covered, seconds)
-    begin, outcome, said = time.monotonic(), "uncovered", ""
-    if tests:
-        limit = _START + _SLOWER * sum(covered["seconds"].get(test, 0.0) for test in tests)
-        with planted(mutant, root) as (folder, environment):
+    """Results of the `chosen_tests` of a mutant in the `folder_of_tests` of its package, and, where they miss it and
+    `wide` is true, of those in all other folders; "stage" tells which noticed it."""
+    begin, near = time.monotonic(), folder_of_tests(mutant)
+    row = {"outcome": "uncovered", "stage": "near", "tests": 0, "said": ""}
+    with planted(mutant, root) as (folder, environment):
+        for stage in ("near", "wide") if wide else ("near",):
+            tests = chosen_tests(mutant, covered, seconds, near if stage == "near" else "")
+            if stage == "wide":
+                tests = [test for test in tests if not test.startswith(near)]
+            if not tests:
+                continue
+            limit = _START + _SLOWER * sum(covered["seconds"].get(test, 0.0) for test in tests)
             (folder / "chosen.txt").write_text("\n".join(tests))
-            words = ["-q", "-x", "-n", "0", "-m", MARKS, "-p", "no:cacheprovider", "@chosen.txt"]
+            words = ["-q", "-x", "-n", "0", "-m", marks, "-p", "no:cacheprovider", "@chosen.txt"]
             status, text = run_tests(folder, environment, words, limit)
-            outcome = {0: "survived", None: "timeout"}.get(status, "killed")
             said = next((x for x in text.splitlines() if x.startswith(("FAILED", "ERROR"))), "")
+            outcome = {0: "survived", None: "timeout"}.get(status, "killed")
+            row = {"outcome": outcome, "stage": stage, "tests": row["tests"] + len(tests), "said": said[:200]}
+            if outcome != "survived":
+                break
     place = {"name": mutant.name, "file": mutant.file, "line": mutant.line}
-    change = {"before": mutant.before, "after": mutant.after, "outcome": outcome, "tests": len(tests)}
-    return place | change | {"said": said[:200], "seconds": round(time.monotonic() - begin, 1)}
+    change = {"before": mutant.before, "after": mutant.after}
+    return place | change | row | {"seconds": round(time.monotonic() - begin, 1)}
 
 
 @contextlib.contextmanager
@@ -196,7 +219,8 @@ def planted(mutant: Mutant, root: pathlib.Path) -> Iterator[tuple[pathlib.Path, 
         changed.unlink()
         changed.write_text(mutant.source, encoding="utf-8")
         for name in CACHES:
-            if settings.cache_dir(name).is_dir():
+            made_here = mutant.file.removeprefix(f"{PACKAGE}/").startswith(MADE_BY.get(name, ("/",)))
+            if settings.cache_dir(name).is_dir() and not made_here:
                 shutil.copytree(settings.cache_dir(name), folder / ".cache" / name, copy_function=_link)
         environment = {**os.environ, "PYTHONPATH": str(folder), "URBANVERSE_CACHE": str(folder / ".cache")}
         yield folder, environment
@@ -223,7 +247,10 @@ def results(out: pathlib.Path) -> list[dict[str, Any]]:
 def summary(rows: Sequence[Mapping[str, Any]]) -> str:
     """Markdown: how many were noticed, by folder, and every one that was not."""
     noticed = [row for row in rows if row["outcome"] in ("killed", "timeout")]
-    lines = [f"{len(noticed)} of {len(rows)} faults noticed ({100.0 * len(noticed) / max(len(rows), 1):.1f} %).", ""]
+    lines = [f"{len(noticed)} of {len(rows)} faults noticed ({100.0 * len(noticed) / max(len(rows), 1):.1f} %)."]
+    if wide := sum(row["stage"] == "wide" for row in noticed):
+        lines.append(f"{len(noticed) - wide} of them by the tests of their own package.")
+    lines.append("")
     folders = collections.Counter(row["file"].rpartition("/")[0] for row in rows)
     good = collections.Counter(row["file"].rpartition("/")[0] for row in noticed)
     lines += ["| folder | faults | noticed |", "| --- | --- | --- |"]

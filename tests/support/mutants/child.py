@@ -22,12 +22,17 @@ _OWN = ("urbanverse_mjx", "benchmarks", "tests")
 
 
 def run_tests(
-    folder: pathlib.Path, environment: Mapping[str, str], words: Sequence[str], seconds: float
+    folder: pathlib.Path,
+    environment: Mapping[str, str],
+    words: Sequence[str],
+    seconds: float,
+    output: pathlib.Path | None = None,
 ) -> tuple[int | None, str]:
-    """Runs pytest in a folder from which modules are imported; (exit status, None if it took longer; its output)."""
+    """Runs pytest in a folder from which modules are imported; (exit status, None if it took longer; its output,
+    which is written to a file, by default in that folder)."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([*LIBRARIES])
-    output = folder / "output.txt"
+    output = output or folder / "output.txt"
     process = context.Process(target=_child, args=(folder, dict(environment), list(words), output))
     process.start()
     process.join(seconds)
@@ -51,7 +56,7 @@ def _child(folder: pathlib.Path, environment: dict[str, str], words: list[str], 
     for name in [name for name in sys.modules if name.partition(".")[0] in _OWN]:
         del sys.modules[name]
     root = str(pathlib.Path(__file__).parents[3])
-    sys.path[:] = [str(folder), *(path for path in sys.path if path not in ("", root))]
+    sys.path[:] = [str(folder), *(path for path in sys.path if path not in ("", root)), root]
     sys.argv[:] = ["pytest", *words]
     import pytest
 
