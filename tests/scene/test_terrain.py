@@ -149,3 +149,16 @@ def test_every_place_finds_its_ground_among_the_nearest_prisms(
         for place in rng.uniform(-8.0, 8.0, (200, 2)):
             apart = np.linalg.norm(np.maximum(np.abs(place - centre[:, :2]) - half[:, :2], 0.0), axis=1)
             assert (apart < 0.72).sum() <= limit
+
+
+@pytest.mark.parametrize("level", [0, 3, terrain.LEVELS - 1])
+def test_rough_pieces_are_tilted_about_their_middles(level: int) -> None:
+    """There the ground is as uneven as the level says, however much a piece is tilted."""
+    share = level / (terrain.LEVELS - 1)
+    unevenness = terrain.ROUGH_HEIGHT[0] + (terrain.ROUGH_HEIGHT[1] - terrain.ROUGH_HEIGHT[0]) * share
+    regions = terrain.terrain_regions("rough", level, 2)
+    middles = np.array([np.mean(r.polygon, axis=0) for r in regions])
+    slope, height = np.array([r.plane[:2] for r in regions]), np.array([r.plane[2] for r in regions])
+    at_middle = (slope * middles).sum(1) + height
+    assert at_middle.min() > -1e-3
+    assert at_middle.max() < unevenness + 1e-3
