@@ -134,6 +134,8 @@ class _Street:
     def passable(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """(n,) bool, whether the robot drives straight from points (n, 2) m to others with `MARGIN` to everything and
         without a step."""
+        # All lines get as many points as the longest, so that a line of a share s of its length passes slopes of
+        # STEP / SPACING / s in place of STEP / SPACING. Points of its own for each line would draw other episodes.
         longest = np.linalg.norm(end - start, axis=1).max(initial=0.0)
         share = np.linspace(0.0, 1.0, max(int(longest / SPACING), 1) + 1)[:, None, None]
         line = start + share * (end - start)
