@@ -141,8 +141,28 @@ def test_tests_of_a_line_come_first_then_the_others_of_their_files() -> None:
     assert mutants.chosen_tests(fault, covered, 9.5) == ["c.py::y", "a.py::x", "a.py::y"]
     assert mutants.chosen_tests(fault, covered, 0.1) == ["c.py::y"], "one at least"
     assert mutants.chosen_tests(fault, covered, 9.5, "a.py") == ["a.py::x", "a.py::y", "a.py::z"]
+    assert mutants.chosen_tests(fault, covered, 9.5, left_out=("a.py",)) == ["c.py::y"]
+    assert mutants.chosen_tests(fault, covered, 12.0, left_out=("a.py",)) == ["c.py::y", "c.py::x"], (
+        "a limit of its own"
+    )
     assert mutants.chosen_tests(Mutant("n/n.py", 1, 1, "", "", ""), covered, 99.0) == []
     assert mutants.folder_of_tests(Mutant("urbanverse_mjx/a/b/c.py", 1, 1, "", "", "")) == "tests/a/"
+
+
+def test_what_was_missed_is_judged_again_with_the_other_folders() -> None:
+    rows = [
+        {"outcome": outcome, "wide": wide} for outcome in ("killed", "survived", "uncovered") for wide in (False, True)
+    ]
+    assert [mutants.settled(row, wide=True) for row in rows] == [True, True, False, True, False, True]
+    assert all(mutants.settled(row, wide=False) for row in rows)
+    older = {"outcome": "killed", "file": "urbanverse_mjx/a.py", "line": 1, "before": "", "after": ""}
+    assert "1 of 1 faults noticed" in mutants.summary([older]), "of a folder from before there were stages"
+
+
+def test_a_fault_that_no_test_ran_is_not_planted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mutants, "planted", lambda *_: pytest.fail("planted"))
+    row = mutants.judge(Mutant("urbanverse_mjx/a/b.py", 1, 1, "", "", ""), {"lines": {}, "seconds": {}}, wide=True)
+    assert (row["outcome"], row["tests"], row["wide"]) == ("uncovered", 0, True)
 
 
 def test_a_file_of_tests_that_changed_is_run_again(project: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -162,3 +162,6 @@ def test_rough_pieces_are_tilted_about_their_middles(level: int) -> None:
     at_middle = (slope * middles).sum(1) + height
     assert at_middle.min() > -1e-3
     assert at_middle.max() < unevenness + 1e-3
+    assert at_middle.max() > 0.9 * unevenness
+    assert np.ptp(at_middle) > 0.8 * unevenness
+    assert (np.linalg.norm(slope, axis=1) > 0.0).mean() > 0.9

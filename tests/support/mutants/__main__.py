@@ -45,6 +45,8 @@ LEFT_OUT = ("tests/project/",)
 CACHES = ("assets", "banks", "crowds", "kernels", "light", "meshes", "surroundings", "tests/jax")
 #: Caches without which a fault in these packages is judged: a table that was made without it would hide it.
 MADE_BY = {"crowds": ("crowds/", "envs/navigation/"), "light": ("simulation/rendering/",), "surroundings": ("scene/",)}
+#: Outcomes of a fault that tests notice.
+NOTICED = ("killed", "timeout")
 _SLOWER, _START = 4.0, 90.0  # times as long as without the fault, and s, before tests are ended
 _LONGEST = 3600.0  # s, for the tests of a file without a fault
 
@@ -62,7 +64,7 @@ def main() -> int:
     done = {row["name"]: row for row in results(out)}
     with (out / "results.jsonl").open("a", encoding="utf-8") as file:
         for number, mutant in enumerate(sample):
-            if mutant.name in done:
+            if mutant.name in done and settled(done[mutant.name], options.wide):
                 continue
             row = judge(mutant, covered, seconds=options.seconds, marks=marks, wide=options.wide)
             done[mutant.name] = row
@@ -155,12 +157,16 @@ def tests_of(mutant: Mutant, lines: Mapping[str, Sequence[str]]) -> set[str]:
     return found or of(f"{mutant.file}:") or of(f"{mutant.file.rpartition('/')[0]}/")
 
 
-def chosen_tests(mutant: Mutant, covered: Mapping[str, Any], limit: float, start: str = "") -> list[str]:
-    """Tests that may notice a fault and whose names begin so, as many as take so long without it (s), at least one:
-    those that ran its line, the fastest first, then the others of their files, since what one test traces or a fixture
-    computes, others check."""
+def chosen_tests(
+    mutant: Mutant, covered: Mapping[str, Any], limit: float, start: str = "", left_out: tuple[str, ...] = ()
+) -> list[str]:
+    """Tests that may notice a fault and whose names begin so and not like `left_out`, as many as take so long without
+    it (s), at least one: those that ran its line, the fastest first, then the others of their files, since what one
+    test traces or a fixture computes, others check."""
     seconds: Mapping[str, float] = covered["seconds"]
-    ran = {test for test in tests_of(mutant, covered["lines"]) if test.startswith(start)}
+    ran = {
+        test for test in tests_of(mutant, covered["lines"]) if test.startswith(start) and not test.startswith(left_out)
+    }
     files = {test.partition("::")[0] for test in ran}
     others = {test for test in seconds if test.partition("::")[0] in files} - ran
     tests = [test for part in (ran, others) for test in sorted(part, key=lambda test: seconds.get(test, 0.0))]
@@ -184,26 +190,42 @@ def judge(
     """Results of the `chosen_tests` of a mutant in the `folder_of_tests` of its package, and, where they miss it and
     `wide` is true, of those in all other folders; "stage" tells which noticed it."""
     begin, near = time.monotonic(), folder_of_tests(mutant)
+    stages = {"near": chosen_tests(mutant, covered, seconds, near)}
+    if wide:
+        stages["wide"] = chosen_tests(mutant, covered, seconds, left_out=(near,))
     row = {"outcome": "uncovered", "stage": "near", "tests": 0, "said": ""}
-    with planted(mutant, root) as (folder, environment):
-        for stage in ("near", "wide") if wide else ("near",):
-            tests = chosen_tests(mutant, covered, seconds, near if stage == "near" else "")
-            if stage == "wide":
-                tests = [test for test in tests if not test.startswith(near)]
-            if not tests:
-                continue
-            limit = _START + _SLOWER * sum(covered["seconds"].get(test, 0.0) for test in tests)
-            (folder / "chosen.txt").write_text("\n".join(tests))
-            words = ["-q", "-x", "-n", "0", "-m", marks, "-p", "no:cacheprovider", "@chosen.txt"]
-            status, text = run_tests(folder, environment, words, limit)
-            said = next((x for x in text.splitlines() if x.startswith(("FAILED", "ERROR"))), "")
-            outcome = {0: "survived", None: "timeout"}.get(status, "killed")
-            row = {"outcome": outcome, "stage": stage, "tests": row["tests"] + len(tests), "said": said[:200]}
-            if outcome != "survived":
-                break
-    place = {"name": mutant.name, "file": mutant.file, "line": mutant.line}
+    if any(stages.values()):
+        with planted(mutant, root) as (folder, environment):
+            row |= _run_stages(folder, environment, stages, covered["seconds"], marks)
+    place = {"name": mutant.name, "file": mutant.file, "line": mutant.line, "wide": wide}
     change = {"before": mutant.before, "after": mutant.after}
     return place | change | row | {"seconds": round(time.monotonic() - begin, 1)}
+
+
+def _run_stages(
+    folder: pathlib.Path,
+    environment: Mapping[str, str],
+    stages: Mapping[str, Sequence[str]],
+    seconds: Mapping[str, float],
+    marks: str,
+) -> dict[str, Any]:
+    """Runs the tests of one stage after the other until one notices the fault."""
+    row: dict[str, Any] = {}
+    ran = 0
+    for stage, tests in stages.items():
+        if not tests:
+            continue
+        limit = _START + _SLOWER * sum(seconds.get(test, 0.0) for test in tests)
+        (folder / "chosen.txt").write_text("\n".join(tests))
+        words = ["-q", "-x", "-n", "0", "-m", marks, "-p", "no:cacheprovider", "@chosen.txt"]
+        status, text = run_tests(folder, environment, words, limit)
+        said = next((x for x in text.splitlines() if x.startswith(("FAILED", "ERROR"))), "")
+        outcome = {0: "survived", None: "timeout"}.get(status, "killed")
+        ran += len(tests)
+        row = {"outcome": outcome, "stage": stage, "tests": ran, "said": said[:200]}
+        if outcome != "survived":
+            break
+    return row
 
 
 @contextlib.contextmanager
@@ -219,7 +241,7 @@ def planted(mutant: Mutant, root: pathlib.Path) -> Iterator[tuple[pathlib.Path, 
         changed.unlink()
         changed.write_text(mutant.source, encoding="utf-8")
         for name in CACHES:
-            made_here = mutant.file.removeprefix(f"{PACKAGE}/").startswith(MADE_BY.get(name, ("/",)))
+            made_here = mutant.file.removeprefix(f"{PACKAGE}/").startswith(MADE_BY.get(name, ()))
             if settings.cache_dir(name).is_dir() and not made_here:
                 shutil.copytree(settings.cache_dir(name), folder / ".cache" / name, copy_function=_link)
         environment = {**os.environ, "PYTHONPATH": str(folder), "URBANVERSE_CACHE": str(folder / ".cache")}
@@ -244,11 +266,16 @@ def results(out: pathlib.Path) -> list[dict[str, Any]]:
     return rows
 
 
+def settled(row: Mapping[str, Any], wide: bool) -> bool:
+    """Whether a kept result answers: not one that was missed without the other folders, if they are asked for."""
+    return not wide or row["outcome"] in NOTICED or row.get("wide", False)
+
+
 def summary(rows: Sequence[Mapping[str, Any]]) -> str:
     """Markdown: how many were noticed, by folder, and every one that was not."""
-    noticed = [row for row in rows if row["outcome"] in ("killed", "timeout")]
+    noticed = [row for row in rows if row["outcome"] in NOTICED]
     lines = [f"{len(noticed)} of {len(rows)} faults noticed ({100.0 * len(noticed) / max(len(rows), 1):.1f} %)."]
-    if wide := sum(row["stage"] == "wide" for row in noticed):
+    if wide := sum(row.get("stage") == "wide" for row in noticed):
         lines.append(f"{len(noticed) - wide} of them by the tests of their own package.")
     lines.append("")
     folders = collections.Counter(row["file"].rpartition("/")[0] for row in rows)
