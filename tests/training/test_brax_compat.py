@@ -1,10 +1,19 @@
-"""The replacement of `jax.pmap` for Brax on one accelerator."""
+"""What replaces parts of JAX and Brax in Brax's PPO."""
+
+import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from brax.envs.base import Env, State
+from brax.envs.wrappers.training import VmapWrapper
+from brax.training import acting
+from brax.training.agents.ppo.networks import PPONetworks
+from brax.training.distribution import NormalTanhDistribution
 from brax.training.logger import EpisodeMetricsLogger
+from brax.training.networks import FeedForwardNetwork
 
 from urbanverse_mjx.training import brax_compat
 
@@ -76,3 +85,99 @@ def test_metrics_are_braxs_and_another_number_of_ended_episodes_compiles_nothing
             for arrays in more:
                 logger.update_episode_metrics(*arrays)
             assert ("Finished XLA compilation" in caplog.text) is compiled, "Brax's own does: else this is not needed"
+
+
+class _Camera(Env):
+    """Observations are noise of their step; episodes end at random."""
+
+    shape = (24, 32, 3)
+
+    def reset(self, rng: jax.Array) -> State:
+        return State(rng, self._observe(rng), jnp.zeros(()), jnp.zeros(()), {}, {"truncation": jnp.zeros(())})
+
+    def step(self, state: State, action: jax.Array) -> State:
+        key = jax.random.fold_in(state.pipeline_state, 1)
+        done = (jax.random.uniform(key) < 0.2).astype(jnp.float32)
+        return state.replace(pipeline_state=key, obs=self._observe(key), reward=action.sum(), done=done)
+
+    def _observe(self, key: jax.Array) -> dict[str, jax.Array]:
+        pixels = jax.random.randint(key, self.shape, 0, 256).astype(jnp.uint8)
+        return {"pixels/front": pixels, "goal": jax.random.normal(key, (3,))}
+
+    observation_size = property(lambda self: {"pixels/front": self.shape, "goal": (3,)})
+    action_size = property(lambda _: 2)
+    backend = property(lambda _: "none")
+
+
+def test_an_unroll_keeps_the_last_next_observation_alone() -> None:
+    """The same final state, and all that the loss reads."""
+    env, n, steps = VmapWrapper(_Camera()), 3, 5
+    start = env.reset(jax.random.split(jax.random.PRNGKey(0), n))
+
+    def policy(obs: dict[str, jax.Array], key: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
+        action = jax.random.normal(key, (n, 2)) + obs["goal"][:, :2]
+        return action, {"log_prob": action[:, 0]}
+
+    arguments = (env, start, policy, jax.random.key(1), steps, ("truncation",))
+    end, theirs = acting.generate_unroll(*arguments)
+    found, ours = brax_compat.load_ppo().acting.generate_unroll(*arguments)
+    assert {x.shape[:2] for x in jax.tree.leaves(ours.next_observation)} == {(1, n)}
+    theirs = theirs._replace(next_observation=jax.tree.map(lambda x: x[-1:], theirs.next_observation))
+    for a, b in zip(jax.tree.leaves((found, ours)), jax.tree.leaves((end, theirs)), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_training_with_a_camera_does_not_hold_the_frames_after_each_step(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Brax holds them where the critic has images; with convolutions, shuffled once more."""
+    sizes = dict[str, float]()
+    frames = 16 * 8 * math.prod(_Camera.shape)
+    for name in ("ours", "Brax's"):
+        train = brax_compat.load_ppo()
+        if name != "ours":
+            monkeypatch.setattr(train, "acting", acting)
+        monkeypatch.setattr(train, "jax", _Measured("jax"))
+        with pytest.raises(_Compiled) as found:
+            train.train(
+                environment=_Camera(), num_timesteps=1000, episode_length=20, num_envs=16, unroll_length=8,
+                batch_size=1, num_minibatches=16, num_updates_per_batch=4, num_evals=1, run_evals=False,
+                num_eval_envs=16, network_factory=_averages,
+            )  # fmt: skip
+        sizes[name] = found.value.args[0] / frames
+    assert sizes["Brax's"] - sizes["ours"] > 0.9
+
+
+class _Compiled(Exception):
+    """A training was compiled; its argument is the size in bytes of what it holds besides its arguments and results."""
+
+
+class _Measured(brax_compat._JaxOnOneDevice):
+    """Replacement of the module `jax` in Brax's PPO which raises `_Compiled` in place of training."""
+
+    @staticmethod
+    def pmap(function: Any, *arguments: Any, **options: Any) -> Any:
+        compiled = brax_compat.one_device_pmap(function, *arguments, **options)
+
+        def call(*given: Any) -> Any:
+            if function.__name__ == "training_epoch":
+                raise _Compiled(compiled.lower(*given).compile().memory_analysis().temp_size_in_bytes)
+            return compiled(*given)
+
+        return call
+
+
+def _averages(sizes: Any, action_size: int, preprocess_observations_fn: Any = None) -> PPONetworks:
+    """Networks whose actor and critic see the mean of each row of the image."""
+    del preprocess_observations_fn
+    distribution = NormalTanhDistribution(event_size=action_size)
+
+    def network(outputs: int) -> FeedForwardNetwork:
+        def apply(_: Any, params: jax.Array, obs: dict[str, jax.Array]) -> jax.Array:
+            return obs["pixels/front"].mean((-3, -1)) @ params
+
+        return FeedForwardNetwork(lambda key: jax.random.normal(key, (sizes["pixels/front"][1], outputs)), apply)
+
+    critic = network(1)
+    value = FeedForwardNetwork(critic.init, lambda *given: critic.apply(*given)[..., 0])
+    return PPONetworks(network(distribution.param_size), value, distribution)

@@ -11,6 +11,10 @@ with this fix, each process reads its own copy.
 The tables of a bank would be constants of the compiled program, hundreds of megabytes that XLA copies and hashes. JAX
 can convert them to arguments, but `pmap` does not support this, so on one accelerator Brax gets `jit` of `vmap`.
 
+Brax stores the observation before and after each step, although its loss uses only the one after an unroll's last step.
+A critic with a CNN keeps both alive, so that each frame is held twice, and twice again when the batch is shuffled. Here
+the second of them is kept after the last step alone.
+
 Brax indexes the metrics of completed episodes with JAX, which compiles ten programs for each number of episodes that
 end in a rollout and keeps them; here NumPy does it.
 """
@@ -88,6 +92,26 @@ def _metric_logger() -> Any:
     return SimpleNamespace(EpisodeMetricsLogger=EpisodeMetricsLogger)
 
 
+def generate_unroll(
+    env: Any, env_state: Any, policy: Any, key: jax.Array, unroll_length: int, extra_fields: Sequence[str] = ()
+) -> tuple[Any, Any]:
+    """Brax's, but `next_observation` is the last one alone: (1, num_envs, ...), not (unroll_length, num_envs, ...).
+
+    The loss takes the last along the first axis, so a training's parameters are the same to the bit.
+    """
+    from brax.training import acting
+
+    end, data = acting.generate_unroll(env, env_state, policy, key, unroll_length, extra_fields)
+    return end, data._replace(next_observation=jax.tree.map(lambda x: x[None], end.obs))
+
+
+def _acting() -> Any:
+    """Replacement of the module `brax.training.acting` in Brax's PPO."""
+    from brax.training import acting
+
+    return SimpleNamespace(generate_unroll=generate_unroll, Evaluator=acting.Evaluator)
+
+
 def load_ppo() -> ModuleType:
     """Returns `brax.training.agents.ppo.train` with the compatibility fixes."""
     if not hasattr(jax, "device_put_replicated"):
@@ -96,5 +120,6 @@ def load_ppo() -> ModuleType:
 
     train._unpmap = own_copy
     train.metric_logger = _metric_logger()
+    train.acting = _acting()
     train.jax = _JaxOnOneDevice("jax") if getattr(jax.config, _AS_ARGUMENTS, False) else jax
     return train
