@@ -192,7 +192,7 @@ def reconstruct(
     if best is None:
         raise ValidationError(
             f"{frames.folder}: found poses for {most} of {len(frames)} frames, needed {MIN_FRAMES}; film while "
-            "walking, in light that shows texture, or sample more frames a second."
+            "walking, in light that shows texture, or take more frames a second by --rate."
         )
     return best
 
