@@ -10,7 +10,7 @@ from ml_collections import ConfigDict
 
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.envs import registry
+from urbanverse_mjx.envs import default_config, registry
 from urbanverse_mjx.envs.navigation.draws import OFF, WET_FRICTION, Randomization
 
 RANGES = {
@@ -63,6 +63,36 @@ def test_the_paper_has_it_and_the_laptop_has_not() -> None:
     assert registry.get_default_config("CocoNav", "paper").randomization.appearance > 0
     for preset in ("cpu", "urbansim_v0_1"):
         assert registry.get_default_config("CocoNav", preset).randomization.to_dict() == OFF
+
+
+def test_cameras_and_latencies_are_drawn_within_their_ranges_and_apart() -> None:
+    """Of 2,000 episodes: each value fills its range evenly and tells nothing about another one; the same seed gives the
+    same camera."""
+    config = default_config().randomization.copy_and_resolve_references()
+    config.update(camera_position=0.05, camera_angle=4.0, camera_fovy=0.1, latency=(0.05, 0.25))
+    config.update(exposure=1.5, white_balance=0.2, blur=1.0, pixel_noise=0.05)
+    draws, seeds = Randomization(config), jnp.arange(1, 2001, dtype=jnp.int32)
+
+    @jax.jit
+    @jax.vmap
+    def drawn(seed: Any) -> Any:
+        return draws.camera_mount(seed), draws.camera_noise(seed), draws.latency(seed)
+
+    mount, noise, latency = drawn(seeds)
+    angles = np.degrees(2.0 * np.asarray(mount.rotation)[:, 1:])  # small angles about the three axes
+    parts = [mount.offset, angles, mount.fovy_scale[:, None], noise.exposure[:, None], noise.white_balance]
+    parts += [noise.blur[:, None], noise.noise[:, None], latency[:, None]]
+    ranges = [*[(-0.05, 0.05)] * 3, *[(-4.0, 4.0)] * 3, (0.9, 1.1), (-1.5, 1.5), *[(0.8, 1.2)] * 3]
+    ranges += [(0.0, 1.0), (0.0, 0.05), (0.05, 0.25)]
+    columns = np.concatenate([np.asarray(part) for part in parts], axis=1).T
+    assert columns.shape == (14, 2000)
+    for values, (low, high) in zip(columns, ranges, strict=True):
+        shares = np.histogram((values - low) / (high - low), 5, (-1e-3, 1.001))[0] / len(values)
+        assert shares == pytest.approx([0.2] * 5, abs=0.04)
+    assert np.abs(np.corrcoef(columns) - np.identity(14)).max() < 0.1, "drawn independently"
+    np.testing.assert_array_equal(jax.jit(draws.latency)(seeds[6]), latency[6])
+    off = Randomization(ConfigDict(OFF))
+    assert (off.camera_mount(seeds[0]), off.camera_noise(seeds[0]), off.latency(seeds[0])) == (None, None, None)
 
 
 @pytest.mark.extended

@@ -1,5 +1,7 @@
 """Starts along the route: free, with the rest of the route, as often as asked for, and the table's where off."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +12,7 @@ from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavState, default_config
 from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
 from urbanverse_mjx.envs.navigation.draws import Randomization
-from urbanverse_mjx.envs.navigation.starts import END_MARGIN, MAX_ROUTE_DISTANCE, MIN_REMAINING_LENGTH
+from urbanverse_mjx.envs.navigation.starts import END_MARGIN, MAX_ROUTE_DISTANCE, MIN_REMAINING_LENGTH, RandomStarts
 from urbanverse_mjx.robots import make_coco
 
 NUMBER = 300
@@ -81,6 +83,65 @@ def test_the_share_and_the_heading_are_drawn(small_bank: SceneBank) -> None:
     w, z = np.asarray(always.sim.xquat)[could, -1, 0], np.asarray(always.sim.xquat)[could, -1, 3]
     yaw = 2 * np.arctan2(z, w)
     assert np.histogram(np.mod(yaw, 2 * np.pi), 4, (0, 2 * np.pi))[0].min() > 0.15 * could.sum()
+
+
+class Yard:
+    """A wall along y = 3 and a kerb along x = 9, instead of the streets' tables."""
+
+    @staticmethod
+    def distances(scene: Any, points: Any) -> Any:
+        return jnp.stack([jnp.abs(3.0 - points[..., 1]), 9.0 - points[..., 0]], -1)
+
+
+def test_free_places_and_the_lines_from_them_are_checked_in_every_point() -> None:
+    """Against the same rule, one place after another, for any numbers of them."""
+    robot = make_coco()
+    starts, rng = RandomStarts(1.0, Yard(), robot), np.random.default_rng(0)  # type: ignore[arg-type]
+    for number in (1, 3, 200):
+        here, ahead = rng.uniform([2.0, 0.0], [9.0, 6.0], (2, number, 2))
+        found = np.asarray(starts._free(jnp.int32(0), jnp.asarray(here), jnp.asarray(ahead)))
+        expected = []
+        for a, b in zip(here, ahead, strict=True):
+            line = [np.asarray(Yard.distances(0, a + share * (b - a))) for share in np.arange(12) / 11]
+            near = min(float(d.min()) for d in line)
+            expected.append(line[0].min() >= robot.planner_radius + 0.15 + 0.1 and near >= robot.planner_radius)
+        np.testing.assert_array_equal(found, expected)
+    assert 0.05 < found.mean() < 0.95
+
+
+def test_a_start_is_drawn_beside_the_route_with_the_rest_of_it() -> None:
+    """On a route of two pieces in the open: every distance along the first part of it, on both sides, in the share that
+    is asked for; nothing but the goal remains if all waypoints were passed."""
+    route = jnp.array([[3.0, -9.0, 0.0], [8.0, -9.0, 0.5], [8.0, -30.0, 0.5], [8.0, -30.0, 0.5]])
+    start, count = jnp.array([0.0, -9.0, 0.0, 0.3]), jnp.int32(3)
+
+    class Open:
+        @staticmethod
+        def distances(scene: Any, points: Any) -> Any:
+            return jnp.full((*points.shape[:-1], 2), 2.0)
+
+    starts = RandomStarts(0.7, Open(), make_coco())  # type: ignore[arg-type]
+    draw = jax.jit(jax.vmap(lambda key: starts.draw(key, jnp.int32(0), start, route, count)))
+    there, rest, left = (np.asarray(x) for x in draw(jax.random.split(jax.random.key(0), 2000)))
+    moved = (there != np.asarray(start)).any(-1)
+    assert moved.mean() == pytest.approx(0.7, abs=0.04)
+    np.testing.assert_array_equal(rest[~moved], np.broadcast_to(route, rest[~moved].shape))
+    assert (left[~moved] == 3).all()
+    corners = np.concatenate([np.asarray(start)[None, :3], np.asarray(route[:3])])
+    for place, ahead, number in zip(there[moved], rest[moved], left[moved], strict=True):
+        passed = 3 - int(number)
+        np.testing.assert_array_equal(ahead, corners[np.minimum(np.arange(4) + passed + 1, 3)])
+        a, b = corners[passed], corners[passed + 1]
+        share = float((place[:2] - a[:2]) @ (b - a)[:2]) / float((b - a)[:2] @ (b - a)[:2])
+        assert -1e-4 <= share <= 1.0 + 1e-4
+        assert np.linalg.norm(place[:2] - (a + share * (b - a))[:2]) <= 2.0 + 1e-4
+        assert place[2] == pytest.approx(a[2] + share * (b - a)[2], abs=1e-4)
+    # 29 m, of which the last 8 m stay.
+    along = np.where(left[moved] == 1, 8.0 - there[moved, 1] - 9.0, there[moved, 0])
+    assert along.max() == pytest.approx(21.0, abs=0.2)
+    assert along.min() == pytest.approx(0.0, abs=0.2)
+    assert np.histogram(along, 7, (0.0, 21.0))[0].min() > 0.1 * moved.sum()
+    assert np.histogram(there[moved, 3], 4, (-np.pi, np.pi))[0].min() > 0.2 * moved.sum()
 
 
 def test_a_share_above_one_is_refused() -> None:
