@@ -223,7 +223,8 @@ TASKS: dict[str, tuple[dict[str, Any], dict[str, float], tuple[int, ...] | None,
         {"length": 200.0, "cycle": 60.0, "walk": 20.0},
         {"progress": 0.0, "hit": -10.0, "off_traversable": -10.0, "route": 1.0, "violation": -5.0},
         (9, 1, 0, 1, 4),
-        {"goal_mode": "waypoint", "goal_observation_limit": 0.0, "episode_length": 1800, "movable.bodies": 0},
+        {"goal_mode": "waypoint", "goal_observation_limit": 0.0, "episode_length": 1800, "movable.bodies": 0}
+        | {"scenario": "dynamic"},
     ),
     "ObjectGoal": (
         {"path_length": [8.0, 35.0], "success_distance": 1.0, "stop_time": 1.0},
@@ -262,3 +263,8 @@ def test_tasks_have_their_settings(task: str) -> None:
         kinds = ("pedestrian", "wheelchair", "scooter", "cyclist", "car")
         assert [config.crowd.slots[kind] for kind in kinds] == list(people)
     assert {n: found[n] for n in others} == others
+    # Everything else is the preset's.
+    own = ("task.", "reward_config.scales.", "crowd.slots.", "crowd.filled.")
+    preset = leaves(default_config("paper").to_dict())
+    changed = {n for n, x in found.items() if n in preset and not n.startswith(own) and x != preset[n]}
+    assert changed <= {*others}

@@ -20,7 +20,7 @@ from urbanverse_mjx.scene.exchange_routes import (
     save_planned,
 )
 from urbanverse_mjx.scene.geometry import SceneMap
-from urbanverse_mjx.scene.planner import NAVBENCH, ROBOTS, free_space
+from urbanverse_mjx.scene.planner import NAVBENCH, ROBOTS, GoalField, free_space
 from urbanverse_mjx.scene.routes import NoRoute, Route, RoutePlanner, Wanted
 
 KINDS = ["none", "road", "road_marking", "crosswalk", "sidewalk", "ground"]
@@ -186,6 +186,49 @@ def test_chosen_routes_reach_both_ends(street: ExchangeMap) -> None:
     assert min(lengths) < 20.0
     nowhere = dataclasses.replace(street.map, clearance=np.zeros_like(street.map.clearance))
     assert RoutePlanner(nowhere).choose() == []
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_chosen_routes_have_the_costs_that_are_asked_for(street: ExchangeMap, seed: int) -> None:
+    """By Dijkstra's algorithm cell by cell: one end is the farthest place from the other, the third goal half-way, and
+    the starts cost the shares of the dearest place, where such places exist."""
+    planner = RoutePlanner(street.map)
+    places = [tuple(cell) for cell in planner._places().tolist()]
+    wanted = planner.choose(seed)
+    assert len(wanted) == 12
+    cell_of = {planner._point(cell): cell for cell in places}
+    assert len(cell_of) == len(places)
+
+    def costs(goal: tuple[int, int]) -> dict[tuple[int, int], float]:
+        table = GoalField(planner.space, np.array(goal)).cost
+        return {(i, j): float(table[i, j]) for i, j in places}
+
+    goals = [cell_of[w.goal] for w in wanted[::4]]
+    shares = ((1.0, 0.75, 0.5, 0.25), (0.9, 0.65, 0.4, 0.2), (1.0, 0.7, 0.45, 0.2))
+    for k, goal in enumerate(goals):
+        found = costs(goal)
+        most = max(found.values())
+        for share, route in zip(shares[k], wanted[4 * k : 4 * k + 4], strict=True):
+            assert cell_of[route.goal] == goal
+            off = abs(found[cell_of[route.start]] - share * most)
+            assert off <= max(0.03 * most, min(abs(cost - share * most) for cost in found.values())) + 1e-6
+    from_first, from_corner = costs(goals[0]), costs(places[0])
+    assert from_corner[goals[0]] == max(from_corner.values())
+    assert from_first[goals[1]] == max(from_first.values())
+    half = max(from_first.values()) / 2
+    assert abs(from_first[goals[2]] - half) == min(abs(cost - half) for cost in from_first.values())
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 5])
+def test_routes_are_chosen_wherever_there_are_two_places(street: ExchangeMap, number: int) -> None:
+    planner = RoutePlanner(street.map)
+    few = planner._places()[:: len(planner._places()) // 5][:number]
+    planner._places = lambda: few  # type: ignore[method-assign]
+    wanted = planner.choose()
+    points = {planner._point(cell) for cell in few}
+    assert {p for w in wanted for p in (w.start, w.goal)} <= points
+    assert all(w.start != w.goal for w in wanted)
+    assert (len(wanted) >= 3) == (number >= 2)
 
 
 def test_route_files_come_back_the_same(street: ExchangeMap, tmp_path: pathlib.Path) -> None:

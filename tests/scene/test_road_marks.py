@@ -1,5 +1,6 @@
 """Marks of straight roads whose places are worked out by hand, in the road's own metres; the road lies askew."""
 
+import dataclasses
 import itertools
 from collections.abc import Iterable, Sequence
 
@@ -208,6 +209,32 @@ def test_zigzag_lines_run_along_both_sides_of_the_lane() -> None:
         corners = [(first + sense * 2.0 * k, d + (0.22 if k % 2 else -0.22)) for k in range(9)]
         assert shape.buffer(1e-3).contains(shapely.LineString(corners))
         assert shape.area == pytest.approx(8 * np.hypot(2.0, 0.44) * 0.12, rel=0.02)
+
+
+@pytest.mark.parametrize("place", [17.6, 18.4, 19.6, 60.0, 100.4, 101.6, 102.4])
+@pytest.mark.parametrize("approach", ["zigzag", "diamond"])
+def test_what_announces_a_crosswalk_stays_on_its_road(place: float, approach: str) -> None:
+    """Zigzag lines end at least 1 m before the end of the road, with a step more to spare, diamonds lie at least 1.5 m
+    from it; what does not fit is left out, at any distance of the crosswalk from the ends."""
+    whole = street(4.5)
+    shift = place - 60.0
+    stations = np.arange(LENGTH + 1)
+    (axis,) = whole.axes
+    moved = dataclasses.replace(axis, middle=placed(np.stack([stations - shift, 0.0 * stations], -1)))
+    found = [
+        of_road(m.shape)
+        for m in made(Roads(whole.road, whole.carriageway, whole.crossings, (moved,)), approach=approach)
+    ]
+    if approach == "zigzag":
+        drawn = [s.bounds for s in found if s.area < 0.5 * s.envelope.area and 10.0 < s.bounds[2] - s.bounds[0] < 17.0]
+        room = {1: place - 2.0 - 2.0 - 17.0, -1: LENGTH - place - 2.0 - 2.0 - 17.0}
+        expected = [(60.0 - 20.0, 60.0 - 4.0)] * (2 * (room[1] > 1.0)) + [(64.0, 80.0)] * (2 * (room[-1] > 1.0))
+    else:
+        drawn = [s.bounds for s in found if s.interiors and s.bounds[2] - s.bounds[0] == pytest.approx(5.0, abs=0.1)]
+        at = [(sense, away) for sense in (1, -1) for away in (30.0, 50.0)]
+        along = [58.0 - away if sense > 0 else 62.0 + away for sense, away in at]
+        expected = [(s - 2.5, s + 2.5) for s in along if 4.0 < s + shift < LENGTH - 4.0]
+    np.testing.assert_allclose(sorted((b[0], b[2]) for b in drawn), sorted(expected), atol=0.03)
 
 
 def test_tramways_have_a_track_for_each_direction_where_there_is_room() -> None:

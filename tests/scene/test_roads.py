@@ -18,7 +18,7 @@ from urbanverse_mjx.scene.metadata import scene_metadata
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.planner import RobotSize
 from urbanverse_mjx.scene.roads import Drawn, Parked, RoadRules, crosswalk_materials, draw_roads, rules_of
-from urbanverse_mjx.scene.roads.axis import axes
+from urbanverse_mjx.scene.roads.axis import Axis, axes
 from urbanverse_mjx.scene.roads.markings import EDGE, GUTTER, Mark, find_roads, marks
 
 WIDTH, LENGTH, CROSSWALK = 7.0, 100.0, 50.0
@@ -64,6 +64,22 @@ def test_the_middle_of_a_bend_follows_the_circle() -> None:
     assert np.abs(np.linalg.norm(axis.middle, axis=1) - radius).max() < 0.2
     strip = axis.strip(10.0, 40.0, 0.9, 1.1)  # the left is inside
     assert np.abs(np.linalg.norm(shapely.get_coordinates(strip), axis=1) - (radius - 1)).max() < 0.2
+
+
+@pytest.mark.parametrize("step", [0.93, 1.0, 1.08])
+def test_places_along_a_bend_are_found_again(step: float) -> None:
+    """Stations that are not exactly 1 m apart, as after smoothing; to the error of a chord."""
+    angle = np.arange(0.0, 1.4, step / 40.0)
+    out = np.stack([np.cos(angle), np.sin(angle)], -1)
+    flat = np.zeros(len(angle), bool)
+    axis = Axis(40.0 * out, -out, np.full(len(angle), 4.0), flat, flat)
+    rng = np.random.default_rng(0)
+    s, d = rng.uniform(1.0, axis.length - 1.0, 50), rng.uniform(-4.0, 4.0, 50)
+    found = axis.project(axis.points(s, d))
+    np.testing.assert_allclose(found, np.stack([s, d], -1), atol=0.06)
+    # By the circle itself: d is what lies nearer to its middle, s the share of the arc.
+    place = np.stack([np.cos(0.7), np.sin(0.7)]) * 38.5
+    np.testing.assert_allclose(axis.project(place[None])[0], [0.7 * 40.0 / step, 1.5], atol=0.03)
 
 
 @pytest.mark.parametrize(("traffic", "side"), [("right", -1), ("left", 1)])

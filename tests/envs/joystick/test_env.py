@@ -11,12 +11,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from ml_collections import ConfigDict
 
 from tests.support.unsound import float_leaves, spoil, unsound
 from urbanverse_mjx.datatypes import GroundRegion, SceneBank, ValidationError
 from urbanverse_mjx.envs import JoystickEnv, Result, State, check_env, joystick_config, registry
 from urbanverse_mjx.envs.joystick import terms
-from urbanverse_mjx.envs.joystick.draws import draw_body, draw_command, draw_push
+from urbanverse_mjx.envs.joystick.draws import draw_body, draw_command, draw_noise, draw_push
 from urbanverse_mjx.envs.joystick.legs import Legs
 from urbanverse_mjx.envs.joystick.schedule import TerrainLevels
 from urbanverse_mjx.robots import make_go2
@@ -231,6 +232,21 @@ def test_pushes_come_as_often_and_as_hard_as_asked() -> None:
     speed = np.linalg.norm(kicks[hit, :2], axis=1)
     assert 0.6 < speed.max() <= 0.8
     assert (kicks[:, 2:5] == 0).all()
+
+
+@pytest.mark.parametrize("scale", [0.0, 0.5, 1.0])
+def test_noise_of_sensors_is_as_wide_as_asked(scale: float) -> None:
+    """Uniform and apart for angular velocity, gravity, joint angles and joint speeds, in this order."""
+    config = ConfigDict({"scale": scale, "angular_velocity": 0.2, "gravity": 0.05, "joint_position": 0.03})
+    config.joint_velocity = 1.5
+    found = np.asarray(jax.vmap(lambda k: draw_noise(k, config, 4))(jax.random.split(jax.random.key(0), 3000)))
+    width = scale * np.array([0.2] * 3 + [0.05] * 3 + [0.03] * 4 + [1.5] * 4)
+    assert found.shape == (3000, 14)
+    assert (np.abs(np.median(found, axis=0)) <= 0.06 * width).all()
+    np.testing.assert_allclose(np.abs(found).max(0), width, rtol=0.01)
+    np.testing.assert_allclose(found.std(0), width / np.sqrt(3.0), rtol=0.05)
+    if scale:
+        assert np.abs(np.corrcoef(found.T) - np.identity(14)).max() < 0.1
 
 
 def test_levels_rise_and_fall() -> None:

@@ -100,3 +100,29 @@ def test_steps_are_those_of_c_mujoco(
     np.testing.assert_allclose(turned, data.xmat[1:].reshape(2, 3, 3), atol=2e-3)
     np.testing.assert_allclose(awake.velocity, world(data, data.qvel)[:, :3], atol=1e-4)
     np.testing.assert_allclose(awake.spin, world(data, data.qvel)[:, 3:], rtol=1e-3, atol=1e-2)
+
+
+def test_contacts_of_the_robot_push_the_body_whose_hull_they_touch_and_no_other(
+    tumbling: tuple[mujoco.MjModel, mujoco.MjData, Awake, body_dynamics.Matter],
+) -> None:
+    """Velocities of points of the bodies against C MuJoCo's; other slots and none belong to no body."""
+    model, data, awake, matter = tumbling
+    hulls = 3
+    matter = matter._replace(hull=jnp.zeros((2, hulls), jnp.int32))
+    slots = np.arange(-1, 9)
+    rng = np.random.default_rng(2)
+    points, axes = rng.uniform(-2.0, 2.0, (len(slots), 3)), np.tile(np.identity(3), (len(slots), 1, 1))
+    effect = body_dynamics.pushed(jnp.asarray(slots), awake, matter)
+    columns = np.asarray(effect.columns(jnp.asarray(axes, jnp.float32), jnp.asarray(points, jnp.float32)))
+    weight = np.asarray(effect.weight())
+    for k, slot in enumerate(slots):
+        expected, inverse = np.zeros((3, 12)), 0.0
+        if 0 <= slot < 2 * hulls:
+            body = slot // hulls
+            place, turn = np.zeros((3, 12)), np.zeros((3, 12))
+            mujoco.mj_jac(model, data, place, turn, points[k], body + 1)
+            # From the frame of the body to that of the world, as the engine has spins.
+            place[:, 6 * body + 3 : 6 * body + 6] @= data.xmat[body + 1].reshape(3, 3).T
+            expected, inverse = place, 1.0 / float(model.body_mass[body + 1])
+        np.testing.assert_allclose(columns[k], expected, atol=1e-4)
+        assert weight[k] == pytest.approx(inverse, rel=1e-5)
