@@ -341,3 +341,23 @@ def test_the_route_follower_takes_the_command_of_least_cost(name: str) -> None:
         if not np.isfinite(limit) or abs(w) * env.robot.max_yaw_rate <= v * env.robot.max_speed * limit + 1e-9
     ]
     np.testing.assert_allclose(commands, possible, atol=1e-6)
+
+
+def test_the_followers_grid_of_commands_and_times_covers_what_a_robot_does() -> None:
+    """Commands to both sides alike, from standing to the top; between two checked times a robot drives less than its
+    own length, and the last is the time in which it may stop."""
+    assert list(route_follower.TURNS) == [-x for x in reversed(route_follower.TURNS)]
+    for shares in (route_follower.SPEEDS, route_follower.TURNS):
+        assert list(shares) == sorted(set(shares))
+        assert shares[-1] == 1.0
+    assert route_follower.SPEEDS[0] == 0.0
+    steps = np.diff(route_follower.TIMES, prepend=0.0)
+    assert (steps > 0.0).all()
+    assert (np.diff(steps) > -1e-9).all(), "finer where the next command cannot change anything"
+    for spec in (make_coco(), make_go2()):
+        assert steps.max() * spec.max_speed < 2.0 * spec.planner_radius
+    near = np.linalg.norm(route_follower.NODES, axis=-1)
+    assert near.min() < 1e-6
+    assert np.abs(route_follower.NODES).max(axis=(0, 1))[0] > route_follower.LOOKAHEAD_DISTANCE
+    # A sweep carries costs to the next node: all are reached from one corner.
+    assert route_follower.SWEEPS >= max(route_follower.NODES.shape[:2])

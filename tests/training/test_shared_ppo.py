@@ -17,7 +17,7 @@ from urbanverse_mjx.robots import load
 from urbanverse_mjx.robots.embodiment import FIELDS, describe
 from urbanverse_mjx.training import iterative
 from urbanverse_mjx.training.policy import PolicySpec, initial_params, latest_policy, load_policy, make_policy_function
-from urbanverse_mjx.training.shared_ppo import SharedPPO, SharedState, shared_ppo_config, train_shared
+from urbanverse_mjx.training.shared_ppo import ENDS, SharedPPO, SharedState, shared_ppo_config, train_shared
 
 
 def env_of(bank: SceneBank, name: str, **overrides: Any) -> NavEnv:
@@ -175,6 +175,49 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     turned = config_of("husky", "hunter", num_timesteps=4 * 64, num_checkpoints=3)
     with pytest.raises(ValidationError, match=r"ppo\.robots"):
         train_shared("HunterNav", both, turned, tmp_path / "cut", resume=True, quiet=True)
+
+
+def test_shares_of_robots_are_of_their_own_episodes(envs: dict[str, NavEnv]) -> None:
+    """Rates by hand, also of a robot of which no episode has ended."""
+    learner = learner_of(envs, "hunter", "husky")
+    rng = np.random.default_rng(0)
+    counts = [{name: jnp.float32(rng.integers(0, 40)) for name in (*ENDS, "ended", "reward")} for _ in range(2)]
+    counts[0] |= {"ended": jnp.float32(50.0), "success": jnp.float32(20.0)}
+    counts[1] |= {"ended": jnp.float32(0.0), "success": jnp.float32(0.0)}
+    found = {name: float(x) for name, x in learner._metrics(counts).items()}
+    assert found["robots/hunter"] == pytest.approx(20.0 / 50.0)
+    assert found["robots/husky"] == 0.0
+    for name in ENDS:
+        assert found[name] == pytest.approx(float(counts[0][name] + counts[1][name]) / 50.0)
+    assert found["ended"] == 50.0
+    assert found["reward"] == pytest.approx(float(counts[0]["reward"] + counts[1]["reward"]) / (2 * 4 * 8))
+    both = learner._metrics([counts[0], counts[0]])
+    assert float(both["robots/hunter"]) == float(both["robots/husky"]) == float(both["success"])
+
+
+def test_a_training_begins_with_other_draws_for_each_robot_and_seed(
+    envs: dict[str, NavEnv], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def begun(seed: int) -> tuple[SharedState, list[np.ndarray]]:
+        """The first state and the keys from which each robot's envs begin."""
+        learner, given = learner_of(envs, "hunter", "husky", seed=seed), []
+        monkeypatch.setattr(
+            learner, "_reset", lambda k, keys: given.append((k, jax.random.key_data(keys))) or {"env": k}
+        )
+        state = learner.begin()
+        assert [k for k, _ in given] == [0, 1]
+        return state, [np.asarray(keys) for _, keys in given]
+
+    state, keys = begun(3)
+    assert [env["env"] for env in state.envs] == [0, 1]
+    assert (int(state.steps), float(state.rate)) == (0, pytest.approx(float(config_of("husky").learning_rate)))
+    rows = [tuple(row) for part in [*keys, *begun(4)[1]] for row in part.reshape(-1, part.shape[-1]).tolist()]
+    assert len(rows) == 2 * 2 * 4 == len(set(rows))
+    again, same = begun(3)
+    np.testing.assert_array_equal(np.concatenate(same), np.concatenate(keys))
+    assert_equal(again.params, state.params)
+    other = leaves(begun(4)[0].params)
+    assert any((a != b).any() for a, b in zip(other, leaves(state.params), strict=True))
 
 
 def test_who_is_not_told_answers_alike_for_all_robots() -> None:

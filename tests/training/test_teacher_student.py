@@ -1,6 +1,7 @@
 """The three stages of the preset `best` as a run folder: exact when cut off, and the best of its policies is kept."""
 
 import pathlib
+import types
 from typing import Any
 
 import chex
@@ -134,6 +135,27 @@ def test_each_stage_has_its_share_of_the_steps(tmp_path: pathlib.Path) -> None:
     teacher = run.teacher_config()
     assert (teacher.num_timesteps, teacher.num_envs, teacher.seed) == (1_200_000, 4096, 7)
     assert teacher.minibatch == 4096 * 32 // 8
+
+
+def test_a_stage_counts_on_from_the_steps_before_and_is_validated_if_that_is_asked_for(tmp_path: pathlib.Path) -> None:
+    config = ConfigDict(ppo_config("best").to_dict())
+    config.num_timesteps, config.num_checkpoints = 6_800_000, 5
+    learner = types.SimpleNamespace(student="student", steps_per_iteration=1000)
+    judged = []
+
+    def validator(student: Any) -> Any:
+        judged.append(student)
+        return lambda params: {"validation": 1.0}
+
+    for given in (None, validator):
+        run = TeacherStudent("CocoNav", None, lambda: None, config, tmp_path, quiet=True, validator=given)
+        stage = run._stage(learner, lambda: "first", tmp_path / "stage", "imitation", 1_200_000)
+        assert (stage.iterations, stage.num_checkpoints, stage.steps_before) == (2600, 5, 1_200_000)
+        assert (stage.learner, stage.begin(), stage.folder, stage.quiet) == (learner, "first", tmp_path / "stage", True)
+        assert (stage.validate is None) == (given is None)
+    assert judged == ["student"]
+    assert stage.validate is not None
+    assert stage.validate({}) == {"validation": 1.0}
 
 
 @pytest.mark.slow

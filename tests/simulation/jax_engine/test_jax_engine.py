@@ -14,9 +14,11 @@ from tests.support.box_bank import box_bank
 from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation.collision_slots.body_slots import Awake
+from urbanverse_mjx.simulation.collision_slots import body_slots
+from urbanverse_mjx.simulation.collision_slots.body_slots import Awake, Sizes
 from urbanverse_mjx.simulation.collision_slots.hull_contact import SphereContacts
 from urbanverse_mjx.simulation.collision_slots.static_slots import Slots
+from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.jax_engine import JaxEngine, body_dynamics, constraint
 from urbanverse_mjx.simulation.jax_engine.engine import _Touch
 
@@ -237,6 +239,49 @@ def test_every_hull_within_reach_has_a_slot(jax_engine: JaxEngine, small_bank: S
         for row, objects in zip(here, reachable & (hull >= 0), strict=True):
             wanted = set(small_bank.inst_object[z][objects])
             assert wanted <= set(owner[row][valid[row]])
+
+
+def test_each_body_has_what_stands_within_its_own_reach(small_bank: SceneBank) -> None:
+    """Against brute force over all hulls of the street: nothing that is a body itself, places about the origin."""
+    engine = make_engine(small_bank, make_coco(), impl="jax", control_dt=CONTROL_DT, movable=Sizes(6, 5, 4))
+    assert isinstance(engine, JaxEngine)
+    rng = np.random.default_rng(1)
+    there = small_bank.inst_hull[0] >= 0
+    objects = np.unique(small_bank.inst_object[0][there])
+    taken = rng.choice(objects[objects >= 0], 6, replace=False)
+    near = small_bank.inst_position[0][there][rng.choice(there.sum(), 5, replace=False)]
+    places = (near + rng.uniform(-0.6, 0.6, (5, 3))).astype(np.float32)
+    qpos = np.zeros(engine.physics.model.nq, np.float32)
+    qpos[:4] = *places[0, :2], 0.4, 1.0
+    origin = np.array([7.0, -2.0, 0.0], np.float32)
+    reach = np.array([0.3, 0.8, 0.5, 1.2, 0.9], np.float32)
+
+    state = jax.eval_shape(engine.init, 0, qpos, np.zeros(engine.physics.model.nv, np.float32), taken)
+    bodies = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), state.bodies)._replace(object_index=jnp.asarray(taken))
+    still = jnp.zeros((5, 3))
+    turn = jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (5, 1))
+    awake = Awake(jnp.arange(5), jnp.arange(5), jnp.asarray(places), turn, still, still, jnp.zeros((5, 6)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(body_slots, "reach", lambda *_: jnp.asarray(reach))
+        here = state._replace(scene=jnp.int32(0), bodies=bodies)
+        found = jax.jit(lambda a: engine._scenery(here, a, jnp.asarray(origin)))(awake)
+    hull, owner = small_bank.inst_hull[0], small_bank.inst_object[0]
+    box = small_bank.hull_box[np.maximum(hull, 0)]
+    for k, place in enumerate(places):
+        local = np.einsum("qij,qi->qj", small_bank.inst_rotation[0], place - small_bank.inst_position[0]) - box[:, 0]
+        away = np.linalg.norm(np.maximum(np.abs(local) - box[:, 1], 0.0), axis=-1)
+        away = np.where((hull >= 0) & ~np.isin(owner, taken), away, np.inf)
+        wanted = sorted(away[away <= reach[k]].tolist())[: body_slots.HULLS]
+        valid = np.asarray(found.hulls.valid[k])
+        assert valid.sum() == len(wanted)
+        rows = np.asarray(found.hulls.position[k])[valid] + origin
+        for row, number in zip(rows, np.asarray(found.hulls.hull[k])[valid], strict=True):
+            same = (hull == number) & (np.abs(small_bank.inst_position[0] - row).max(1) < 1e-4)
+            assert (away[same] <= reach[k] + 1e-5).any()
+        assert not set(np.asarray(found.hulls.owner[k])[valid].tolist()) & set(taken.tolist())
+    counts = np.asarray(found.hulls.valid).sum(1)
+    assert counts.max() > 0
+    assert np.asarray(found.prisms.valid).any()
 
 
 def test_callers_mistakes_are_one_sentence(small_bank: SceneBank) -> None:

@@ -110,6 +110,29 @@ def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> No
     assert not (np.asarray(without["object"]) == ROBOT_LABEL).any()
 
 
+def test_a_robot_at_the_edges_of_the_image_is_seen_as_far_as_it_is_inside(bank: SceneBank, robot: RobotSpec) -> None:
+    """From above, from beside it in all eight directions: its middle is outside the image, a part of it is not."""
+    street = render_reference.build_street(bank, 0, robot)
+    render_reference.place(street, robot, np.array([10.0, 6.5, 0.15, 0.7]))
+    camera, fovy = street.model.cam(robot.camera).id, np.radians(50.0)
+    street.model.cam_fovy[camera] = np.degrees(fovy)
+    street.data.cam_xmat[camera] = np.identity(3).ravel()
+    away = [(x, y) for x in (-2.3, 0.0, 2.3) for y in (-1.3, 0.0, 1.3)]
+    above = np.array([(10.0 + x, 6.5 + y, 3.0) for x, y in away])
+    renderer = cases.make_renderer(bank, robot, outputs=("depth", "object"))
+    body = street.data.xpos.copy(), street.data.xquat.copy()
+    image = jax.jit(jax.vmap(lambda place: renderer.view(0, place, cases.DOWN, fovy, *body)))(jnp.asarray(above))
+    for k, place in enumerate(above):
+        street.data.cam_xpos[camera] = place
+        depth, slot = render_reference.cast(street, robot.camera, cases.HEIGHT, cases.WIDTH)
+        found = np.asarray(image["object"][k])
+        assert (slot == ROBOT_LABEL).sum() > 4, "it is in view"
+        assert ((found == ROBOT_LABEL) == (slot == ROBOT_LABEL)).mean() > 0.998
+        same = found == slot
+        assert same.mean() > 0.995
+        np.testing.assert_allclose(np.asarray(image["depth"][k])[same], depth[same], rtol=1e-4, atol=1e-4)
+
+
 def test_a_camera_mounted_otherwise_sees_what_mujocos_does(bank: SceneBank, robot: RobotSpec) -> None:
     """On a robot that is turned, so that the frames of offset and rotation matter."""
     street = render_reference.build_street(bank, 0, robot)

@@ -14,11 +14,13 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.crowds.crossings import CLEAR, STOP, UNSIGNALLED, WALK
 from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env
+from urbanverse_mjx.envs.navigation.tasks import routes
 from urbanverse_mjx.envs.navigation.tasks.config import follow_route_config
 from urbanverse_mjx.envs.navigation.tasks.crosswalks import rectangles
 from urbanverse_mjx.envs.navigation.tasks.route import FollowRoute, RouteState
 from urbanverse_mjx.evaluation.agents import go_to_goal
 from urbanverse_mjx.evaluation.task_agents import SignalPlanner, baseline_of, planner_of
+from urbanverse_mjx.robots import make_coco
 
 FEW = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "cyclist")}
 FEW |= {"crowd.slots.pedestrian": 2, "crowd.slots.car": 1, "task.length": 60.0, "episode_length": 400}
@@ -83,6 +85,29 @@ def test_scenes_that_are_not_used_keep_an_episode_and_the_bank_stays_as_it_was(
     assert env.bank.num_episodes.tolist() == [64, 1, 1]
     np.testing.assert_array_equal(env.bank.episode_start[1, 0], small_bank.episode_start[1, 0])
     assert int(small_bank.num_episodes[0]) != 64
+
+
+def test_ways_cost_their_metres_times_their_prices(small_bank: SceneBank) -> None:
+    """Edge by edge: 1 per metre far from everything, up to 2.5 beside a wall, lawn dearer; only where a robot fits."""
+    robot = make_coco()
+    ground = routes._Ground(small_bank, 0, robot)
+    half = routes._OPTIONS.width_share * robot.planner_radius
+    edges = ground.graph.edges.tocoo()
+    rng = np.random.default_rng(0)
+    lawn = KIND_INDEX["ground"]
+    plain = 0
+    for k in rng.choice(edges.nnz, 500, replace=False):
+        ends = ground.graph.cells[[edges.row[k], edges.col[k]]]
+        metres = routes.NODE * float(np.linalg.norm(ends[0] - ends[1]))
+        prices = []
+        for i, j in ends:
+            clear = float(ground.clear[i, j])
+            assert clear >= half + routes._OPTIONS.slack - 1e-5
+            price = 1.0 + 1.5 * min(max(1.0 - (clear - half) / 0.6, 0.0), 1.0)
+            prices.append(price * (routes._OPTIONS.lawn_cost if ground.kind[i, j] == lawn else 1.0))
+        assert edges.data[k] == pytest.approx(metres * np.mean(prices), rel=1e-4)
+        plain += prices == [1.0, 1.0]
+    assert plain > 20
 
 
 def test_routes_are_the_same_when_they_are_made_again(
