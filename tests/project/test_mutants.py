@@ -149,6 +149,18 @@ def test_tests_of_a_line_come_first_then_the_others_of_their_files() -> None:
     assert mutants.folder_of_tests(Mutant("urbanverse_mjx/a/b/c.py", 1, 1, "", "", "")) == "tests/a/"
 
 
+def test_files_that_import_the_module_of_a_fault_come_first(tmp_path: pathlib.Path) -> None:
+    """As for kernels, whose lines no test is seen to run: all of their folder may notice them."""
+    (tmp_path / "test_a.py").write_text("import a.other\nfrom a.b import c, d\nfrom . import near\n")
+    assert mutants.imported(tmp_path / "test_a.py") == {"a.other", "a.b", "a.b.c", "a.b.d"}
+    seconds = {"slow.py::x": 7.0, "slow.py::y": 8.0, "fast.py::x": 1.0, "fast.py::y": 2.0}
+    covered = {"lines": {"a/b/c.py:1": list(seconds)}, "seconds": seconds, "imports": {"slow.py": {"a.b.c"}}}
+    found = mutants.chosen_tests(Mutant("a/b/c.py", 1, 1, "", "", ""), covered, 16.0)
+    assert found == ["slow.py::x", "slow.py::y", "fast.py::x"]
+    found = mutants.chosen_tests(Mutant("a/b/d.py", 1, 1, "", "", ""), covered, 10.0)
+    assert found == ["fast.py::x", "fast.py::y", "slow.py::x"]
+
+
 def test_what_was_missed_is_judged_again_with_the_other_folders() -> None:
     rows = [
         {"outcome": outcome, "wide": wide} for outcome in ("killed", "survived", "uncovered") for wide in (False, True)

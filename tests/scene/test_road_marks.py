@@ -214,8 +214,8 @@ def test_zigzag_lines_run_along_both_sides_of_the_lane() -> None:
 @pytest.mark.parametrize("place", [21.6, 22.4, 35.6, 36.4, 55.6, 56.4, 63.6, 64.4, 83.6, 84.4, 97.6, 98.4])
 @pytest.mark.parametrize("approach", ["zigzag", "diamond"])
 def test_what_announces_a_crosswalk_stays_on_its_road(place: float, approach: str) -> None:
-    """Zigzag lines end more than 2 m before the end of the road, diamonds lie more than 1.5 m from it; what does not fit
-    is left out, at any distance of the crosswalk from the ends."""
+    """Zigzag lines end more than 2 m before the end of the road, diamonds lie more than 1.5 m from it; what does not
+    fit is left out, at any distance of the crosswalk from the ends."""
     whole = street(4.5)
     shift = place - 60.0
     stations = np.arange(LENGTH + 1)
