@@ -21,7 +21,8 @@ def drawn(seed: int, largest: float = 1.8) -> tuple[PreferredVelocity, np.ndarra
     rng = np.random.default_rng(seed)
     speed, angle = rng.uniform(0.0, largest, NUMBER), rng.uniform(-np.pi, np.pi, NUMBER)
     face = jnp.asarray(rng.uniform(-np.pi, np.pi, NUMBER), jnp.float32)
-    wanted = PreferredVelocity(*(jnp.asarray(speed * f(angle), jnp.float32) for f in (np.cos, np.sin)), face)
+    x, y = (jnp.asarray(speed * f(angle), jnp.float32) for f in (np.cos, np.sin))
+    wanted = PreferredVelocity(x, y, face)
     return wanted, rng.normal(0.0, 0.8, (2, NUMBER)).astype(np.float32), rng.uniform(0.0, 1.0, NUMBER)
 
 

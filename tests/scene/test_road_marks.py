@@ -230,7 +230,13 @@ def test_what_announces_a_crosswalk_stays_on_its_road(place: float, approach: st
         room = {1: place - 2.0 - 2.0 - 17.0, -1: LENGTH - place - 2.0 - 2.0 - 17.0}
         expected = [(60.0 - 20.0, 60.0 - 4.0)] * (2 * (room[1] > 1.0)) + [(64.0, 80.0)] * (2 * (room[-1] > 1.0))
     else:
-        drawn = [s.bounds for s in found if s.interiors and s.bounds[2] - s.bounds[0] == pytest.approx(5.0, abs=0.1)]
+        drawn = [
+            s.bounds
+            for s in found
+            if isinstance(s, shapely.Polygon)
+            and s.interiors
+            and s.bounds[2] - s.bounds[0] == pytest.approx(5.0, abs=0.1)
+        ]
         at = [(sense, away) for sense in (1, -1) for away in (30.0, 50.0)]
         along = [58.0 - away if sense > 0 else 62.0 + away for sense, away in at]
         expected = [(s - 2.5, s + 2.5) for s in along if 4.0 < s + shift < LENGTH - 4.0]
