@@ -127,7 +127,6 @@ def test_the_metadata_say_how_the_file_is_driven(files) -> None:
     by_name = {t.name: t for t in (*record.inputs, *record.outputs)}
     assert list(by_name) == ["pixels/front", "goal", "proprio", "memory", "action", "next_memory"]
     assert by_name["pixels/front"].dtype == "uint8"
-    assert "field of view of" in by_name["pixels/front"].meaning
     assert (by_name["goal"].unit, by_name["action"].unit) == ("m", "m")
     assert all(t.normalisation for t in by_name.values()), "what the caller scales, or none"
     assert by_name["pixels/front"].normalisation == "none: the network scales it"
@@ -137,6 +136,11 @@ def test_the_metadata_say_how_the_file_is_driven(files) -> None:
     fovy = mujoco.MjModel.from_xml_string(coco.mjcf).camera(coco.camera).fovy[0]
     expected = RobotRecord(coco.name, coco.max_speed, coco.max_yaw_rate, round(float(np.radians(fovy)), 6))
     assert record.robot == expected
+    assert f"a vertical field of view of {np.radians(fovy):.3f} rad" in by_name["pixels/front"].meaning
+    limit = record.env_config.get("goal_observation_limit", 0.0)
+    assert by_name["goal"].normalisation == (
+        f"shortened to at most {limit:g} m" if limit else "none: the network scales it"
+    )
     before = {k: x for k, x in json.loads(record.to_json()).items() if k != "robot"} | {"schema": "urbanverse.onnx/1"}
     assert PolicyRecord.from_json(json.dumps(before), "old") == dataclasses.replace(record, robot=None)
     assert 0.0 < record.largest_difference <= 1e-5
