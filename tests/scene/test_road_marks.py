@@ -227,8 +227,8 @@ def test_what_announces_a_crosswalk_stays_on_its_road(place: float, approach: st
     ]
     if approach == "zigzag":
         drawn = [s.bounds for s in found if s.area < 0.5 * s.envelope.area and 10.0 < s.bounds[2] - s.bounds[0] < 17.0]
-        room = {1: place - 2.0 - 2.0 - 17.0, -1: LENGTH - place - 2.0 - 2.0 - 17.0}
-        expected = [(60.0 - 20.0, 60.0 - 4.0)] * (2 * (room[1] > 1.0)) + [(64.0, 80.0)] * (2 * (room[-1] > 1.0))
+        space = {1: place - 2.0 - 2.0 - 17.0, -1: LENGTH - place - 2.0 - 2.0 - 17.0}
+        expected = [(60.0 - 20.0, 60.0 - 4.0)] * (2 * (space[1] > 1.0)) + [(64.0, 80.0)] * (2 * (space[-1] > 1.0))
     else:
         drawn = [
             s.bounds
