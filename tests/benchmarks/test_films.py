@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 import imageio.v2 as imageio
+import numpy as np
 import pytest
 
 from benchmarks import films
@@ -14,6 +15,7 @@ from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.pipeline.playing import PlayOptions, _finest_step, _steps_held, _to_show
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
+from urbanverse_mjx.viz.video import write_video
 
 ROOT = pathlib.Path(__file__).parents[2]
 PAGE = ROOT / "docs/films.md"
@@ -66,6 +68,60 @@ def test_there_is_a_film_of_every_task_that_has_a_page() -> None:
         if film.name in films.TASKS:
             assert (film.options.policy, film.options.env_name) == ("planner", films.TASKS[film.name])
             assert film.options.env_name in registry.all_envs()
+
+
+def test_a_task_is_shown_by_a_success_of_several_episodes_in_a_street_of_its_own() -> None:
+    shipped = [name for names in json.loads((ROOT / "scenes/splits.json").read_text()).values() for name in names]
+    assert set(films.STREETS) == set(films.TASKS)
+    assert set(films.STREETS.values()) == set(shipped), "seven tasks in six streets"
+    for film in films.films():
+        if film.name in films.TASKS:
+            found = film.options
+            assert (found.num_episodes, found.prefer_successes, found.shown) == (4, True, 1)
+            assert found.scenes == films.STREETS[film.name]
+
+
+def test_a_clip_is_small_plays_at_once_and_is_the_same_each_time(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Noise, which needs more bytes than any street, and at the end one shade, which stands for a second."""
+    given: list[PlayOptions] = []
+
+    def play(out: pathlib.Path, options: PlayOptions) -> None:
+        given.append(options)
+        noise = np.random.default_rng(0).integers(0, 256, (79, 96, 160, 3), np.uint8)
+        write_video(out, [*noise, np.full((96, 160, 3), 90, np.uint8)], 10, options.quality, "ultrafast")
+
+    monkeypatch.setattr(pipeline, "play", play)
+    chosen = [film for film in films.films() if film.name == "deliver"]
+    contents = []
+    for name in ("a", "b"):
+        sizes, _ = films.make(chosen, tmp_path / name, clips=True)
+        contents.append((tmp_path / name / "deliver.mp4").read_bytes())
+        assert sizes == {"deliver": len(contents[-1])}
+        assert [path.name for path in (tmp_path / name).iterdir()] == ["deliver.mp4"]
+    assert contents[0] == contents[1]
+    assert len(contents[0]) <= films.CLIP_BYTES
+    assert contents[0].index(b"moov") < contents[0].index(b"mdat"), "a browser can begin before it has all"
+    assert (given[0].last, given[0].azimuth) == (8.0, 60.0)
+    reader: Any
+    with imageio.get_reader(tmp_path / "a/deliver.mp4") as reader:
+        meta, frames = reader.get_meta_data(), [np.asarray(frame) for frame in reader]
+    assert (meta["codec"], meta["pix_fmt"].split("(")[0], len(frames)) == ("h264", "yuv420p", 90)
+    assert all(abs(float(frame.mean()) - 90.0) < 20.0 and frame.std() < 20.0 for frame in frames[-9:])
+
+
+def test_the_page_of_every_task_that_has_a_clip_shows_it_and_says_how_it_is_made() -> None:
+    clips = {path.stem for path in (ROOT / "docs/films").glob("*.mp4")} & set(films.TASKS)
+    assert clips
+    for name in films.TASKS:
+        text = (ROOT / f"docs/tasks/{name}.md").read_text()
+        assert (f'preload="metadata" width="640" src="../films/{name}.mp4"></video>' in text) == (name in clips)
+        assert (f"[file](../films/{name}.mp4)" in text) == (name in clips)
+        assert f'make docs-media ARGS="--only {name}"' in text
+        if name in clips:
+            assert f'make docs-media ARGS="--clip --out docs/films --only {name}"' in text
+            assert (ROOT / f"docs/films/{name}.mp4").stat().st_size <= films.CLIP_BYTES
 
 
 def test_the_page_of_films_names_those_in_the_repository_and_their_length() -> None:

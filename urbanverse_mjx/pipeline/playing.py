@@ -46,6 +46,12 @@ class PlayOptions:
     """Leave them out where at least one reached it."""
     shown: int | None = None
     """Largest number of episodes in the video, drawn at random with --seed."""
+    last: float | None = None
+    """s at the end of each episode that are in the video; default: all."""
+    azimuth: float = 0.0
+    """Degrees by which the camera behind the robot is turned around it, counterclockwise seen from above."""
+    nearness: float = 1.0
+    """Share of that camera's usual distance from the robot."""
     seed: int = 0
     fps: float | None = None
     """Images per second, a multiple of the control rate, at which the agent still acts; default: the control rate."""
@@ -84,6 +90,10 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     options = options or PlayOptions()
     if options.shown is not None:
         v.integer(options.shown, "--shown", 1)
+    if options.last is not None and not options.last > 0.0:
+        raise v.fail("--last", f"{options.last:g}", "s greater than 0", "leave it out for whole episodes")
+    if not 0.2 <= options.nearness <= 5.0:
+        raise v.fail("--nearness", f"{options.nearness:g}", "0.2 to 5")
     v.choice(options.encoder, "--encoder", ENCODER_PRESETS)
     who = _named(options)
     agent, name, config = _chosen(who, options)
@@ -102,7 +112,10 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
         results, poses = Rollout(env, hold=hold).run({who: agent}, episodes, lambda ended, _: report(ended, note=""))
     shown = _to_show([bool(r.success) for r in results], options)
     shown = random_draw(shown, options.shown, options.seed)
-    style = {name: getattr(options, name) for name in ("size", "samples", "quality", "encoder")}
+    style = {
+        name: getattr(options, name)
+        for name in ("size", "samples", "quality", "encoder", "last", "azimuth", "nearness")
+    }
     with Progress(options.quiet) as progress:
         report = progress.task("drawing", len(shown), unit="episodes")
         write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, on_progress=report, **style)

@@ -35,7 +35,8 @@ def write_episodes(
       results: results of all episodes, in their order.
       shown: indices of the episodes to write.
       first_column: column of episode 0 in the trajectory.
-      style: size, samples, quality, encoder and on_progress of `viz.video.write_rollout_video`.
+      style: size, samples, quality, encoder, last, azimuth, nearness and on_progress of
+        `viz.video.write_rollout_video`.
     """
     from ..envs.navigation.dynamic import slot_appearances
     from ..viz.video import write_rollout_video
