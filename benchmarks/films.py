@@ -47,14 +47,14 @@ TASKS = {
     "multi_robot": "CocoMultiRobot",
     "deliver": "CocoDeliver",
 }
-#: Film -> street of a task, another one for each as far as they go.
+#: Film -> street of a task. On the narrow pavement of construction_narrow, robots that meet stand until the end.
 STREETS = {
     "social_nav": "tourist_scooters",
     "follow_person": "commercial_cafes",
     "follow_route": "commercial_bike_lane",
     "cross_street": "residential_bins",
     "object_goal": "park_edge",
-    "multi_robot": "construction_narrow",
+    "multi_robot": "commercial_bike_lane",
     "deliver": "commercial_cafes",
 }
 #: Film -> another camera, as in `PlayOptions`: from behind, the robot hides the button that it presses.
