@@ -72,6 +72,32 @@ def test_the_terminal_says_that_the_page_is_prepared(
     assert re.match(r"opening: 0/1 street, \d+ s, preparing the page\n", said)
 
 
+def test_ctrl_c_is_the_normal_end_of_a_page_but_not_of_its_preparation(
+    capsys: pytest.CaptureFixture[str], bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Served:
+        def __init__(self, *_: object) -> None:
+            if preparing:
+                raise KeyboardInterrupt
+
+        def open_scene(self, name: str) -> None:
+            raise NotImplementedError
+
+        def run(self, until: object) -> None:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(ViewScenes, "open", lambda self, name, cousin=0: (bank, 0))
+    monkeypatch.setattr(page, "Page", Served)
+    preparing = False
+    assert cli.main(["view", "park_edge", "--port", "0", "--no-open"]) == 0
+    said = capsys.readouterr()
+    assert re.fullmatch(r"open http://127\.0\.0\.1:\d+\S*\nstopped; the page is closed\n", said.err)
+    assert said.out == ""
+    preparing = True
+    assert cli.main(["view", "park_edge", "--port", "0", "--no-open"]) == 130
+    assert capsys.readouterr().err == "interrupted\n"
+
+
 def test_numbers_out_of_range_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--robots" in refused(capsys, "park_edge", "--robots", "9")
     assert "--port" in refused(capsys, "park_edge", "--port", "70000")

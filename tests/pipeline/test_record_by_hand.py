@@ -20,6 +20,8 @@ from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv
 from urbanverse_mjx.evaluation.agents import BASELINES
 from urbanverse_mjx.pipeline import machines
+from urbanverse_mjx.pipeline.recording import record
+from urbanverse_mjx.pipeline.recording.encoding import EpisodeWriting
 from urbanverse_mjx.progress import Progress
 from urbanverse_mjx.viewer.front import served
 from urbanverse_mjx.viewer.record_page import RecordPage
@@ -107,9 +109,10 @@ def test_steps_of_a_person_are_marked_and_their_actions_are_those_of_the_person(
 
 
 @pytest.mark.extended
-def test_an_interrupted_recording_is_complete_up_to_its_last_episode(
+def test_ctrl_c_ends_a_recording_which_is_complete_up_to_its_last_episode(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """As *End the recording* does: it is the normal end of a page. It comes while the third episode is driven."""
     begun = []
 
     def person(session: Session, step: int) -> dict[int, np.ndarray]:
@@ -119,16 +122,53 @@ def test_an_interrupted_recording_is_complete_up_to_its_last_episode(
         return {}
 
     driven_by(person, monkeypatch)
+    said = pipeline.record(tmp_path / "new", BY_HAND)
+    assert (said["episodes"], said["frames"]) == (2, 2 * STEPS)
+    found = pipeline.check_dataset(tmp_path / "new")
+    assert (found.problems, found.episodes, found.frames) == ((), 2, 2 * STEPS)
+
+
+@pytest.mark.extended
+def test_ctrl_c_while_an_episode_is_written_is_an_interruption(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second episode was driven to its end and is not known to be written."""
+    driven_by(lambda *_: {}, monkeypatch)
+    wait, waited = EpisodeWriting.wait, []
+
+    def interrupted(writing: EpisodeWriting) -> None:
+        waited.append(writing)
+        if len(waited) == 2:
+            raise KeyboardInterrupt
+        wait(writing)
+
+    monkeypatch.setattr(EpisodeWriting, "wait", interrupted)
     with pytest.raises(KeyboardInterrupt):
         pipeline.record(tmp_path / "new", BY_HAND)
     found = pipeline.check_dataset(tmp_path / "new")
-    assert (found.problems, found.episodes, found.frames) == ((), 2, 2 * STEPS)
+    assert (found.problems, found.episodes) == ((), 2)
 
 
 def test_a_recording_without_an_episode_leaves_no_folder(tmp_path: pathlib.Path) -> None:
     with pytest.raises(ValidationError, match="--teleop: found 0 driven episodes"):
         pipeline.record(tmp_path / "new", BY_HAND, until=lambda: True)
     assert not (tmp_path / "new").exists()
+
+
+def test_the_terminal_says_at_once_that_the_page_is_loaded(
+    capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = []
+
+    def load(*_: object) -> None:
+        said.append(capsys.readouterr().err)
+        raise ValidationError("loaded.")
+
+    monkeypatch.setattr(record, "_prepared", load)
+    for options in (dataclasses.replace(BY_HAND, quiet=False), BY_HAND, dataclasses.replace(OPTIONS, quiet=False)):
+        with pytest.raises(ValidationError, match="loaded"):
+            pipeline.record(tmp_path / "new", options)
+    assert said == ["loading the streets and the robot; the page opens after it\n", "", ""]
 
 
 def test_wrong_input_is_one_sentence_before_anything_is_loaded(

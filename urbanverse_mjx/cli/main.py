@@ -1,8 +1,9 @@
 """`urbanverse <command>`: runs the command's module and converts errors to one sentence and an exit status.
 
 Only the standard library is imported before a command is chosen, so `--help` is instant and `doctor` runs in a
-broken environment. Exit status: 0 done, 1 the command
-found a problem or a bug was hit, 2 wrong use or wrong input (one sentence on stderr), 130 interrupted.
+broken environment. Exit status: 0 done, 1 the command found a problem or a bug was hit, 2 wrong use or wrong input
+(one sentence on stderr), 130 interrupted: work was lost or is unfinished. Ctrl-C is the normal end of a page that
+serves, so `view` and `record --teleop` handle it themselves and end with 0.
 """
 
 import difflib

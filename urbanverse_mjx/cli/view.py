@@ -14,7 +14,7 @@ from ._options import Crowded, EnvOverrides
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ViewArgs(ViewOptions):
-    """Shows a street in a web page with a policy driving in it; Ctrl-C ends it."""
+    """Shows a street in a web page with a policy driving in it; Ctrl-C ends it, with exit status 0."""
 
     scene: Annotated[str | None, tyro.conf.Positional] = None
     """A shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank (.npz,
@@ -29,4 +29,5 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse view`."""
     args = tyro.cli(ViewArgs, args=list(argv), prog="urbanverse view", config=(tyro.conf.DisallowNone,))
     pipeline.view(args.scene, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
+    print("stopped; the page is closed", file=sys.stderr)
     return 0

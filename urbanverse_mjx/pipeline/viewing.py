@@ -1,5 +1,6 @@
 """Shows scenes and policies in a web page."""
 
+import contextlib
 import dataclasses
 import pathlib
 from collections.abc import Callable, Mapping
@@ -90,7 +91,8 @@ def view(
     on_ready: Callable[[str], None] = lambda _: None,
     until: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Serves the page until it is interrupted.
+    """Serves the page until it is interrupted, which is the normal end: once the page can be opened, a
+    `KeyboardInterrupt` closes it and returns; before that, it is raised.
 
     Args:
       scene: a shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank;
@@ -125,7 +127,8 @@ def view(
             page = Page(server, choices, name, options.policy, options.robots, options.people, teleop)
         front.show(page)
         front.library = ViewLibrary(scenes, page.open_scene).answer
-        on_ready(front.address)
-        if options.open:
-            webbrowser.open(front.address)
-        page.run(until)
+        with contextlib.suppress(KeyboardInterrupt):
+            on_ready(front.address)
+            if options.open:
+                webbrowser.open(front.address)
+            page.run(until)

@@ -1,5 +1,6 @@
 """Episodes that a person drives in a web page, in the form in which policies drive them in batches."""
 
+import contextlib
 import time
 import webbrowser
 from collections.abc import Callable, Iterator
@@ -47,7 +48,8 @@ class HandDrive:
         self._sensed = jax.jit(jax.vmap(lambda nav: env.named_observations(nav, env.observe(nav))["state"]))
 
     def run(self, episodes: EpisodeSet, first: int = 0) -> Iterator[list[Driven]]:
-        """Serves the page until all episodes from `first` on are driven, or the person ends the recording.
+        """Serves the page until all episodes from `first` on are driven, or the person ends the recording: with the
+        page's button, or by a `KeyboardInterrupt` while an episode is shown, which drops that episode like the button.
 
         Yields:
           each episode as soon as it has ended, alone; the page waits meanwhile.
@@ -71,7 +73,9 @@ class HandDrive:
             shown.compile()
             for i in range(first, len(episodes)):
                 note = f"episode {i + 1} of {len(episodes)}"
-                done = page.drive(lambda i=i: self._session(episodes, i, known), note, self._until)
+                done = None
+                with contextlib.suppress(KeyboardInterrupt):
+                    done = page.drive(lambda i=i: self._session(episodes, i, known), note, self._until)
                 if done is None:
                     break
                 page.show_note(f"writing {note}")
