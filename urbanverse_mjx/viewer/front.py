@@ -34,7 +34,8 @@ from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
 from ..datatypes import ValidationError
-from .recording import free_port, private_server
+from .ports import free_port
+from .recording import private_server
 from .teleop import Inputs, Teleop
 
 #: Paths of viser's page, of the socket for keys, of that for the robot's camera, and of the library's page.

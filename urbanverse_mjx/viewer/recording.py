@@ -2,12 +2,11 @@
 
 import contextlib
 import io
-import socket
 from collections.abc import Collection, Iterator
 
 import viser
 
-from ..datatypes import ValidationError
+from .ports import free_port
 from .session import Session
 from .stage import LAYERS, Stage, chase_view
 from .street import StreetMeshes
@@ -59,24 +58,6 @@ def start_server(host: str, port: int) -> viser.ViserServer:
     port = free_port(host, port)
     with contextlib.redirect_stdout(io.StringIO()):
         return viser.ViserServer(host=host, port=port, verbose=False)
-
-
-def free_port(host: str, port: int) -> int:
-    """Returns the port, or for 0 a free one.
-
-    Raises:
-      ValidationError: the port is in use or not permitted.
-    """
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, port))
-        except OSError as error:
-            raise ValidationError(
-                f"--port: found {port} on {host} taken ({error.strerror}), needed a free one; choose another, or 0 for "
-                "any."
-            ) from error
-        return probe.getsockname()[1]
 
 
 def stop_server(server: viser.ViserServer) -> None:

@@ -113,14 +113,16 @@ def record(
     from ...datasets import DatasetWriter
     from ...progress import COMPILING, Progress
     from ...settings import num_threads
+
+    options = options or RecordOptions()
+    options = dataclasses.replace(options, policy=options.policy or ("zero" if options.teleop else "planner"))
+    folder = pathlib.Path(out)
+    sensors = _accepted(folder, options)
+    # Imported after the first line on standard error, because it takes seconds.
     from .ahead import Ahead
     from .driving import BatchDrive, drawn_episodes
     from .encoding import EpisodeWriting
 
-    options = options or RecordOptions()
-    options = dataclasses.replace(options, policy=options.policy or ("zero" if options.teleop else "planner"))
-    folder, sensors = pathlib.Path(out), _checked(options)
-    check_folder(folder, options.format, options.resume)
     env, machine, scenes, features = _prepared(options, sensors, bank)
     episodes = drawn_episodes(env.bank, scenes, options.num_episodes, options.seed)
     results: collections.Counter[str] = collections.Counter()
@@ -235,6 +237,21 @@ def _filmable(ended: "Iterable[list[Driven]]", frames: int) -> "Iterator[list[Dr
         yield group
 
 
+def _accepted(folder: pathlib.Path, options: RecordOptions) -> tuple[str, ...]:
+    """The sensors asked for; with `teleop`, a line on standard error says that the page follows.
+
+    Raises:
+      ValidationError: numbers out of range, no such sensor, or a folder in use.
+    """
+    from ...progress import announce
+
+    sensors = _checked(options)
+    check_folder(folder, options.format, options.resume)
+    if options.teleop:
+        announce("loading the streets and the robot; the page opens after it", options.quiet)
+    return sensors
+
+
 def _checked(options: RecordOptions) -> tuple[str, ...]:
     """The sensors asked for, groups taken apart.
 
@@ -249,7 +266,7 @@ def _checked(options: RecordOptions) -> tuple[str, ...]:
     options.lidar.check()
     options.noise.check()
     if options.teleop:
-        from ...viewer.recording import free_port
+        from ...viewer.ports import free_port
 
         options.check()
         if options.noise.deviation:
