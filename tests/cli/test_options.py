@@ -155,4 +155,17 @@ def test_people_and_a_robot_of_ones_own_in_a_page_and_a_dataset() -> None:
         assert (args.env_overrides, args.people) == (OVERRIDES, True)
         assert tyro.cli(kind, args=[*first, "--people"]).people
         assert not tyro.cli(kind, args=[*first, "--no-people"]).people
-    assert tyro.cli(PlayArgs, args=["--dynamic"]).dynamic
+    for kind, first in ((PlayArgs, []), (EvaluateArgs, ["zero"])):
+        assert not tyro.cli(kind, args=first).dynamic
+        for word in ("--people", "--dynamic"):
+            assert tyro.cli(kind, args=[*first, word]).dynamic
+
+
+def test_overrides_of_a_training_are_json_whose_error_names_the_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert tyro.cli(TrainArgs, args=[]).ppo_overrides == {}
+    given = tyro.cli(TrainArgs, args=["--ppo-overrides", '{"learning_rate": 1e-3}'])
+    assert given.ppo_overrides == {"learning_rate": 1e-3}
+    with pytest.raises(SystemExit):
+        tyro.cli(TrainArgs, args=["--ppo-overrides", "learning_rate=1e-3"])
+    said = " ".join(capsys.readouterr().err.replace("│", " ").split())
+    assert "--ppo-overrides: found 'learning_rate=1e-3', which is not JSON" in said

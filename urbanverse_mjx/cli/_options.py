@@ -44,20 +44,29 @@ def _is_size(value: Any) -> bool:
     return isinstance(value, tuple) and len(value) == 2 and all(isinstance(n, int) for n in value)
 
 
+def _json_option(option: str) -> Any:
+    """How an option with a JSON object is read and shown."""
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="JSON",
+        instance_from_str=lambda words: json_object(words[0], option),
+        is_instance=lambda value: isinstance(value, Mapping),
+        str_from_instance=lambda value: [json.dumps(dict(value))],
+    )
+
+
 #: Type of the option `--playground-config-overrides JSON`: flat dotted keys of the environment's config.
 EnvOverrides = Annotated[
     Mapping[str, Any],
     tyro.conf.arg(name="playground-config-overrides"),
-    PrimitiveConstructorSpec(
-        nargs=1,
-        metavar="JSON",
-        instance_from_str=lambda words: json_object(words[0], "--playground-config-overrides"),
-        is_instance=lambda value: isinstance(value, Mapping),
-        str_from_instance=lambda value: [json.dumps(dict(value))],
-    ),
+    _json_option("--playground-config-overrides"),
 ]
+#: Type of the option `--ppo-overrides JSON`: flat dotted keys of the training's config.
+PpoOverrides = Annotated[Mapping[str, Any], _json_option("--ppo-overrides")]
 #: Type of the option `--people`, which other commands call `--dynamic`.
 Crowded = Annotated[bool, tyro.conf.arg(aliases=["--dynamic"])]
+#: The same option where the field is called dynamic.
+Dynamic = Annotated[bool, tyro.conf.arg(name="people", aliases=["--dynamic"])]
 #: Type of an option `--size HEIGHTxWIDTH`: (height, width) in pixels.
 ImageSize = Annotated[
     tuple[int, int],

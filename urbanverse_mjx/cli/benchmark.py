@@ -27,6 +27,7 @@ class BenchmarkArgs(BenchmarkOptions):
     out: pathlib.Path | None = None
     """Output folder; default: runs/NAME-POLICY."""
     quiet: bool = False
+    """No progress bars, and no line about the report."""
 
 
 def main(argv: Sequence[str]) -> int:

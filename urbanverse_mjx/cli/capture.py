@@ -24,6 +24,7 @@ class CaptureArgs(CaptureOptions):
     size: ImageSize = (360, 640)
     """Of the images, in pixels."""
     quiet: bool = False
+    """No progress bars."""
 
 
 def main(argv: Sequence[str]) -> int:

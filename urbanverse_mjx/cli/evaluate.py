@@ -13,7 +13,7 @@ import tyro
 
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
-from ._options import EnvOverrides
+from ._options import Dynamic, EnvOverrides
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +25,7 @@ class EvaluateArgs:
     trained one is compared with three others: untrained, go_to_goal, and itself with its camera covered."""
     scenes: str = "test"
     """test, train, all, or scene ids separated by commas."""
-    dynamic: bool = False
+    dynamic: Dynamic = False
     """Streets with moving people and vehicles, with metrics of the robot's distance to them; default: as in
     training."""
     env_name: str | None = None
@@ -38,7 +38,9 @@ class EvaluateArgs:
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
     num_episodes: int = 100
+    """Number of fixed episodes."""
     seed: int = 0
+    """Draws the episodes, and what is random in them."""
     out: pathlib.Path | None = None
     """Folder of the report; default: evaluation in the policy's folder, for a run runs/RUN/checkpoints/STEPS/evaluation
     (training writes runs/RUN/evaluation), runs/evaluate-NAME for scripted policies, with the settings that differ from
@@ -46,6 +48,7 @@ class EvaluateArgs:
     video: bool = True
     """Write an mp4 of three episodes drawn at random with --seed, with their results."""
     quiet: bool = False
+    """No progress bars, and no line about the report."""
 
 
 def main(argv: Sequence[str]) -> int:

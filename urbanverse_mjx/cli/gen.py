@@ -65,6 +65,7 @@ class GenArgs:
     allow_truncated: bool = False
     """Use a film that ends before its stated length as far as it goes."""
     quiet: bool = False
+    """No progress bars."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,6 +105,7 @@ class ImportArgs:
     country: str = "unknown"
     """urbanverse, colmap: country of the images, for the records and the side of the traffic."""
     quiet: bool = False
+    """No progress bars."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -151,6 +153,7 @@ class BatchArgs:
     allow_truncated: bool = False
     """Use films that end before their stated length as far as they go."""
     quiet: bool = False
+    """No progress bars."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -12,7 +12,7 @@ import tyro
 from .. import pipeline
 from ..datatypes import validation as v
 from ..pipeline.playing import PlayOptions
-from ._options import EnvOverrides, ImageSize
+from ._options import Dynamic, EnvOverrides, ImageSize
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -28,6 +28,9 @@ class PlayArgs(PlayOptions):
     size: ImageSize = (180, 320)
     """Size of each of the two images in pixels."""
     out: pathlib.Path = pathlib.Path("rollout.mp4")
+    """The video; an existing file is replaced."""
+    dynamic: Dynamic = False
+    """With moving people and vehicles."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
 

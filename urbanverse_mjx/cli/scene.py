@@ -63,6 +63,7 @@ class BankArgs:
     imported: bool = False
     """Also use the assets that you imported; needs --out."""
     quiet: bool = False
+    """No progress bars."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,6 +87,7 @@ class TerrainArgs:
     out: pathlib.Path | None = None
     """Bank file; default: in the cache, from which environments load the one with the default seed and levels."""
     seed: int = 0
+    """Of the heights and angles of the terrain."""
     levels: int = 10
     """Levels of difficulty of each kind."""
 

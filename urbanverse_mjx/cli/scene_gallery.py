@@ -23,7 +23,9 @@ class GalleryArgs:
     agent: str = "planner"
     """Agent of the report whose failure rate is used."""
     title: str = "Scenes"
+    """Of the page."""
     quiet: bool = False
+    """No progress bars."""
 
 
 def main(args: GalleryArgs) -> int:

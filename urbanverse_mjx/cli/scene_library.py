@@ -22,6 +22,7 @@ class LibraryArgs(LibraryOptions):
     sets: Annotated[tuple[str, ...], tyro.conf.Positional] = ()
     """Names from scenes/library.json; none: all."""
     quiet: bool = False
+    """No progress bars."""
 
 
 def main(args: LibraryArgs) -> int:

@@ -40,12 +40,15 @@ class MakeArgs:
     frames: int = 150
     """Frames of a video, 10 per second."""
     seed: int = 0
+    """Of the choice of scenes, pairs and names."""
     title: str = "Streets"
+    """Of the page."""
     consent: pathlib.Path | None = None
     """File with the text that participants agree to."""
     contact: str = ""
     """Who answers questions about the study."""
     quiet: bool = False
+    """Do not print the name of each part."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,6 +74,7 @@ class LayoutsArgs:
     permutations: int = 999
     """Exchanges of whole streets, for the p-values."""
     quiet: bool = False
+    """Do not print the name of each part."""
 
 
 _Command = (

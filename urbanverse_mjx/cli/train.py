@@ -8,7 +8,7 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.training_run import TrainOptions
-from ._options import EnvOverrides, json_object
+from ._options import EnvOverrides, PpoOverrides
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -35,7 +35,7 @@ class TrainArgs(TrainOptions):
     """Seed of networks, episodes and the evaluation; default 0."""
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"reward_config.scales.hit": -10}'."""
-    ppo_overrides: str = "{}"
+    ppo_overrides: PpoOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted PPO config keys, e.g. '{"learning_rate": 1e-3}'."""
     quiet: bool = False
     """No progress bars."""
@@ -50,7 +50,7 @@ def main(argv: Sequence[str]) -> int:
         environment=args.env_name,
         preset=args.preset,
         env_overrides=args.env_overrides,
-        ppo_overrides=json_object(args.ppo_overrides, "--ppo-overrides"),
+        ppo_overrides=args.ppo_overrides,
         num_timesteps=args.num_timesteps,
         num_envs=args.num_envs,
         seed=args.seed,

@@ -53,6 +53,7 @@ class PlayOptions:
     nearness: float = 1.0
     """Share of that camera's usual distance from the robot."""
     seed: int = 0
+    """Draws the episodes, and what is random in them."""
     fps: float | None = None
     """Images per second, a multiple of the control rate, at which the agent still acts; default: the control rate."""
     size: tuple[int, int] = (180, 320)

@@ -45,6 +45,7 @@ class SimulationOptions:
     port: int = 5601
     """Port of the sensors; commands are taken on the next one."""
     seed: int = 0
+    """Of the street's random draws."""
     wait: float = 60.0
     """s to wait for the first command."""
 
