@@ -56,3 +56,12 @@ def test_every_option_has_a_help_text(
                 bare.append(f"{name}: {option}")
     assert number >= len(texts), "at least --help of each was read"
     assert (silent, bare) == ([], [])
+
+
+def test_the_help_names_every_scripted_policy_that_the_error_offers(capsys: pytest.CaptureFixture[str]) -> None:
+    text = help_of(capsys, "evaluate")
+    assert cli.main(["evaluate", "no_such_policy"]) == 2
+    offered = re.search(r"or one of (.*?);", capsys.readouterr().err)
+    assert offered
+    for name in offered[1].split(", "):
+        assert name in text

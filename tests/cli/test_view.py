@@ -28,7 +28,7 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
 def test_an_unknown_scene_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
     said = refused(capsys, "parkedge")
     assert "scene: found no 'parkedge'" in said
-    assert "did you mean park_edge" in said
+    assert "did you mean 'park_edge'" in said
 
 
 def test_a_file_that_is_no_graph_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path) -> None:

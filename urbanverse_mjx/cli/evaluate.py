@@ -21,8 +21,9 @@ class EvaluateArgs:
     """Evaluate a policy on fixed episodes: one JSON line, and report.md, report.json and episodes.csv in a folder."""
 
     policy: Annotated[str, tyro.conf.Positional]
-    """A policy folder, a run folder (for its policy with the most steps), or zero, random, go_to_goal or planner. A
-    trained one is compared with three others: untrained, go_to_goal, and itself with its camera covered."""
+    """A policy folder, a run folder (for its policy with the most steps), or zero, random, go_to_goal, keep_distance
+    (behind the person of CocoFollowPerson) or planner. A trained one is compared with three others: untrained,
+    go_to_goal, and itself with its camera covered."""
     scenes: str = "test"
     """test, train, all, or scene ids separated by commas."""
     dynamic: Dynamic = False

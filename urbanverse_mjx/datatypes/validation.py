@@ -6,6 +6,7 @@ return the checked value in its canonical Python type and raise `ValidationError
 
 import collections
 import contextlib
+import difflib
 import errno
 import functools
 import gzip
@@ -35,7 +36,18 @@ class ValidationError(ValueError):
 def fail(where: str, found: str, needed: str, hint: str = "") -> ValidationError:
     """Returns the error (to raise) that states the place, what was found, what was needed and what to try."""
     tail = f"; {hint}" if hint else ""
-    return ValidationError(f"{where}: found {found}, needed {needed}{tail}.")
+    return ValidationError(f"{where}: found {found}, needed {needed}{tail}{'' if tail.endswith('?') else '.'}")
+
+
+def did_you_mean(name: str, known: Iterable[str], number: int = 1, cutoff: float = 0.5) -> str:
+    """A hint for `fail`: "did you mean 'a' or 'b'?", or "" if no known name is like the given one.
+
+    Args:
+      number: most names that are offered.
+      cutoff: least similarity, 0 to 1, of `difflib.get_close_matches`.
+    """
+    near = difflib.get_close_matches(name, list(known), number, cutoff)
+    return f"did you mean {' or '.join(map(repr, near))}?" if near else ""
 
 
 def show(value: Any, limit: int = 60) -> str:
@@ -79,7 +91,8 @@ def identifier(value: Any, where: str) -> str:
 def choice(value: Any, where: str, allowed: Iterable[str]) -> str:
     allowed = tuple(allowed)
     if not isinstance(value, str) or value not in allowed:
-        raise fail(where, show(value), "one of " + ", ".join(allowed))
+        hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
+        raise fail(where, show(value), "one of " + ", ".join(allowed), hint)
     return value
 
 

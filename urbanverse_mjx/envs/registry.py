@@ -1,6 +1,5 @@
 """Registry of environments by name, as in MuJoCo Playground; users can register their own."""
 
-import difflib
 import functools
 import math
 import pathlib
@@ -109,9 +108,8 @@ def __getattr__(name: str) -> Any:
 
 def _entry(name: str) -> _Entry:
     if name not in _REGISTRY:
-        near = difflib.get_close_matches(name, _REGISTRY, 1, 0.4)
-        hint = f"did you mean {near[0]!r}?" if near else "see registry.ALL_ENVS"
-        raise ValidationError(f"environment: found {name!r}, needed one of {', '.join(all_envs())}; {hint}")
+        hint = v.did_you_mean(name, _REGISTRY, cutoff=0.4) or "see registry.ALL_ENVS"
+        raise v.fail("environment", repr(name), f"one of {', '.join(all_envs())}", hint)
     return _REGISTRY[name]
 
 
@@ -189,17 +187,45 @@ def _complete(config: ConfigDict, key: str) -> None:
 
 
 def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDict:
-    """A copy of `config` with flat dotted keys replaced, e.g. {"reward_config.scales.hit": -50}."""
+    """A copy of `config` with flat dotted keys replaced, e.g. {"reward_config.scales.hit": -50}.
+
+    Raises:
+      ValidationError: the config has no such key, or a value of another type.
+    """
     copy = ConfigDict(config.to_dict())
     for key in _ADDED.keys() & overrides.keys():
         _complete(copy, key)
     copy.lock()
     for key, value in overrides.items():
+        had = _value_of(copy, key)
         try:
             copy.update_from_flattened_dict({key: value})
         except (KeyError, TypeError, ValueError) as error:
-            raise ValidationError(f"config override {key!r}: found {value!r}, which does not fit ({error}).") from error
+            if isinstance(had, ConfigDict):
+                needed, hint = "one of its keys", f"write {key}.{next(iter(had), 'KEY')}"
+            else:
+                needed, hint = f"a value of the type of {had!r}, which it replaces", ""
+            raise v.fail(f"config override {key!r}", v.show(value), needed, hint) from error
     return copy
+
+
+def _value_of(config: ConfigDict, key: str) -> Any:
+    """The value of a flat dotted key.
+
+    Raises:
+      ValidationError: there is none.
+    """
+    value: Any = config
+    for k, name in enumerate(names := key.split(".")):
+        if not isinstance(value, ConfigDict) or name not in value:
+            section = f"{'.'.join(names[:k])!r}" if k else "the config"
+            if not isinstance(value, ConfigDict):
+                raise v.fail(f"config override {key!r}", f"no keys in {section}", f"{section} itself")
+            known = sorted(value)
+            found = f"no {name!r} in {section}"
+            raise v.fail(f"config override {key!r}", found, f"one of {', '.join(known)}", v.did_you_mean(name, known))
+        value = value[name]
+    return value
 
 
 def same_task(config: ConfigDict, name: str) -> ConfigDict:

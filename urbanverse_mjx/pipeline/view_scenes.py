@@ -1,12 +1,12 @@
 """Opens scenes by name for a viewer: shipped streets, the built library, graphs, compiled scenes and banks."""
 
-import difflib
 import pathlib
 import re
 from collections.abc import Sequence
 
 from .. import settings
 from ..datatypes import BankShards, SceneBank, ValidationError
+from ..datatypes import validation as v
 from ..datatypes.bank_shards import SUFFIX as SHARDS
 from ..work_folder import work_folder
 
@@ -92,8 +92,7 @@ class ViewScenes:
         return _compiled(self._graphs[name], cousin), 0
 
     def _unknown(self, text: str) -> str:
-        near = difflib.get_close_matches(text, self.names, 3, 0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else "`urbanverse scene library` builds more."
+        hint = v.did_you_mean(text, self.names, 3, 0.4) or "`urbanverse scene library` builds more."
         return (
             f"scene: found no {text!r}, needed a shipped street ({', '.join(self._shipped)}), a scene of the built "
             f"library, a graph.json, a compiled scene's folder or a bank (.npz, .bank); {hint}"

@@ -249,10 +249,34 @@ def test_overrides_and_errors(small_bank: SceneBank) -> None:
         registry.with_overrides(default_config(), {"no_such_key": 1})
     with pytest.raises(ValidationError, match=r"CocoNav.*did you mean 'CocoNav'"):
         registry.load("CocoNva", bank=small_bank)
-    with pytest.raises(ValidationError, match="preset"):
+    with pytest.raises(ValidationError, match=r"preset: found 'faster', needed .*; did you mean 'fast'\?$"):
         default_config("faster")
     with pytest.raises(ValidationError, match="names no scene"):
         unicycle_env(small_bank, {"scenes": "validation"})
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        (
+            {"reward_config.scales.hitt": -1},
+            r"'reward_config.scales.hitt': found no 'hitt' in 'reward_config.scales', needed one of arrived, hit, "
+            r".*; did you mean 'hit'\?$",
+        ),
+        (
+            {"visoin_config.height": 8},
+            r"found no 'visoin_config' in the config, needed .*did you mean 'vision_config'\?$",
+        ),
+        ({"sim_dt.x": 1}, r"'sim_dt.x': found no keys in 'sim_dt', needed 'sim_dt' itself\.$"),
+        ({"sim_dt": "x"}, r"'sim_dt': found 'x', needed a value of the type of 0\.01, which it replaces\.$"),
+        ({"reward_config": 3}, r"'reward_config': found 3, needed one of its keys; write reward_config\.\w+\.$"),
+    ],
+)
+def test_a_wrong_override_is_one_plain_sentence(overrides: dict[str, Any], said: str) -> None:
+    """Without the quotes, line ends and nested values of the library's errors."""
+    with pytest.raises(ValidationError, match=said) as error:
+        registry.with_overrides(default_config(), overrides)
+    assert not set('\n\\"{') & set(str(error.value))
 
 
 def test_configs_of_older_policies_mean_what_there_was_before(small_bank: SceneBank) -> None:

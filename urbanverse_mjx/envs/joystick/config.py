@@ -9,6 +9,7 @@ from typing import Any
 from ml_collections import ConfigDict
 
 from ...datatypes import ValidationError
+from ...datatypes import validation as v
 from ...robots import legged
 
 JOYSTICK_PRESETS = ("fast", "cpu")
@@ -130,8 +131,7 @@ def joystick_config(preset: str = "fast") -> ConfigDict:
       ValidationError: the preset is unknown.
     """
     makers = {"fast": _fast, "cpu": _cpu}
-    if preset not in makers:
-        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(JOYSTICK_PRESETS)}.")
+    v.choice(preset, "preset", JOYSTICK_PRESETS)
     return makers[preset]().lock()
 
 

@@ -3,7 +3,7 @@
 
 from ml_collections import ConfigDict
 
-from ...datatypes import ValidationError
+from ...datatypes import validation as v
 from ..navigation.ppo import ppo_config
 
 
@@ -41,6 +41,5 @@ def joystick_ppo_config(preset: str = "fast") -> ConfigDict:
       ValidationError: the preset is unknown.
     """
     makers = {"fast": _fast, "cpu": _cpu}
-    if preset not in makers:
-        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
+    v.choice(preset, "preset", makers)
     return makers[preset]().lock()

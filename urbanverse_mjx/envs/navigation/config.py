@@ -8,7 +8,7 @@ from typing import Any
 
 from ml_collections import ConfigDict
 
-from ...datatypes import ValidationError
+from ...datatypes import validation as v
 from ...robots import catalogue, legged
 from .draws import OFF
 
@@ -293,6 +293,5 @@ def default_config(preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: the preset is unknown.
     """
-    if preset not in _MAKERS:
-        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
+    v.choice(preset, "preset", PRESETS)
     return _MAKERS[preset]().lock()

@@ -5,7 +5,7 @@
 
 from ml_collections import ConfigDict
 
-from ...datatypes import ValidationError
+from ...datatypes import validation as v
 
 
 def _paper() -> ConfigDict:
@@ -211,8 +211,7 @@ def ppo_config(preset: str = "paper") -> ConfigDict:
         "cpu": _cpu,
         "quick": _quick,
     }
-    if preset not in makers:
-        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
+    v.choice(preset, "preset", makers)
     return makers[preset]().lock()
 
 
