@@ -1,5 +1,7 @@
 """A session's states are those of stepping the environment; actions of a person, and failures."""
 
+import threading
+import time
 import types
 from typing import Any
 
@@ -17,6 +19,7 @@ from urbanverse_mjx.evaluation.agents import BASELINES
 from urbanverse_mjx.evaluation.planner import Planner, RouteField
 from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 from urbanverse_mjx.viewer import layers
+from urbanverse_mjx.viewer.drive_page import DrivePage
 from urbanverse_mjx.viewer.session import Machine, NamedPolicy, Session
 
 
@@ -247,3 +250,50 @@ def test_edges_of_a_box_are_twelve(small_bank: SceneBank) -> None:
     faces = small_bank.hull_num_triangles == 12
     box = int(np.flatnonzero(corners & faces)[0])
     assert layers.hull_edges(small_bank, box).shape == (12, 2, 3)
+
+
+def test_two_threads_compile_a_machines_step_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page's thread waits for the one that began as soon as the scene was open, and does not compile again."""
+    within, most = [0], [0]
+
+    def busy(*_: Any) -> None:
+        within[0] += 1
+        most[0] = max(most[0], within[0])
+        time.sleep(0.05)
+        within[0] -= 1
+
+    machine = types.SimpleNamespace(
+        compiling=threading.Lock(),
+        advance=busy,
+        act=busy,
+        policy=types.SimpleNamespace(outside=False),
+        env=types.SimpleNamespace(action_size=2),
+    )
+    session = Session.__new__(Session)
+    session.machine, session.rows = machine, (0,)  # type: ignore[assignment]
+    session.frames = [types.SimpleNamespace(nav=None)]  # type: ignore[list-item]
+    session._memory, session._known, session._key = (), (), None  # type: ignore[assignment]
+    threads = [threading.Thread(target=session.compile) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(10.0)
+    assert most == [1]
+
+
+def test_a_page_compiles_before_anyone_plays(monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled: list[str] = []
+    done = threading.Event()
+
+    def compile_step() -> None:
+        compiled.append(threading.current_thread().name)
+        done.set()
+
+    page = DrivePage.__new__(DrivePage)
+    page._stopped, page.playing = False, False
+    page.session = types.SimpleNamespace(compile=compile_step)  # type: ignore[assignment]
+    for name in ("_obey", "_notice_headset", "_command"):
+        monkeypatch.setattr(page, name, lambda: None)
+    end = time.monotonic() + 10.0
+    page.run(lambda: done.is_set() or time.monotonic() > end)
+    assert compiled == ["compile"], "once, in a thread of its own"

@@ -3,7 +3,9 @@
 viser's callbacks run in separate threads and only queue requests; one loop (`DrivePage.run`) processes them.
 """
 
+import contextlib
 import queue
+import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -30,7 +32,21 @@ NOBODY = "zero"
 #: px, least width of the robot's camera image on the page.
 _WIDTH = 320
 _RELEASE = "release the key and press it again to take over"
-_COMPILING = "compiling the first step: once for each policy and bank of streets"
+_COMPILING = "compiling the simulation: about 30 s the first time, once for each policy and bank of streets"
+
+
+def _compile_ahead(session: Session) -> None:
+    """Compiles a session's step in a thread, so that the first step finds it ready while the page already answers.
+
+    The thread is no daemon: a process must not end in the middle of a compilation, which ends it with a crash.
+    """
+
+    def compile_quietly() -> None:
+        # The first step meets the same error, and shows it.
+        with contextlib.suppress(ValidationError, OSError):
+            session.compile()
+
+    threading.Thread(target=compile_quietly, name="compile").start()
 
 
 class DrivePage:
@@ -90,8 +106,12 @@ class DrivePage:
     def run(self, until: Callable[[], bool] = lambda: False) -> None:
         """Processes the page's requests and runs the simulation until `stop` is called, or `until` returns True."""
         late = time.monotonic()
+        prepared: Session | None = None
         while not (self._stopped or until()):
             self._obey()
+            if prepared is not self.session:
+                prepared = self.session
+                _compile_ahead(prepared)
             self._notice_headset()
             command = self._command()
             # The simulation pauses while no browser is connected.
@@ -175,7 +195,7 @@ class DrivePage:
                 return
             try:
                 if len(self.session) == 1:
-                    self._work("compiling the first step", _COMPILING)
+                    self._work("compiling the simulation", _COMPILING)
                     self.session.compile()
                     # Discards keys pressed before compilation.
                     self._teleop.forget()

@@ -5,6 +5,7 @@ stepping the environment gives them. When: while a page shows them; this module 
 """
 
 import dataclasses
+import threading
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -75,6 +76,8 @@ class Machine:
         # Without pixels, so that a request for the image of one robot does not render the others.
         self._image = table_arguments.jit(lambda nav: env.observe(nav)[IMAGE])
         self.agents = table_arguments.jit(jax.vmap(self._agents))
+        #: Held while a session compiles, so that two threads do not compile the same program.
+        self.compiling = threading.Lock()
 
     def camera_image(self, nav: NavState) -> np.ndarray | None:
         """(H, W, 3) u8 of the camera of one robot, or None without a renderer; nav: its state."""
@@ -185,11 +188,14 @@ class Session:
         return bool((np.asarray(self.frames[-1].nav.result) != 0).all())
 
     def compile(self) -> None:
-        """Compiles a step unless a session of this machine has done so; no state changes."""
+        """Compiles a step unless a session of this machine has done so; no state changes. Of several threads that call
+        it for one machine, each waits for the one before."""
         nav = self.frames[0].nav
-        if not self.machine.policy.outside:
-            self.machine.act(nav, self._memory, self._known, self._key)
-        self.machine.advance(nav, jnp.zeros((self.num_robots, self.machine.env.action_size)))
+        with self.machine.compiling:
+            # The simulation first: it takes longer than most policies.
+            self.machine.advance(nav, jnp.zeros((self.num_robots, self.machine.env.action_size)))
+            if not self.machine.policy.outside:
+                self.machine.act(nav, self._memory, self._known, self._key)
 
     def step(self, by_hand: dict[int, np.ndarray] | None = None) -> Frame:
         """Runs one control step of all robots; ended ones stand still.
