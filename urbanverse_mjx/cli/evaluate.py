@@ -32,7 +32,7 @@ class EvaluateArgs:
     env_name: str | None = None
     """Environment whose robot is driven, e.g. Go2Nav; default: that of the training, CocoNav for scripted policies."""
     preset: str = "paper"
-    """Preset of the environment, for scripted policies."""
+    """Preset of the environment, for scripted policies; trained ones bring theirs."""
     bank: pathlib.Path | None = None
     """Scene bank; default: that of the preset of the training (`quick`: eight held-out streets, others: the two shipped
     ones), or that of URBANVERSE_BANK."""

@@ -29,7 +29,8 @@ class PlayOptions:
     env_name: str | None = None
     """Environment whose robot is driven; default: that of the policy, else CocoNav."""
     preset: str = "cpu"
-    """Preset of the environment, for policies without one."""
+    """Preset of the environment, for scripted policies; trained ones bring theirs. The default has the smallest
+    image."""
     bank: pathlib.Path | None = None
     """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
     env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)

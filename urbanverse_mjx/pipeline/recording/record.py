@@ -52,7 +52,8 @@ class RecordOptions(PageOptions):
     env_name: str | None = None
     """Whose robot is driven, e.g. Go2Nav; default: the policy's own, for a scripted one CocoNav."""
     preset: str = "paper"
-    """Of the environment, where no policy brings its own."""
+    """Of the environment, for scripted policies and driving by hand; a trained policy brings its own. Demonstrations
+    for `urbanverse train` need the preset of the training, whose default is quick."""
     bank: pathlib.Path | None = None
     """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
     scenes: str = "train"
