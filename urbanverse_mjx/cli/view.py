@@ -2,13 +2,14 @@
 
 import dataclasses
 import sys
+import threading
 from collections.abc import Sequence
 from typing import Annotated
 
 import tyro
 
 from .. import pipeline
-from ..pipeline.viewing import ViewOptions
+from ..pipeline.viewing import COMPILE, ViewOptions
 from ._options import Crowded, EnvOverrides
 
 
@@ -29,5 +30,7 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse view`."""
     args = tyro.cli(ViewArgs, args=list(argv), prog="urbanverse view", config=(tyro.conf.DisallowNone,))
     pipeline.view(args.scene, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
-    print("stopped; the page is closed", file=sys.stderr)
+    compiles = any(thread.name == COMPILE for thread in threading.enumerate())
+    until = "; the process ends with the compilation that is under way" if compiles else ""
+    print(f"stopped; the page is closed{until}", file=sys.stderr)
     return 0
