@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from .. import pipeline
-from ..pipeline.viewing import COMPILE, ViewOptions
+from ..pipeline.viewing import ViewOptions
 from ._options import Crowded, EnvOverrides
 
 
@@ -30,6 +30,9 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse view`."""
     args = tyro.cli(ViewArgs, args=list(argv), prog="urbanverse view", config=(tyro.conf.DisallowNone,))
     pipeline.view(args.scene, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
+    # Imported by now, with all that the page needed.
+    from ..viewer.drive_page import COMPILE
+
     compiles = any(thread.name == COMPILE for thread in threading.enumerate())
     until = "; the process ends with the compilation that is under way" if compiles else ""
     print(f"stopped; the page is closed{until}", file=sys.stderr)

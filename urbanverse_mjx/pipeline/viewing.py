@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 #: Number of environments kept in memory, each with its compiled code.
 _KEPT = 3
-#: Name of the threads that compile a session ahead, see `viewer.drive_page`.
-COMPILE = "compile"
 
 
 @dataclasses.dataclass(frozen=True)

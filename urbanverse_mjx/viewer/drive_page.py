@@ -31,6 +31,8 @@ _ABOVE_HEIGHT = 28.0  # m, of the view from above
 NOBODY = "zero"
 #: px, least width of the robot's camera image on the page.
 _WIDTH = 320
+#: Name of the threads that compile a session ahead.
+COMPILE = "compile"
 _RELEASE = "release the key and press it again to take over"
 _COMPILING = "compiling the simulation: about 30 s the first time, once for each policy and bank of streets"
 
@@ -46,7 +48,7 @@ def _compile_ahead(session: Session) -> None:
         with contextlib.suppress(ValidationError, OSError):
             session.compile()
 
-    threading.Thread(target=compile_quietly, name="compile").start()
+    threading.Thread(target=compile_quietly, name=COMPILE).start()
 
 
 class DrivePage:
