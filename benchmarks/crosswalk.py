@@ -114,7 +114,8 @@ class Controller:
         )
         self.table = self.dynamic.model.tables.crossings
         x, y, _ = route_pose(self.start, self.waypoints, 0.5 * (first + last))
-        self.scene, self.number = scene, crossing_at(self.table, scene, x, y)
+        self.scene, self.row = scene, self.dynamic.row(scene)
+        self.number = crossing_at(self.table, self.row, x, y)
         self.middle = jnp.stack([x, y])
         self.over = jnp.stack(route_pose(self.start, self.waypoints, last)[:2])
         self.drives = jnp.array([k.surface == "road" for k in self.dynamic.model.kinds])
@@ -124,7 +125,7 @@ class Controller:
         body = crowd.bodies
         reach = jnp.array([0.0, 0.8])[:, None]
         x, y = (p + reach * f(body.heading) for p, f in ((body.x, jnp.cos), (body.y, jnp.sin)))
-        on = (crossing_at(self.table, self.scene, x, y) == self.number).any(0)
+        on = (crossing_at(self.table, self.row, x, y) == self.number).any(0)
         away = jnp.hypot(body.x - self.middle[0], body.y - self.middle[1])
         nears = self.drives & (away < _VEHICLE) & (jnp.hypot(body.vx, body.vy) > _ROLLING)
         return (crowd.present & (on | nears)).any()
@@ -136,7 +137,7 @@ class Controller:
         arc = terms.route_position(p_xy, self.start[:3], self.waypoints)
         line = self.first - _LINE - self.env.robot.planner_radius
         front = p_xy + terms.to_world(jnp.array([[0.0, 0.0], *([d, 0.0] for d in _FRONT)]), yaw)
-        here, *edge = crossing_at(self.table, self.scene, front[:, 0], front[:, 1]) == self.number
+        here, *edge = crossing_at(self.table, self.row, front[:, 0], front[:, 1]) == self.number
         taken = self.taken(nav.crowd)
         # The robot may leave its route to go around objects, so the distance ahead is checked as well as the distance
         # driven.
@@ -221,7 +222,7 @@ def main(argv: list[str] | None = None) -> int:
     nav = jax.jit(env.begin_at)(key, jnp.int32(scene), jnp.int32(row))
     observer = Observer(controller.start[0], controller.start[1], controller.start[3], jnp.array(True))
     script = people_coming(controller.start, controller.waypoints, first, last)
-    crowd = jax.jit(lambda k: controller.dynamic.model.init(k, jnp.int32(scene), observer, None, script))(key)
+    crowd = jax.jit(lambda k: controller.dynamic.model.init(k, controller.row, observer, None, script))(key)
     nav, path = drive(env, controller, nav._replace(crowd=crowd), round(arguments.seconds / env.dt))
     frames = film(env, controller, path, arguments.every)
     write_video(arguments.out, frames, 1.0 / (env.dt * arguments.every), quality=arguments.quality)

@@ -114,7 +114,7 @@ class DynamicStreet:
         self.shapes = slot_shapes(self.kinds)
         self._dt, self._crowd_steps = ctrl_dt, max(1, round(ctrl_dt / _CROWD_DT))
         tables = kept_tables(bank, scenes.tolist())
-        self._height, self._origin = tables.height, tables.origin
+        self._height, self._origin, self._row = tables.height, tables.origin, tables.row
         self._robot_radius = robot.planner_radius
         seen = RobotBody(robot.planner_radius, config.yielding)
         dt = ctrl_dt / self._crowd_steps
@@ -144,7 +144,12 @@ class DynamicStreet:
         number = self.model.num_agents
         share = jnp.clip(self._filled[scene] + jax.random.uniform(keys[0], (), minval=-0.15, maxval=0.15), 0.0, 1.0)
         script: Script | None = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
-        return self.model.init(keys[2], scene, observer, jnp.round(share * number).astype(jnp.int32), script)
+        count = jnp.round(share * number).astype(jnp.int32)
+        return self.model.init(keys[2], self.row(scene), observer, count, script)
+
+    def row(self, scene: Int[Array, ""] | int) -> Int[Array, ""]:
+        """() i32, the row of a scene of the bank in the tables of `model`."""
+        return self._row[scene]
 
     def advance(self, nav: NavState, root: int, rights: Precedence | None = None) -> tuple[Crowd, AgentMotion]:
         """Advances the crowd of `nav` by one control step; returns it and the motion of its agents.
@@ -158,10 +163,10 @@ class DynamicStreet:
         x, y = sim.xpos[root, :2]
         vx, vy = sim.qvel[:2]
         observer = Observer(x, y, rotations.yaw_of(sim.xquat[root]), jnp.array(True))
-        key = jax.random.fold_in(nav.key, _STEP + nav.steps)
+        key, row = jax.random.fold_in(nav.key, _STEP + nav.steps), self.row(sim.scene)
 
         def step(k: Int[Array, ""], crowd: Crowd) -> Crowd:
-            return self.model.step(crowd, sim.scene, observer, (vx, vy), jax.random.fold_in(key, k), rights)
+            return self.model.step(crowd, row, observer, (vx, vy), jax.random.fold_in(key, k), rights)
 
         crowd = jax.lax.fori_loop(0, self._crowd_steps, step, before)
         return crowd, self.motion(before, crowd, sim.scene)
@@ -170,8 +175,9 @@ class DynamicStreet:
         """Poses of all agents, at rest."""
         body = crowd.bodies
         places = jnp.stack([body.x, body.y], -1)
-        cell = cell_of(places, self._origin[scene], POOL * CELL, self._height.shape[1:])
-        z = self._height[scene, cell[:, 0], cell[:, 1]]
+        row = self.row(scene)
+        cell = cell_of(places, self._origin[row], POOL * CELL, self._height.shape[1:])
+        z = self._height[row, cell[:, 0], cell[:, 1]]
         zero = jnp.zeros_like(body.x)
         return AgentMotion(
             jnp.stack([body.x, body.y, z], -1), body.heading, jnp.zeros((len(z), 3)), zero, crowd.present

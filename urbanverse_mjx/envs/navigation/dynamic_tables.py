@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int32
 
 from ... import settings, versions
 from ...crowds import crossings, flats, free_space, goal_fields, kinds, open_ground
@@ -21,12 +21,14 @@ _ARRAYS = ("inst_hull", "inst_position", "inst_rotation", "hull_vertices", "pris
 
 class DynamicTables(NamedTuple):
     """Attributes:
-    crowd: see `CrowdTables`; rows are those of the bank. height: (Z, X, Y) f32 m; origin: (Z, 2) m of its cells.
+    crowd: see `CrowdTables`; rows are those of the scenes in use. height: (n, X, Y) f32 m; origin: (n, 2) m of its
+      cells. row: (Z,) i32, the row of each scene of the bank; 0 for scenes that are not in use.
     """
 
     crowd: CrowdTables
-    height: Float[Array, "Z X Y"]
-    origin: Float[Array, "Z 2"]
+    height: Float[Array, "n X Y"]
+    origin: Float[Array, "n 2"]
+    row: Int32[Array, " Z"]
 
 
 def _parts() -> dict[str, tuple[type, Sequence[str]]]:
@@ -39,7 +41,8 @@ def _parts() -> dict[str, tuple[type, Sequence[str]]]:
 
 
 def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray]:
-    """Builds the arrays by name; rows of scenes other than `scenes` are empty, because they are not simulated."""
+    """Builds the arrays by name; their rows are `scenes`, because a row takes some 30 MB in a street of 200 m, and of
+    the scenes of a bank often few are used."""
     tables = make_tables(bank, scenes)
     groups: dict[str, Any] = {f"flats/{n}": t for n, t in tables.flats.items()}
     groups |= {f"ground/{n}": t for n, t in tables.ground.items()}
@@ -50,17 +53,26 @@ def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray
         for name, (_, fields) in _parts().items()
         for field in fields
     }
-    found["height"] = np.stack([free_space.ground_height(bank, z)[::POOL, ::POOL] for z in scenes]).astype(np.float32)
-    out = {}
-    for name, rows in found.items():
-        out[name] = np.zeros((bank.num_scenes, *rows.shape[1:]), rows.dtype)
-        out[name][np.asarray(scenes)] = rows
-    return out
+    found["height"] = ground_heights(bank, scenes)
+    return found
+
+
+def ground_heights(bank: SceneBank, scenes: Sequence[int]) -> Float[np.ndarray, "n X Y"]:
+    """(n, X, Y) f32 m, the ground of some scenes."""
+    return np.stack([free_space.ground_height(bank, int(z))[::POOL, ::POOL] for z in scenes]).astype(np.float32)
+
+
+def rows_of(bank: SceneBank, scenes: Sequence[int]) -> Int32[np.ndarray, " Z"]:
+    """(Z,) i32, the row of each scene of a bank in tables of some scenes; 0 for others, which are not simulated."""
+    row = np.zeros(bank.num_scenes, np.int32)
+    row[np.asarray(scenes, np.int32)] = np.arange(len(scenes))
+    return row
 
 
 def path_of(bank: SceneBank, scenes: Sequence[int]) -> pathlib.Path:
     """The file in the cache of the tables of some scenes of a bank."""
-    parts = (versions.of("crowds"), POOL, sorted(int(z) for z in scenes))
+    # The layout is part of the key, so that the tables' version, which the caches of routes depend on, stays.
+    parts = (versions.of("crowds"), POOL, "row of each scene in use", sorted({int(z) for z in scenes}))
     digest = hashlib.sha256(repr(parts).encode())
     for name in _ARRAYS:
         digest.update(np.ascontiguousarray(getattr(bank, name)).data)
@@ -68,7 +80,8 @@ def path_of(bank: SceneBank, scenes: Sequence[int]) -> pathlib.Path:
 
 
 def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> DynamicTables:
-    """`build_tables` with a cache."""
+    """`build_tables` with a cache; rows in ascending order of the scenes."""
+    scenes = sorted({int(z) for z in scenes})
     path = path_of(bank, scenes)
     names = ["height", *(f"{name}/{field}" for name, (_, fields) in _parts().items() for field in fields)]
     arrays = array_file.load_cached(path, "tables of crowds", names)
@@ -85,4 +98,5 @@ def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> DynamicTables:
         routes={name: parts[f"ways/{name}"] for name in goal_fields.RULES},
         crossings=parts["crossings"],
     )
-    return DynamicTables(crowd, jnp.asarray(arrays["height"]), jnp.asarray(bank.map_origin, jnp.float32))
+    origin = jnp.asarray(bank.map_origin[scenes], jnp.float32)
+    return DynamicTables(crowd, jnp.asarray(arrays["height"]), origin, jnp.asarray(rows_of(bank, scenes)))

@@ -18,7 +18,6 @@ import mujoco
 import numpy as np
 from jaxtyping import Array, Float, Int, Key
 
-from ...crowds import free_space
 from ...crowds.bodies import Bodies
 from ...crowds.crowd import Crowd
 from ...datatypes import AgentMotion, AgentShapes, RobotSpec, SceneBank, SimState, ValidationError
@@ -26,7 +25,7 @@ from ...geometry import rotations
 from ...robots.description import at_rest
 from ..types import NavState, Result
 from .dynamic import DynamicStreet
-from .dynamic_tables import POOL
+from .dynamic_tables import ground_heights, rows_of
 
 #: Kind of the agents that are robots, in `SceneBank.agents`.
 ROBOT = "robot"
@@ -175,11 +174,9 @@ class Fleet(DynamicStreet):
         self._middle = fleet_middle(robot)
         self._robot_radius = robot.planner_radius
         self._people = jnp.ones(size - 1, bool)
-        heights = {int(z): free_space.ground_height(bank, int(z))[::POOL, ::POOL] for z in scenes}
-        table = np.zeros((bank.num_scenes, *next(iter(heights.values())).shape), np.float32)
-        for scene, rows in heights.items():
-            table[scene] = rows
-        self._height, self._origin = jnp.asarray(table), jnp.asarray(bank.map_origin, jnp.float32)
+        self._height = jnp.asarray(ground_heights(bank, scenes))
+        self._origin = jnp.asarray(bank.map_origin[scenes], jnp.float32)
+        self._row = jnp.asarray(rows_of(bank, scenes))
         self._exchange, self._lead = grouped(size), first_of_group(size)
         self._starts = jnp.asarray(bank.episode_start[..., :2])
         self._count = jnp.asarray(bank.num_episodes, jnp.int32)

@@ -5,7 +5,7 @@ look-ups every control step, inside jit, per env.
 """
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -88,8 +88,14 @@ class Crosswalks(NamedTuple):
     number: Int[Array, "Z C"]
 
     @staticmethod
-    def of(bank: SceneBank, scenes: Sequence[int], crossings: Crossings | None) -> "Crosswalks":
-        """The table of some scenes of a bank; rows of others are empty."""
+    def of(
+        bank: SceneBank, scenes: Sequence[int], crossings: Crossings | None, row_of: Callable[[int], int] = int
+    ) -> "Crosswalks":
+        """The table of some scenes of a bank; rows of others are empty.
+
+        Args:
+          row_of: function from a scene to its row in `crossings`; the scene's number by default.
+        """
         found = {z: rectangles(bank, z) for z in scenes}
         most = max([1, *map(len, found.values())])
         fields = np.zeros((3, bank.num_scenes, most, 2), np.float32)
@@ -98,7 +104,7 @@ class Crosswalks(NamedTuple):
             for c, row in enumerate(rows):
                 fields[:, z, c] = row.centre, row.axis, row.half
                 exists[z, c] = True
-                number[z, c] = 0 if crossings is None else _number(crossings, z, row)
+                number[z, c] = 0 if crossings is None else _number(crossings, row_of(z), row)
         return Crosswalks(*(jnp.asarray(x) for x in (*fields, exists, number)))
 
     def away(self, scene: Int[Array, ""], p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n C"]:

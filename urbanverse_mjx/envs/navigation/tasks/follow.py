@@ -129,13 +129,13 @@ class FollowPerson(PeopleTask):
     def _placed(self, key: Key[Array, ""], crowd: Crowd, scene: Int[Array, ""], nav: NavState) -> Crowd:
         """The crowd with the person on the route, walking along it, and nobody else there."""
         x, y, heading = route_pose(nav.start, nav.waypoints, float(self.options.start_distance))
-        model = self.dynamic.model
+        model, row = self.dynamic.model, self.dynamic.row(scene)
         routes, node = model.tables.routes["foot"], goal_fields.RULES["foot"].node
         goals = jnp.arange(routes.goal.shape[1])
         many = jnp.broadcast_to(x, goals.shape), jnp.broadcast_to(y, goals.shape)
-        course = goal_fields.heading_at(routes, node, scene, goals, *many)
+        course = goal_fields.heading_at(routes, node, row, goals, *many)
         # Of the goals in whose direction the route leads, the best; the others are behind the robot.
-        along = jnp.where(goals < routes.num_goals[scene], jnp.cos(course - heading), -2.0)
+        along = jnp.where(goals < routes.num_goals[row], jnp.cos(course - heading), -2.0)
         goal = jnp.argmax(along).astype(jnp.int32)
         body = crowd.bodies
         near = (body.x - x) ** 2 + (body.y - y) ** 2 < FREE_RADIUS**2

@@ -142,8 +142,11 @@ class FollowRoute(Task):
             )
         used = [int(z) for z in parts.scenes]
         self.dynamic = parts.dynamic
-        tables = None if parts.dynamic is None else parts.dynamic.model.tables.crossings
-        self.crosswalks = Crosswalks.of(bank, used, tables)
+        if parts.dynamic is None:
+            self.crosswalks = Crosswalks.of(bank, used, None)
+        else:
+            tables, row = parts.dynamic.model.tables.crossings, parts.dynamic.row
+            self.crosswalks = Crosswalks.of(bank, used, tables, lambda z: int(row(z)))
         widest = float(2.0 * self.crosswalks.half[..., 0].max())
         self.cycle = Cycle(float(options.cycle), float(options.walk)).check(widest)
         events = {z: self._events(bank, z) for z in used}

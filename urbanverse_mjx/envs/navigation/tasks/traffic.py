@@ -25,7 +25,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Key
 from ml_collections import ConfigDict
 
-from ....crowds import KINDS, free_space
+from ....crowds import KINDS
 from ....crowds.behaviours import ROAM
 from ....crowds.bodies import Bodies
 from ....crowds.crossings import OPTIONS as CROSSING
@@ -35,7 +35,7 @@ from ....datatypes import AgentMotion, RobotSpec, SceneBank, ValidationError
 from ....geometry import rotations
 from ...types import NavState
 from ..dynamic import DynamicStreet, slot_kinds, slot_shapes
-from ..dynamic_tables import POOL
+from ..dynamic_tables import ground_heights, rows_of
 from .carriageways import Carriageways
 
 #: s, longest step of the model, and number folded into an episode's key for the vehicles.
@@ -145,11 +145,9 @@ class Traffic(DynamicStreet):
         self._lane = jnp.repeat(jnp.arange(LANES), number // LANES)
         same = np.arange(number)[:, None] // (number // LANES) == np.arange(number) // (number // LANES)
         self._same = jnp.asarray(same & ~np.identity(number, bool))
-        heights = {int(z): free_space.ground_height(bank, int(z))[::POOL, ::POOL] for z in scenes}
-        table = np.zeros((bank.num_scenes, *next(iter(heights.values())).shape), np.float32)
-        for scene, rows in heights.items():
-            table[scene] = rows
-        self._height, self._origin = jnp.asarray(table), jnp.asarray(bank.map_origin, jnp.float32)
+        self._height = jnp.asarray(ground_heights(bank, scenes))
+        self._origin = jnp.asarray(bank.map_origin[scenes], jnp.float32)
+        self._row = jnp.asarray(rows_of(bank, scenes))
 
     @property
     def lane(self) -> Int[Array, " A"]:
