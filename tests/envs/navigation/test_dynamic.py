@@ -179,6 +179,16 @@ def test_tables_of_a_crowd_are_kept(env: NavEnv, small_bank: SceneBank, monkeypa
     assert np.nanmax(floor) == pytest.approx(0.15, abs=0.01), "the pavement"
 
 
+def test_tables_have_rows_of_the_scenes_in_use_alone(env: NavEnv, small_bank: SceneBank) -> None:
+    """Those of a street that is used alone are its row in the tables of all, and nothing of the others."""
+    every, one = (dynamic_tables.kept_tables(small_bank, z) for z in (env.scenes.tolist(), [2, 2]))
+    assert every.row.tolist() == [0, 1, 2]
+    assert int(one.row[2]) == 0
+    for found, whole in zip(jax.tree.leaves(one[:-1]), jax.tree.leaves(every[:-1]), strict=True):
+        assert found.shape == (1, *whole.shape[1:])
+        np.testing.assert_array_equal(found[0], whole[2])
+
+
 def test_static_streets_carry_nothing_of_it(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
     state = jax.eval_shape(env.reset, jax.random.key(0))
