@@ -50,7 +50,7 @@ TASKS = {
 #: Film -> street of a task. On the narrow pavement of construction_narrow, robots that meet stand until the end.
 STREETS = {
     "social_nav": "tourist_scooters",
-    "follow_person": "commercial_cafes",
+    "follow_person": "park_edge",
     "follow_route": "commercial_bike_lane",
     "cross_street": "residential_bins",
     "object_goal": "park_edge",

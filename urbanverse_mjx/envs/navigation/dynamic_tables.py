@@ -57,12 +57,12 @@ def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray
     return found
 
 
-def ground_heights(bank: SceneBank, scenes: Sequence[int]) -> Float[np.ndarray, "n X Y"]:
+def ground_heights(bank: SceneBank, scenes: Sequence[int] | np.ndarray) -> Float[np.ndarray, "n X Y"]:
     """(n, X, Y) f32 m, the ground of some scenes."""
     return np.stack([free_space.ground_height(bank, int(z))[::POOL, ::POOL] for z in scenes]).astype(np.float32)
 
 
-def rows_of(bank: SceneBank, scenes: Sequence[int]) -> Int32[np.ndarray, " Z"]:
+def rows_of(bank: SceneBank, scenes: Sequence[int] | np.ndarray) -> Int32[np.ndarray, " Z"]:
     """(Z,) i32, the row of each scene of a bank in tables of some scenes; 0 for others, which are not simulated."""
     row = np.zeros(bank.num_scenes, np.int32)
     row[np.asarray(scenes, np.int32)] = np.arange(len(scenes))
