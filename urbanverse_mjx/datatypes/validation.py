@@ -91,7 +91,7 @@ def identifier(value: Any, where: str) -> str:
 def choice(value: Any, where: str, allowed: Iterable[str]) -> str:
     allowed = tuple(allowed)
     if not isinstance(value, str) or value not in allowed:
-        hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
+        hint = did_you_mean(value, allowed) if isinstance(value, str) and len(allowed) > 1 else ""
         raise fail(where, show(value), "one of " + ", ".join(allowed), hint)
     return value
 
