@@ -22,17 +22,6 @@ COMPILING = "compiling"
 Report = Callable[..., None]
 
 
-def announce(text: str, quiet: bool = False) -> None:
-    """Prints a line at once, before work of some seconds whose progress cannot be counted yet.
-
-    Args:
-      quiet: print nothing.
-    """
-    if not quiet:
-        sys.stderr.write(f"{text}\n")
-        sys.stderr.flush()
-
-
 class _Count(ProgressColumn):
     """Column with the amount done and the total, with thousands separators: "1,024/204,800"."""
 

@@ -4,10 +4,11 @@ import contextlib
 import dataclasses
 import pathlib
 import shlex
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
+
+from ..terminal import announce
 
 if TYPE_CHECKING:
     from ..datatypes import SceneBank
@@ -92,7 +93,7 @@ def train(
         try:
             return _train(*configs, folder, options, quiet)
         except KeyboardInterrupt:
-            _say(_how_to_continue(folder), quiet)
+            announce(_how_to_continue(folder), quiet)
             raise
 
 
@@ -146,7 +147,7 @@ def _train(
     if options.start_from is not None and options.resume is not None:
         raise ValidationError("--start-from: found it together with --resume, needed one of them.")
     tables_as_arguments()
-    _say(f"run folder: {folder}", quiet)
+    announce(f"run folder: {folder}", quiet)
     bank = bank_of(name, quiet, config.get("preset"), options.bank, config.get("scenes", "all"))
     env = registry.load(name, config=config, bank=bank)
     if source is None:
@@ -172,14 +173,14 @@ def _train(
 
         result = run(name, env, ppo, folder, options.resume is not None, quiet, options.start_from)
     trained = time.monotonic()
-    _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
+    announce(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
     summary: dict[str, Any] = {}
     # Other tasks have separate evaluations: gaits are evaluated in C MuJoCo by python -m benchmarks.go2_gait.
     if options.num_episodes and result.policy is not None and isinstance(env, NavEnv):
         summary = evaluate_policy(
             result.policy, bank, folder / "evaluation", options.num_episodes, ppo.seed, options.video, quiet
         )
-        _say(f"report: {folder / 'evaluation' / 'report.md'}", quiet)
+        announce(f"report: {folder / 'evaluation' / 'report.md'}", quiet)
     return {
         **summary,
         "environment": name,
@@ -232,7 +233,9 @@ def _clone(
     from .demonstrations import load_demonstrations
 
     data = load_demonstrations(source, env)
-    _say(f"{v.counted(data.begins.sum(), 'episodes')} with {v.counted(len(data.begins), 'steps')} in {source}", quiet)
+    announce(
+        f"{v.counted(data.begins.sum(), 'episodes')} with {v.counted(len(data.begins), 'steps')} in {source}", quiet
+    )
     return fit(name, env, config, folder, Cloning(data, config), resume, quiet)
 
 
@@ -262,7 +265,7 @@ def _teach_and_imitate(
 
     validator = _validator(env, config, quiet)
     training = TeacherStudent(name, env, teacher_env, config, folder.absolute(), validator, options.start_from, quiet)
-    return training.train(options.resume is not None, lambda text: _say(text, quiet))
+    return training.train(options.resume is not None, lambda text: announce(text, quiet))
 
 
 def _tune(
@@ -275,7 +278,7 @@ def _tune(
     validator = _validator(env, config, quiet)
     result = tune(name, env, config, folder.absolute(), options.start_from, resume, quiet, validator)
     if result.policy is not None and folder.absolute() not in result.policy.parents:
-        _say(f"no checkpoint is as good as the initial policy, which is kept: {result.policy}", quiet)
+        announce(f"no checkpoint is as good as the initial policy, which is kept: {result.policy}", quiet)
     return result
 
 
@@ -286,7 +289,7 @@ def _validator(env: Any, config: Any, quiet: bool) -> Any:
 
     ids = [env.bank.scene_ids[row] for row in env.bank.scenes_of("validation")]
     if not ids:
-        _say("the bank has no split 'validation': the newest checkpoint is kept, not the best", quiet)
+        announce("the bank has no split 'validation': the newest checkpoint is kept, not the best", quiet)
         return None
     suite = Suite.of(env.bank, {"validation": ids}, int(config.validation_episodes), [])
     return lambda student: suite.quick(env, student, ["validation"])
@@ -342,9 +345,3 @@ def _chosen_scenes(path: pathlib.Path, scenes: "str | Sequence[str]") -> "SceneB
     shards = BankShards(path)
     rows = [select_scenes(shards, scenes), *(shards.scenes_of(split) for split in SPLITS[1:])]
     return SceneBank.take(shards, np.unique(np.concatenate(rows)))
-
-
-def _say(text: str, quiet: bool) -> None:
-    if not quiet:
-        sys.stderr.write(f"{text}\n")
-        sys.stderr.flush()

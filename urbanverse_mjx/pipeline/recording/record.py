@@ -244,7 +244,7 @@ def _accepted(folder: pathlib.Path, options: RecordOptions) -> tuple[str, ...]:
     Raises:
       ValidationError: numbers out of range, no such sensor, or a folder in use.
     """
-    from ...progress import announce
+    from ...terminal import announce
 
     sensors = _checked(options)
     check_folder(folder, options.format, options.resume)
