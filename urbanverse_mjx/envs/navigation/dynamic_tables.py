@@ -69,6 +69,12 @@ def rows_of(bank: SceneBank, scenes: Sequence[int] | np.ndarray) -> Int32[np.nda
     return row
 
 
+def ground_tables(bank: SceneBank, scenes: Sequence[int] | np.ndarray) -> tuple[Array, Array, Array]:
+    """`height`, `origin` and `row` of `DynamicTables`, in the order of `scenes`, for who has no other table of them."""
+    origin = jnp.asarray(bank.map_origin[np.asarray(scenes)], jnp.float32)
+    return jnp.asarray(ground_heights(bank, scenes)), origin, jnp.asarray(rows_of(bank, scenes))
+
+
 def path_of(bank: SceneBank, scenes: Sequence[int]) -> pathlib.Path:
     """The file in the cache of the tables of some scenes of a bank."""
     # The layout is part of the key, so that the tables' version, which the caches of routes depend on, stays.

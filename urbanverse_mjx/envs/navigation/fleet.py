@@ -25,7 +25,7 @@ from ...geometry import rotations
 from ...robots.description import at_rest
 from ..types import NavState, Result
 from .dynamic import DynamicStreet
-from .dynamic_tables import ground_heights, rows_of
+from .dynamic_tables import ground_tables
 
 #: Kind of the agents that are robots, in `SceneBank.agents`.
 ROBOT = "robot"
@@ -174,9 +174,7 @@ class Fleet(DynamicStreet):
         self._middle = fleet_middle(robot)
         self._robot_radius = robot.planner_radius
         self._people = jnp.ones(size - 1, bool)
-        self._height = jnp.asarray(ground_heights(bank, scenes))
-        self._origin = jnp.asarray(bank.map_origin[scenes], jnp.float32)
-        self._row = jnp.asarray(rows_of(bank, scenes))
+        self._height, self._origin, self._row = ground_tables(bank, scenes)
         self._exchange, self._lead = grouped(size), first_of_group(size)
         self._starts = jnp.asarray(bank.episode_start[..., :2])
         self._count = jnp.asarray(bank.num_episodes, jnp.int32)

@@ -35,7 +35,7 @@ from ....datatypes import AgentMotion, RobotSpec, SceneBank, ValidationError
 from ....geometry import rotations
 from ...types import NavState
 from ..dynamic import DynamicStreet, slot_kinds, slot_shapes
-from ..dynamic_tables import ground_heights, rows_of
+from ..dynamic_tables import ground_tables
 from .carriageways import Carriageways
 
 #: s, longest step of the model, and number folded into an episode's key for the vehicles.
@@ -145,9 +145,7 @@ class Traffic(DynamicStreet):
         self._lane = jnp.repeat(jnp.arange(LANES), number // LANES)
         same = np.arange(number)[:, None] // (number // LANES) == np.arange(number) // (number // LANES)
         self._same = jnp.asarray(same & ~np.identity(number, bool))
-        self._height = jnp.asarray(ground_heights(bank, scenes))
-        self._origin = jnp.asarray(bank.map_origin[scenes], jnp.float32)
-        self._row = jnp.asarray(rows_of(bank, scenes))
+        self._height, self._origin, self._row = ground_tables(bank, scenes)
 
     @property
     def lane(self) -> Int[Array, " A"]:
