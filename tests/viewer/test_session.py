@@ -254,9 +254,10 @@ def test_edges_of_a_box_are_twelve(small_bank: SceneBank) -> None:
 
 def test_two_threads_compile_a_machines_step_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
     """The page's thread waits for the one that began as soon as the scene was open, and does not compile again."""
-    within, most = [0], [0]
+    within, most, calls = [0], [0], [0]
 
     def busy(*_: Any) -> None:
+        calls[0] += 1
         within[0] += 1
         most[0] = max(most[0], within[0])
         time.sleep(0.05)
@@ -270,7 +271,7 @@ def test_two_threads_compile_a_machines_step_one_after_the_other(monkeypatch: py
         env=types.SimpleNamespace(action_size=2),
     )
     session = Session.__new__(Session)
-    session.machine, session.rows = machine, (0,)  # type: ignore[assignment]
+    session.machine, session.rows, session._compiled = machine, (0,), False  # type: ignore[assignment]
     session.frames = [types.SimpleNamespace(nav=None)]  # type: ignore[list-item]
     session._memory, session._known, session._key = (), (), None  # type: ignore[assignment]
     threads = [threading.Thread(target=session.compile) for _ in range(3)]
@@ -279,6 +280,7 @@ def test_two_threads_compile_a_machines_step_one_after_the_other(monkeypatch: py
     for thread in threads:
         thread.join(10.0)
     assert most == [1]
+    assert calls == [2], "a step and an action, once"
 
 
 def test_a_page_compiles_before_anyone_plays(monkeypatch: pytest.MonkeyPatch) -> None:

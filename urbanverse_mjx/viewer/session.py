@@ -157,6 +157,7 @@ class Session:
         self._key = episodes.keys() if keys is None else keys
         nav = machine.begin(self._key, jnp.asarray(scenes), jnp.asarray(episodes.episodes))
         self._memory, self._known = (), ()
+        self._compiled = False
         agent: Any = machine.policy.agent
         if machine.policy.outside:
             if isinstance(agent, Beginning):
@@ -189,13 +190,16 @@ class Session:
 
     def compile(self) -> None:
         """Compiles a step unless a session of this machine has done so; no state changes. Of several threads that call
-        it for one machine, each waits for the one before."""
+        it for one machine, each waits for the one before. A second call does nothing."""
         nav = self.frames[0].nav
         with self.machine.compiling:
+            if self._compiled:
+                return
             # The simulation first: it takes longer than most policies.
             self.machine.advance(nav, jnp.zeros((self.num_robots, self.machine.env.action_size)))
             if not self.machine.policy.outside:
                 self.machine.act(nav, self._memory, self._known, self._key)
+            self._compiled = True
 
     def step(self, by_hand: dict[int, np.ndarray] | None = None) -> Frame:
         """Runs one control step of all robots; ended ones stand still.
