@@ -7,7 +7,10 @@ import numpy as np
 import orbax.checkpoint as ocp
 import pytest
 
+from urbanverse_mjx.training.policy import export_actor
 from urbanverse_mjx.training.policy_packing import pack_arrays
+
+SHIPPED = pathlib.Path(__file__).parents[2] / "benchmarks/policies/coco_paper"
 
 
 def _size(folder: pathlib.Path) -> int:
@@ -41,3 +44,8 @@ def test_arrays_are_the_same_to_the_bit_and_smaller(tmp_path: pathlib.Path) -> N
     size = _size(folder)
     pack_arrays(folder)
     assert _size(folder) == pytest.approx(size, rel=0.01), "a packed policy can be packed"
+
+
+def test_an_exported_policy_is_packed(tmp_path: pathlib.Path) -> None:
+    """A shipped one is, so that it has the same size again; unpacked it has a tenth more."""
+    assert _size(export_actor(SHIPPED, tmp_path / "out")) == pytest.approx(_size(SHIPPED), rel=0.02)

@@ -27,24 +27,23 @@ def pack_arrays(folder: pathlib.Path) -> None:
     """
     import tensorstore as ts
 
-    with work_folder(".pack-", folder.absolute().parent) as folder_of_work:
-        work = folder_of_work / "arrays"
+    with work_folder(".pack-", folder.absolute().parent) as work:
+        packed = work / "arrays"
         source = _store(folder)
         arrays = [key.decode() for key in source.list().result() if key.decode().endswith(_METADATA)]
         # One transaction, so that all arrays come into one file.
         with ts.Transaction() as transaction:
-            target = _store(work, config={"max_inline_value_bytes": 100}).with_transaction(transaction)
+            target = _store(packed, config={"max_inline_value_bytes": 100}).with_transaction(transaction)
             for key in arrays:
                 name = key.removesuffix(_METADATA) + "/"
                 metadata = json.loads(source.read(key).result().value) | {"compressor": _COMPRESSOR}
-                values = ts.open({"driver": "zarr", "kvstore": _spec(folder, path=name)}).result().read().result()
+                before = ts.open({"driver": "zarr", "kvstore": _spec(folder, path=name)}).result()
                 spec = {"driver": "zarr", "metadata": metadata}
-                ts.open(spec, kvstore=target / name, create=True, transaction=transaction).result().write(
-                    values
-                ).result()
+                after = ts.open(spec, kvstore=target / name, create=True, transaction=transaction).result()
+                after.write(before.read().result()).result()
         for path in [path for pattern in _STORED for path in folder.glob(pattern)]:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
-        for path in work.iterdir():
+        for path in packed.iterdir():
             path.replace(folder / path.name)
 
 
