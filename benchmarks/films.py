@@ -14,6 +14,7 @@ most 80 kB. The last line of stdout is one JSON object: bytes of each film.
 
 import argparse
 import dataclasses
+import functools
 import html
 import json
 import pathlib
@@ -199,7 +200,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if unknown is not None:
             raise v.fail("--only", repr(unknown), f"some of {names}")
         chosen = {film.name: film for name in args.only or every for film in groups[name]}
-        say = lambda line: print(line, file=sys.stderr, flush=True)  # noqa: E731
+        say = functools.partial(print, file=sys.stderr, flush=True)
         sizes, missing = make(list(chosen.values()), args.out, say, args.clip)
     except ValidationError as error:
         print(error, file=sys.stderr)
