@@ -495,10 +495,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Every process computes on one core.
         os.environ |= {"OMP_NUM_THREADS": "1", "JAX_PLATFORMS": "cpu"}
     settings.use_compilation_cache()
-    if args.stage == "tune":
-        from urbanverse_mjx.training.brax_compat import tables_as_arguments
-
-        tables_as_arguments()
     try:
         return _main(args)
     except ValidationError as error:

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from tests.support.stablehlo import largest_constant
 from urbanverse_mjx import table_arguments
 
 TABLE = jnp.asarray(np.random.default_rng(0).normal(size=(300, 200)).astype(np.float32))
@@ -38,4 +39,19 @@ def test_a_large_table_is_no_part_of_the_program_and_a_later_call_traces_nothing
     ours = table_arguments.jit(function)
     np.testing.assert_allclose(ours(jnp.ones(3)) - ours(jnp.zeros(3)), 1.0, rtol=1e-5)
     assert len(traced) == 1
-    assert [x.nbytes for x in table_arguments._Program(function, (jnp.ones(3),)).tables] == [TABLE.nbytes]
+    program = ours.lower(jax.ShapeDtypeStruct((3,), jnp.float32))
+    assert [x.nbytes for x in program.tables] == [TABLE.nbytes]
+    assert largest_constant(program.as_text()) <= SMALL.size < TABLE.size
+    assert largest_constant(jax.jit(function).lower(jnp.ones(3)).as_text()) == TABLE.size
+    np.testing.assert_array_equal(program.compile()(jnp.ones(3)), ours(jnp.ones(3)))
+
+
+def test_donated_arguments_are_gone_and_the_others_stay() -> None:
+    ours = table_arguments.jit(lambda a, b: (a + TABLE, b + 1.0), donate_argnums=0)
+    for run in (ours, ours.lower(TABLE, SMALL).compile()):
+        given, kept = TABLE + 1.0, SMALL + 1.0
+        found, _ = run(given, kept)
+        np.testing.assert_array_equal(found, (TABLE + 1.0) + TABLE)
+        assert given.is_deleted()
+        assert not kept.is_deleted()
+        assert not TABLE.is_deleted()

@@ -1,11 +1,15 @@
 """`jit` for functions that close over large tables, such as those of a bank's streets.
 
 JAX writes the arrays that a function closes over into the compiled program, where the compiler copies them several
-times and hashes them for its cache: a planner with the fields of twelve streets (2.8 GB) took 20 GB of memory. Here
-they are arguments of the program, held once.
+times and hashes them for its cache: a planner with the fields of twelve streets (2.8 GB) took 20 GB of memory, and JAX
+could not keep the compiled training of a task in 46 streets (2.2 GB). Here they are arguments of the program, held
+once.
+
+JAX's own setting for this, `jax_use_simplified_jaxpr_constants`, is experimental, and has no effect once JAX is
+imported.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -13,43 +17,78 @@ import jax.numpy as jnp
 from jax.extend.core import jaxpr_as_fun
 
 #: Bytes from which on an array becomes an argument; smaller ones stay constants.
-MIN_ELEMENTS = 1 << 16
+MIN_BYTES = 1 << 16
 
 
-def jit(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compiles a function of pytrees of arrays, once for each structure, shapes and dtypes of its arguments."""
-    programs: dict[Any, Callable[..., Any]] = {}
-
-    def call(*arguments: Any) -> Any:
-        leaves, structure = jax.tree.flatten(arguments)
-        kind = structure, tuple(jax.typeof(leaf) for leaf in leaves)
-        if kind not in programs:
-            programs[kind] = _Program(function, arguments)
-        return programs[kind](leaves)
-
-    return call
-
-
-class _Program:
-    """The compiled function for arguments of these shapes: leaves of the arguments -> what the function returns.
+class Program:
+    """The program of a function for arguments of certain structure, shapes and dtypes.
 
     Attributes:
       tables: the arrays that are arguments of it.
     """
 
-    def __init__(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    def __init__(self, function: Callable[..., Any], arguments: tuple[Any, ...], donated: tuple[int, ...]) -> None:
         closed, shapes = jax.make_jaxpr(function, return_shape=True)(*arguments)
         structure = jax.tree.structure(shapes)
-        large = [k for k, x in enumerate(closed.consts) if getattr(x, "nbytes", 0) >= MIN_ELEMENTS]
+        large = [k for k, x in enumerate(closed.consts) if getattr(x, "nbytes", 0) >= MIN_BYTES]
         small = {k: x for k, x in enumerate(closed.consts) if k not in large}
         self.tables = [jnp.asarray(closed.consts[k]) for k in large]
+        self._arguments = arguments
 
-        def run(tables: list[jax.Array], leaves: list[Any]) -> Any:
+        def run(tables: list[jax.Array], *arguments: Any) -> Any:
             consts = small | dict(zip(large, tables, strict=True))
             whole = closed.replace(consts=[consts[k] for k in range(len(closed.consts))])
-            return jax.tree.unflatten(structure, jaxpr_as_fun(whole)(*leaves))
+            return jax.tree.unflatten(structure, jaxpr_as_fun(whole)(*jax.tree.leaves(arguments)))
 
-        self._run = jax.jit(run)
+        self._run: Any = jax.jit(run, donate_argnums=tuple(k + 1 for k in donated))
 
-    def __call__(self, leaves: list[Any]) -> Any:
-        return self._run(self.tables, leaves)
+    def __call__(self, *arguments: Any) -> Any:
+        return self._run(self.tables, *arguments)
+
+    def compile(self) -> "Program":
+        """The same, compiled."""
+        self._run = self._run.lower(self.tables, *self._arguments).compile()
+        return self
+
+    def memory_analysis(self) -> Any:
+        """Of the compiled program, see `jax.stages.Compiled.memory_analysis`."""
+        return self._run.memory_analysis()
+
+    def as_text(self) -> str:
+        """The program before the compiler sees it, in StableHLO."""
+        return self._run.lower(self.tables, *self._arguments).as_text()
+
+
+class Jitted:
+    """See `jit`."""
+
+    def __init__(self, function: Callable[..., Any], donated: tuple[int, ...]) -> None:
+        self._function, self._donated = function, donated
+        self._programs: dict[Any, Program] = {}
+
+    def __call__(self, *arguments: Any) -> Any:
+        leaves, structure = jax.tree.flatten(arguments)
+        kind = structure, tuple(jax.typeof(leaf) for leaf in leaves)
+        if kind not in self._programs:
+            self._programs[kind] = Program(self._function, _shapes(arguments), self._donated)
+        return self._programs[kind](*arguments)
+
+    def lower(self, *arguments: Any) -> Program:
+        """The program for arguments or their shapes, of which `compile` returns the compiled one."""
+        return Program(self._function, _shapes(arguments), self._donated)
+
+
+def jit(function: Callable[..., Any], donate_argnums: int | Sequence[int] = ()) -> Jitted:
+    """Compiles a function of pytrees of arrays, once for each structure, shapes and dtypes of its arguments.
+
+    Args:
+      function: what it closes over is read when it is traced, as with `jax.jit`.
+      donate_argnums: numbers of the arguments whose buffers are reused.
+    """
+    donated = (donate_argnums,) if isinstance(donate_argnums, int) else tuple(donate_argnums)
+    return Jitted(function, donated)
+
+
+def _shapes(arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Shapes in place of arrays, which a program does not keep alive."""
+    return jax.eval_shape(lambda *given: given, *arguments)

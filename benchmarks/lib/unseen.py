@@ -30,12 +30,9 @@ class Log:
 
 
 def begin(folder: pathlib.Path) -> Log:
-    """Opens the log of a training in a folder. From then on this process keeps what JAX compiles, and tables of streets
-    are arguments of Brax's programs."""
+    """Opens the log of a training in a folder. From then on this process keeps what JAX compiles."""
     from benchmarks.lib.caching import keep_compiled
-    from urbanverse_mjx.training.brax_compat import tables_as_arguments
 
-    tables_as_arguments()
     keep_compiled()
     return Log(folder)
 

@@ -15,6 +15,8 @@ from brax.training.distribution import NormalTanhDistribution
 from brax.training.logger import EpisodeMetricsLogger
 from brax.training.networks import FeedForwardNetwork
 
+from tests.support.stablehlo import largest_constant
+from urbanverse_mjx import table_arguments
 from urbanverse_mjx.training import brax_compat
 
 
@@ -34,17 +36,17 @@ def test_one_device_pmap_is_pmap_on_one_device() -> None:
         np.testing.assert_allclose(a, b, rtol=1e-6)
 
 
-def test_it_is_for_one_accelerator_alone() -> None:
-    """On the CPU of the tests nothing changes: neither JAX's setting nor what Brax sees."""
-    before = getattr(jax.config, brax_compat._AS_ARGUMENTS)
-    assert not brax_compat.tables_as_arguments()
-    assert getattr(jax.config, brax_compat._AS_ARGUMENTS) == before
+def test_it_is_for_one_device_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert brax_compat.load_ppo().jax.pmap is brax_compat.one_device_pmap
+    monkeypatch.setattr(jax, "device_count", lambda: 2)
     assert brax_compat.load_ppo().jax is jax
+    monkeypatch.undo()
+    brax_compat.load_ppo()
 
 
 def test_brax_sees_all_else_of_jax() -> None:
     seen = brax_compat._JaxOnOneDevice("jax")
-    assert seen.jit is jax.jit
+    assert seen.vmap is jax.vmap
     assert seen.pmap is brax_compat.one_device_pmap
     tree = {"a": jnp.arange(3), "b": (jnp.ones((2, 2)),)}
     placed = seen.device_put_replicated(tree, jax.devices()[:1])
@@ -146,6 +148,38 @@ def test_training_with_a_camera_does_not_hold_the_frames_after_each_step(
             )  # fmt: skip
         sizes[name] = found.value.args[0] / frames
     assert sizes["Brax's"] - sizes["ours"] > 0.9
+
+
+class _LookedUp(_Camera):
+    """Rewards are values of a table."""
+
+    table = jnp.asarray(np.random.default_rng(0).normal(size=(70, 1000)).astype(np.float32))
+
+    def step(self, state: State, action: jax.Array) -> State:
+        place = jax.random.randint(state.pipeline_state, (2,), 0, 70)
+        return super().step(state, action).replace(reward=self.table[place[0], place[1]])
+
+
+def test_a_table_of_the_environment_is_no_part_of_the_programs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither of Brax's reset nor of its training."""
+    train = brax_compat.load_ppo()
+    programs = list[table_arguments.Program]()
+    make = table_arguments.Program.__init__
+
+    def recorded(program: table_arguments.Program, *given: Any) -> None:
+        make(program, *given)
+        programs.append(program)
+
+    monkeypatch.setattr(table_arguments.Program, "__init__", recorded)
+    train.train(
+        environment=_LookedUp(), num_timesteps=64, episode_length=20, num_envs=4, unroll_length=4, batch_size=4,
+        num_minibatches=1, num_updates_per_batch=1, num_evals=1, run_evals=False, num_eval_envs=4, seed=0,
+        network_factory=_averages,
+    )  # fmt: skip
+    texts = [program.as_text() for program in programs if len(program.tables)]
+    assert len(texts) >= 1
+    assert max(largest_constant(text) for text in texts) < _LookedUp.table.size
+    assert all(_LookedUp.table is program.tables[0] for program in programs if len(program.tables))
 
 
 class _Compiled(Exception):

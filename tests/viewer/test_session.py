@@ -92,16 +92,16 @@ def test_the_planner_is_compiled_once_for_all_scenes_and_episodes(env) -> None:
 def test_the_fields_of_the_planner_are_arguments_of_its_program(env, monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of a bank's streets are gigabytes, which a compiler copies and hashes if they are constants."""
     planner, tables = Planner(env), []
-    make = table_arguments._Program.__init__
+    make = table_arguments.Program.__init__
 
     def recorded(program: Any, *given: Any) -> None:
         make(program, *given)
         tables.extend(program.tables)
 
-    monkeypatch.setattr(table_arguments._Program, "__init__", recorded)
+    monkeypatch.setattr(table_arguments.Program, "__init__", recorded)
     Session(Machine(env, NamedPolicy("planner", planner)), 0, [0]).step()
     for field in (planner._to_hull, planner._to_edge):
-        assert field.values.nbytes > table_arguments.MIN_ELEMENTS
+        assert field.values.nbytes > table_arguments.MIN_BYTES
         assert any(table.shape == field.values.shape and bool((table == field.values).all()) for table in tables)
 
 

@@ -128,7 +128,6 @@ def _train(
 ) -> dict[str, Any]:
     from ..datatypes import ValidationError
     from ..envs import NavEnv, registry, wrap_for_training
-    from ..training.brax_compat import tables_as_arguments
     from ..training.devices import Devices
     from .evaluation import evaluate_policy
 
@@ -146,7 +145,6 @@ def _train(
         raise ValidationError(f"{what}: found --coordinator, needed none: it trains in one process.")
     if options.start_from is not None and options.resume is not None:
         raise ValidationError("--start-from: found it together with --resume, needed one of them.")
-    tables_as_arguments()
     announce(f"run folder: {folder}", quiet)
     bank = bank_of(name, quiet, config.get("preset"), options.bank, config.get("scenes", "all"))
     env = registry.load(name, config=config, bank=bank)

@@ -8,8 +8,8 @@ The `pmap` of newer JAX returns one array over all hosts, and indexing `x[0]` is
 must take part. Brax reads the parameters in the first process only, which would block a training over several hosts;
 with this fix, each process reads its own copy.
 
-The tables of a bank would be constants of the compiled program, hundreds of megabytes that XLA copies and hashes. JAX
-can convert them to arguments, but `pmap` does not support this, so on one accelerator Brax gets `jit` of `vmap`.
+The tables of a bank would be constants of the compiled program, hundreds of megabytes that XLA copies and hashes. On
+one device Brax gets `table_arguments.jit` of `vmap` in place of `pmap`, so that they are arguments.
 
 Brax stores the observation before and after each step, although its loss uses only the one after an unroll's last step.
 A critic with a CNN keeps both alive, so that each frame is held twice, and twice again when the batch is shuffled. Here
@@ -27,7 +27,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-_AS_ARGUMENTS = "jax_use_simplified_jaxpr_constants"
+from .. import table_arguments
 
 
 def device_put_replicated(tree: Any, devices: Sequence[Any]) -> Any:
@@ -41,15 +41,6 @@ def own_copy(tree: Any) -> Any:
     return jax.tree.map(lambda x: x.addressable_data(0)[0], tree)
 
 
-def tables_as_arguments() -> bool:
-    """Makes the tables of environments arguments of functions that are compiled from now on; returns whether it did.
-    Applies to one accelerator only, not to CPUs or several devices."""
-    if jax.default_backend() == "cpu" or jax.device_count() > 1 or not hasattr(jax.config, _AS_ARGUMENTS):
-        return False
-    jax.config.update(_AS_ARGUMENTS, True)
-    return True
-
-
 def one_device_pmap(
     function: Callable[..., Any],
     axis_name: Any = None,
@@ -58,15 +49,21 @@ def one_device_pmap(
     devices: Sequence[Any] | None = None,
     **_: Any,
 ) -> Any:
-    """Replacement of `jax.pmap` for one device by `jit` and `vmap`."""
+    """Replacement of `jax.pmap` for one device by `table_arguments.jit` and `vmap`."""
     del devices
-    return jax.jit(jax.vmap(function, in_axes=in_axes, axis_name=axis_name), donate_argnums=donate_argnums)
+    return table_arguments.jit(jax.vmap(function, in_axes=in_axes, axis_name=axis_name), donate_argnums)
 
 
 class _JaxOnOneDevice(ModuleType):
-    """Replacement of the module `jax` in Brax's PPO, with another `pmap` and `device_put_replicated`."""
+    """Replacement of the module `jax` in Brax's PPO, with another `pmap`, `jit` and `device_put_replicated`."""
 
     pmap = staticmethod(one_device_pmap)
+
+    @staticmethod
+    def jit(function: Callable[..., Any], donate_argnums: Any = (), keep_unused: bool = False) -> Any:
+        """`table_arguments.jit`, for resets."""
+        del keep_unused
+        return table_arguments.jit(function, donate_argnums)
 
     @staticmethod
     def device_put_replicated(tree: Any, devices: Sequence[Any]) -> Any:
@@ -121,5 +118,5 @@ def load_ppo() -> ModuleType:
     train._unpmap = own_copy
     train.metric_logger = _metric_logger()
     train.acting = _acting()
-    train.jax = _JaxOnOneDevice("jax") if getattr(jax.config, _AS_ARGUMENTS, False) else jax
+    train.jax = _JaxOnOneDevice("jax") if jax.device_count() == 1 else jax
     return train

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import optax
 from ml_collections import ConfigDict
 
+from .. import table_arguments
 from .dagger import make_student
 from .devices import ALONE
 from .networks import PIXELS
@@ -92,7 +93,7 @@ class Cloning:
         )
         self._optimizer = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
         self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
-        self._compiled = jax.jit(self._iterate, donate_argnums=0)
+        self._compiled = table_arguments.jit(self._iterate, donate_argnums=0)
 
     def begin(self) -> CloningState:
         """The state before the first iteration; every reader stands at the first step of an episode."""

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.sharding import NamedSharding, PartitionSpec
 
+from .. import table_arguments
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
 
@@ -99,7 +100,7 @@ class Devices:
           donate: numbers of the arguments whose buffers are reused.
         """
         if self.count == 1:
-            return jax.jit(function, donate_argnums=donate)
+            return table_arguments.jit(function, donate)
         mesh = self._mesh
         alone = jax.shard_map(function, mesh=mesh, in_specs=given, out_specs=made, check_vma=False)
         return jax.jit(

@@ -19,6 +19,7 @@ import optax
 from jax.core import Tracer
 from ml_collections import ConfigDict
 
+from .. import table_arguments
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
@@ -108,7 +109,7 @@ class SharedPPO:
             *((MAP,) if config.network.map_layers else ()),
             *((ROBOT,) if config.network.told else ()),
         )
-        self._resets: list[Any] = [jax.jit(env.reset) for env in self.envs]
+        self._resets: list[Any] = [table_arguments.jit(env.reset) for env in self.envs]
         #: Those that are compiled ahead.
         self._ready: list[Any] = [None for _ in self.envs]
         shapes = [self._shapes(k) for k in range(len(self.envs))]
@@ -125,7 +126,7 @@ class SharedPPO:
         self._optimizer = optax.multi_transform({"actor": adam, "critic": adam}, {"actor": "actor", "critic": "critic"})
         self.steps_per_iteration = len(envs) * int(config.num_envs) * int(config.unroll_length)
         self._rollouts: list[Any] = [
-            jax.jit(functools.partial(self._rollout, env), donate_argnums=1) for env in self.envs
+            table_arguments.jit(functools.partial(self._rollout, env), donate_argnums=1) for env in self.envs
         ]
         self._learn: Any = jax.jit(self._update, donate_argnums=0)
 
