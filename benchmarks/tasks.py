@@ -13,7 +13,8 @@ the bank `validation`. With `--train` a privileged teacher is trained by PPO bef
 there is one. `--teacher` and `--student` score policies that are there. All agents drive the same
 episodes with the same crowds, without randomisation. `relative` is where a policy is between baseline (0) and ceiling
 (1) by the task's headline score; 0.5 is asked of a trained one. Writes log.jsonl, result.json, episodes.csv and policy
-folders to `--out`; `--add` writes the rows of a result into benchmarks/scores/tasks.csv, and `--page` those rows into
+folders to `--out`. With `--alone` policies are driven without baseline and planner, whose scores are those of
+benchmarks/scores/tasks.csv. `--add` writes the rows of a result into benchmarks/scores/tasks.csv, and `--page` those rows into
 the pages of docs/tasks.
 """
 
@@ -232,6 +233,25 @@ def score(env: "NavEnv", name: str, agent: Any, episodes: Any, at_once: int) -> 
     return list(benchmark.drive(env, name, agent, episodes, False, at_once).results)
 
 
+def _reference_rows(task: str, path: pathlib.Path = SCORES) -> list[dict[str, str]]:
+    """Rows of the headline of a task's baseline and planner."""
+    if not path.is_file():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return [r for r in rows if r["task"] == task and not r["seed"] and r["metric"] == HEADLINE]
+
+
+def references(task: str, path: pathlib.Path = SCORES) -> dict[str, float]:
+    """Agent -> headline score, of a task's baseline and planner in benchmarks/scores/tasks.csv."""
+    return {row["agent"]: float(row["mean"]) for row in _reference_rows(task, path)}
+
+
+def driven_references(task: str, path: pathlib.Path = SCORES) -> int:
+    """The number of episodes of a task's references in benchmarks/scores/tasks.csv; 0 if there are none."""
+    return min((int(row["episodes"]) for row in _reference_rows(task, path)), default=0)
+
+
 def summary_of(results: Sequence[EpisodeResult]) -> dict[str, Any]:
     """Metric -> {"mean", "low", "high"}, and the number of episodes by their ends."""
     from urbanverse_mjx.evaluation import result_counts, summarise
@@ -249,7 +269,9 @@ def measure(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any
     blind = scoring_env(args, False)
     episodes = suite_of(blind, args.episodes).episodes["validation"]
     baseline, drive = baseline_of(blind)
-    agents: dict[str, tuple[Any, Any]] = {baseline: (blind, drive), "planner": (blind, planner_of(blind))}
+    agents: dict[str, tuple[Any, Any]] = {}
+    if not args.alone:
+        agents = {baseline: (blind, drive), "planner": (blind, planner_of(blind))}
     for name, folder in trained.items():
         env = scoring_env(args, True) if name == "student" else blind
         agents[name] = env, load_policy(folder)[0]
@@ -265,7 +287,8 @@ def measure(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any
             **{k: found[name]["summary"].get(k) for k in TASKS[args.task][1]},
             ends=found[name]["summary"]["ends"],
         )
-    means = {name: found[name]["summary"][HEADLINE]["mean"] for name in agents}
+    means = references(args.task) if args.alone else {}
+    means |= {name: found[name]["summary"][HEADLINE]["mean"] for name in agents}
     for name in trained:
         found[name]["relative"] = relative(means[name], means[baseline], means["planner"])
         log(agent=name, relative=found[name]["relative"])
@@ -356,6 +379,7 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     default = settings.cache_dir("library", "validation", "bank.npz")
     cli.add_argument("--test", type=pathlib.Path, default=default, help="bank of other streets; default: validation")
     cli.add_argument("--train-scenes", type=int, help="only the first ones of each bank to train on; default: all")
+    cli.add_argument("--alone", action="store_true", help="do not drive baseline and planner again")
     cli.add_argument("--camera", action="store_true", help="train a student with a camera, too")
     cli.add_argument("--teacher", type=pathlib.Path, help="without --train: policy folder of a teacher to score")
     cli.add_argument("--student", type=pathlib.Path, help="the same of a policy with a camera")
@@ -372,6 +396,8 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     args = cli.parse_args(argv)
     if args.add is None and not args.page and (args.task is None or args.out is None):
         cli.error("found neither --task and --out nor --add or --page, needed one of them.")
+    if args.alone and not driven_references(args.task):
+        cli.error(f"--alone: found no scores of {args.task}'s baseline and planner in {SCORES.name}, needed them.")
     return args
 
 

@@ -49,6 +49,21 @@ def test_rows_replace_those_of_the_same_agents_and_seed(tmp_path: pathlib.Path) 
     assert line.endswith("| 48 | 0.50 |"), "(0.55 - 0.2) / (0.9 - 0.2)"
 
 
+def test_references_of_the_table_are_those_that_a_policy_alone_is_compared_with(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "tasks.csv"
+    (tmp_path / "result.json").write_text(json.dumps(result(0, 0.3)))
+    tasks.add(tmp_path / "result.json", path)
+    assert tasks.references("CocoSocialNav", path) == {"go_to_goal": 0.2, "planner": 0.9}
+    assert tasks.driven_references("CocoSocialNav", path) == 48
+    assert tasks.driven_references("CocoDeliver", path) == 0
+    monkeypatch.setattr(tasks, "driven_references", lambda _: 0)
+    with pytest.raises(SystemExit):
+        tasks.arguments(["--task", "CocoDeliver", "--out", str(tmp_path), "--alone"])
+    assert "no scores of CocoDeliver's baseline and planner" in capsys.readouterr().err
+
+
 def test_every_task_has_a_page_with_marks_and_a_film_and_scores_of_its_own() -> None:
     for name, (page, metrics) in tasks.TASKS.items():
         assert name in registry.all_envs()
@@ -69,6 +84,8 @@ def test_the_campaign_has_a_teacher_and_a_camera_policy_of_each_task(tmp_path: p
         parsed = tasks.arguments([*job.command[2:]])
         assert (parsed.steps, parsed.seed, parsed.train_scenes) == (1000, 3, campaign.TASK_STREETS)
         assert parsed.camera == ("-teacher-" not in job.name)
+        assert parsed.train == [campaign.bank(name) for name in campaign.TASK_SETS]
+        assert parsed.alone == (tasks.driven_references(parsed.task) >= 256)
         assert parsed.out == job.gives.parent
         assert set(job.needs) >= {*parsed.train, parsed.test}
 
