@@ -10,10 +10,12 @@ import pytest
 from brax.envs.base import Env, State
 from brax.envs.wrappers.training import VmapWrapper
 from brax.training import acting
+from brax.training.agents.ppo import train as ppo
 from brax.training.agents.ppo.networks import PPONetworks
 from brax.training.distribution import NormalTanhDistribution
 from brax.training.logger import EpisodeMetricsLogger
 from brax.training.networks import FeedForwardNetwork
+from brax.training.types import Transition
 
 from tests.support.stablehlo import largest_constant
 from urbanverse_mjx import table_arguments
@@ -39,7 +41,7 @@ def test_one_device_pmap_is_pmap_on_one_device() -> None:
 def test_it_is_for_one_device_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     assert brax_compat.load_ppo().jax.pmap is brax_compat.one_device_pmap
     monkeypatch.setattr(jax, "device_count", lambda: 2)
-    assert brax_compat.load_ppo().jax is jax
+    assert brax_compat.load_ppo().jax.pmap is jax.pmap
     monkeypatch.undo()
     brax_compat.load_ppo()
 
@@ -47,6 +49,7 @@ def test_it_is_for_one_device_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_brax_sees_all_else_of_jax() -> None:
     seen = brax_compat._JaxOnOneDevice("jax")
     assert seen.vmap is jax.vmap
+    assert seen.lax.pmean is jax.lax.pmean
     assert seen.pmap is brax_compat.one_device_pmap
     tree = {"a": jnp.arange(3), "b": (jnp.ones((2, 2)),)}
     placed = seen.device_put_replicated(tree, jax.devices()[:1])
@@ -90,12 +93,13 @@ def test_metrics_are_braxs_and_another_number_of_ended_episodes_compiles_nothing
 
 
 class _Camera(Env):
-    """Observations are noise of their step; episodes end at random."""
+    """Observations are noise of their step, the same along each row of an image; episodes end at random."""
 
     shape = (24, 32, 3)
 
     def reset(self, rng: jax.Array) -> State:
-        return State(rng, self._observe(rng), jnp.zeros(()), jnp.zeros(()), {}, {"truncation": jnp.zeros(())})
+        zero = jnp.zeros(())
+        return State(rng, self._observe(rng), zero, zero, {}, {"truncation": zero, "time_out": zero})
 
     def step(self, state: State, action: jax.Array) -> State:
         key = jax.random.fold_in(state.pipeline_state, 1)
@@ -103,8 +107,8 @@ class _Camera(Env):
         return state.replace(pipeline_state=key, obs=self._observe(key), reward=action.sum(), done=done)
 
     def _observe(self, key: jax.Array) -> dict[str, jax.Array]:
-        pixels = jax.random.randint(key, self.shape, 0, 256).astype(jnp.uint8)
-        return {"pixels/front": pixels, "goal": jax.random.normal(key, (3,))}
+        rows = jax.random.randint(key, (self.shape[0], 1, 1), 0, 256).astype(jnp.uint8)
+        return {"pixels/front": jnp.broadcast_to(rows, self.shape), "goal": jax.random.normal(key, (3,))}
 
     observation_size = property(lambda self: {"pixels/front": self.shape, "goal": (3,)})
     action_size = property(lambda _: 2)
@@ -129,25 +133,64 @@ def test_an_unroll_keeps_the_last_next_observation_alone() -> None:
         np.testing.assert_array_equal(a, b)
 
 
-def test_training_with_a_camera_does_not_hold_the_frames_after_each_step(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("module", "options"),
+    [
+        (brax_compat._JaxOnOneDevice, {}),
+        # Brax computes with all arrays before it shuffles them.
+        pytest.param(
+            brax_compat._Jax, {"bootstrap_on_timeout": True, "augment_pixels": True}, marks=pytest.mark.extended
+        ),
+    ],
+    ids=("rows", "arrays"),
+)
+def test_rows_are_shuffled_as_brax_shuffles_arrays(
+    module: Any, options: dict[str, bool], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Brax holds them where the critic has images; with convolutions, shuffled once more."""
-    sizes = dict[str, float]()
-    frames = 16 * 8 * math.prod(_Camera.shape)
-    for name in ("ours", "Brax's"):
-        train = brax_compat.load_ppo()
-        if name != "ours":
-            monkeypatch.setattr(train, "acting", acting)
-        monkeypatch.setattr(train, "jax", _Measured("jax"))
-        with pytest.raises(_Compiled) as found:
-            train.train(
-                environment=_Camera(), num_timesteps=1000, episode_length=20, num_envs=16, unroll_length=8,
-                batch_size=1, num_minibatches=16, num_updates_per_batch=4, num_evals=1, run_evals=False,
-                num_eval_envs=16, network_factory=_averages,
-            )  # fmt: skip
-        sizes[name] = found.value.args[0] / frames
-    assert sizes["Brax's"] - sizes["ours"] > 0.9
+    """Two rollouts of two unrolls, two epochs of four minibatches: the same parameters to the bit."""
+    train, found = brax_compat.load_ppo(), []
+    for lax in (module.lax, jax.lax):
+        monkeypatch.setattr(module, "lax", lax)
+        monkeypatch.setattr(train, "jax", module("jax"))
+        _, params, _ = _train(num_timesteps=128, num_envs=8, batch_size=4, num_updates_per_batch=2, **options)
+        found.append(jax.tree.leaves(params))
+    assert module.lax is jax.lax
+    for a, b in zip(*found, strict=True):
+        np.testing.assert_array_equal(a, b)
+    start = jax.tree.leaves(_train(num_timesteps=0, num_envs=8, batch_size=4)[1])
+    assert any((a != b).any() for a, b in zip(found[0], start, strict=True)), "nothing was learnt"
+
+
+def test_training_with_a_camera_holds_its_frames_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Brax holds those after each step too, where the critic has images, and with convolutions all of them twice."""
+    frames = 4 * 64 * math.prod(_Camera.shape)
+    monkeypatch.setattr(brax_compat.load_ppo(), "jax", _Measured("jax"))
+    with pytest.raises(_Compiled) as found:
+        _train(num_timesteps=1024, num_envs=4, unroll_length=64, batch_size=1, num_updates_per_batch=4)
+    assert 1.0 < found.value.args[0] / frames < 1.5, found.value.args[0] / frames
+
+
+def test_rows_of_a_rollout_are_those_that_brax_transposes() -> None:
+    shapes = {"observation": (2, 5, 3, 4), "reward": (2, 5, 3), "next_observation": (2, 1, 3, 4)}
+    arrays = {name: jnp.arange(math.prod(shape)).reshape(shape) for name, shape in shapes.items()}
+    stacked = Transition(action=(), discount=arrays["reward"], extras={}, **arrays)
+
+    def transpose(tree: Any) -> Any:
+        return jax.tree.map(lambda x: jnp.swapaxes(x, 1, 2).reshape(-1, x.shape[1], *x.shape[3:]), tree)
+
+    rollout, wanted = transpose(brax_compat._Rollout.of(stacked)), transpose(stacked)
+    np.testing.assert_array_equal(rollout.numbers, np.arange(6)[:, None])
+    chosen = np.array([4, 0, 5, 1])
+    for name in shapes:
+        np.testing.assert_array_equal(getattr(rollout, name), getattr(wanted, name))
+        np.testing.assert_array_equal(getattr(rollout.rows(chosen[:, None]), name), getattr(wanted, name)[chosen])
+
+
+def _train(**options: Any) -> Any:
+    """Brax's training on `_Camera`."""
+    sizes = {"unroll_length": 4, "num_minibatches": 4, "episode_length": 20} | options
+    nothing = {"num_evals": 1, "run_evals": False, "num_eval_envs": sizes["num_envs"]}
+    return ppo.train(environment=_Camera(), network_factory=_averages, **nothing, **sizes)
 
 
 class _LookedUp(_Camera):

@@ -15,10 +15,14 @@ Brax stores the observation before and after each step, although its loss uses o
 A critic with a CNN keeps both alive, so that each frame is held twice, and twice again when the batch is shuffled. Here
 the second of them is kept after the last step alone.
 
+Brax transposes a rollout and copies it, shuffled, in each epoch of SGD, so that all its frames are held twice. Here it
+transposes and shuffles the numbers of the rows, with the same keys, and each minibatch copies its own rows alone.
+
 Brax indexes the metrics of completed episodes with JAX, which compiles ten programs for each number of episodes that
 end in a rollout and keeps them; here NumPy does it.
 """
 
+import importlib.metadata
 from collections.abc import Callable, Sequence
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -28,6 +32,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from .. import table_arguments
+
+#: The version of Brax whose PPO does nothing to the numbers of rows but what it does to all arrays of a rollout.
+_BRAX = "0.14.2"
 
 
 def device_put_replicated(tree: Any, devices: Sequence[Any]) -> Any:
@@ -54,8 +61,77 @@ def one_device_pmap(
     return table_arguments.jit(jax.vmap(function, in_axes=in_axes, axis_name=axis_name), donate_argnums)
 
 
-class _JaxOnOneDevice(ModuleType):
-    """Replacement of the module `jax` in Brax's PPO, with another `pmap`, `jit` and `device_put_replicated`."""
+class _Rollout:
+    """A rollout as a tree whose single leaf is the numbers of its rows, which Brax rearranges in place of its arrays.
+
+    Row k * num_envs + n is environment n in unroll k. Attributes are those of Brax's `Transition` after Brax has
+    transposed it, (rows, unroll_length, ...), and cost a copy where they are used.
+    """
+
+    def __init__(self, numbers: Any, stacked: Any) -> None:
+        """`stacked` is a `Transition` whose arrays are (unrolls, unroll_length, num_envs, ...)."""
+        self.numbers = numbers
+        self.stacked = stacked
+
+    @classmethod
+    def of(cls, stacked: Any) -> "_Rollout":
+        """All rows: (unrolls, 1, num_envs), because Brax transposes the two last axes and merges the first two then."""
+        unrolls, _, num_envs = stacked.discount.shape
+        return cls(jnp.arange(unrolls * num_envs).reshape(unrolls, 1, num_envs), stacked)
+
+    def rows(self, numbers: jax.Array) -> Any:
+        """A `Transition` (n, unroll_length, ...) of the rows `numbers` (n, 1)."""
+        num_envs = self.stacked.discount.shape[2]
+        unroll, env = jnp.divmod(numbers[:, 0], num_envs)
+
+        def of(x: jax.Array) -> jax.Array:
+            # By one index into merged axes, because XLA transposes, and so copies, all of an array of which it gathers
+            # by two axes that are not the first; time comes first here as in Brax's loss, which copies nothing then.
+            length = x.shape[1]
+            index = (unroll * length + jnp.arange(length)[:, None]) * num_envs + env
+            found = x.reshape(-1, *x.shape[3:]).at[index].get(mode="promise_in_bounds")
+            return jnp.swapaxes(found, 0, 1)
+
+        return jax.tree.map(of, self.stacked)
+
+    def __getattr__(self, name: str) -> Any:
+        field = getattr(self.stacked, name)
+        return jax.tree.map(lambda x: jnp.swapaxes(x, 1, 2).reshape(-1, x.shape[1], *x.shape[3:]), field)
+
+
+jax.tree_util.register_pytree_node(
+    _Rollout, lambda rollout: ((rollout.numbers,), rollout.stacked), lambda stacked, leaf: _Rollout(*leaf, stacked)
+)
+
+
+class _Lax(ModuleType):
+    """Replacement of the module `jax.lax` in Brax's PPO, with another `scan`."""
+
+    @staticmethod
+    def scan(f: Any, init: Any, xs: Any, length: int) -> tuple[Any, Any]:
+        """JAX's, but stacked `Transition`s are returned as a `_Rollout`, of which each step of a scan gets its rows."""
+        from brax.training.types import Transition
+
+        if isinstance(xs, _Rollout):
+            return jax.lax.scan(lambda carry, numbers: f(carry, xs.rows(numbers)), init, xs.numbers, length)
+        end, ys = jax.lax.scan(f, init, xs, length)
+        return end, _Rollout.of(ys) if isinstance(ys, Transition) else ys
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(jax.lax, name)
+
+
+class _Jax(ModuleType):
+    """Replacement of the module `jax` in Brax's PPO, with another `lax.scan` if its version is known."""
+
+    lax = _Lax("jax.lax") if importlib.metadata.version("brax") == _BRAX else jax.lax
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(jax, name)
+
+
+class _JaxOnOneDevice(_Jax):
+    """The same with another `pmap`, `jit` and `device_put_replicated`."""
 
     pmap = staticmethod(one_device_pmap)
 
@@ -70,9 +146,6 @@ class _JaxOnOneDevice(ModuleType):
         """A copy of `tree` with a new leading axis of 1."""
         del devices
         return one_device_pmap(lambda _, t: t, in_axes=(0, None))(jnp.arange(1), tree)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(jax, name)
 
 
 def _metric_logger() -> Any:
@@ -118,5 +191,5 @@ def load_ppo() -> ModuleType:
     train._unpmap = own_copy
     train.metric_logger = _metric_logger()
     train.acting = _acting()
-    train.jax = _JaxOnOneDevice("jax") if jax.device_count() == 1 else jax
+    train.jax = (_JaxOnOneDevice if jax.device_count() == 1 else _Jax)("jax")
     return train
