@@ -4,9 +4,9 @@
     python -m benchmarks.gaits ship runs/gait-b2/result.json
 
 `train` trains the robot's joystick environment by PPO (the Go2's settings, a smaller network), exports the newest
-policy to OUT/gait.npz, runs the trials of `benchmarks.go2_gait` in small numbers and writes OUT/result.json. `ship`
-copies a gait into the package, where `robots.gait_of` finds it and the robot's navigation environment is registered
-(B2Nav). benchmarks.campaign runs `train` for all robots: `--rows "gait-*"`.
+policy to OUT/gait.npz with its weights in half precision, runs the trials of `benchmarks.go2_gait` in small numbers and
+writes OUT/result.json. `ship` copies a gait into the package, where `robots.gait_of` finds it and the robot's
+navigation environment is registered (B2Nav). benchmarks.campaign runs `train` for all robots: `--rows "gait-*"`.
 """
 
 import argparse
@@ -30,7 +30,7 @@ from urbanverse_mjx.training.record import RunRequest
 #: Robots that practise: those with a `walk` in their row.
 ROBOTS = tuple(name for name in legged.NAMES if legged.row(name).walk is not None)
 RESULT, GAIT = "result.json", "gait.npz"
-#: Layers of an exported gait: 0.15 MB for 12 joints.
+#: Layers of an exported gait: 0.07 MB for 12 joints.
 ACTOR = (128, 64)
 
 
@@ -49,7 +49,8 @@ def train(args: argparse.Namespace) -> dict[str, Any]:
     )
     summary = pipeline.train(request, TrainOptions(logdir=args.out, num_episodes=0, video=False), args.quiet)
     seconds = round(time.monotonic() - begin, 1)
-    gait = export_gait(pathlib.Path(summary["folder"]), {"wall_seconds": seconds})
+    # Rounded before the trials, so that they judge what is shipped.
+    gait = export_gait(pathlib.Path(summary["folder"]), {"wall_seconds": seconds}).in_half_precision()
     gait.save(args.out / GAIT)
     words = ["--robot", args.robot, "--gait", str(args.out / GAIT), "--episodes", args.trials, "--trials", args.trials]
     words += ["--seconds", args.seconds, "--processes", args.processes, "--seed", args.seed]

@@ -1,4 +1,5 @@
-"""Drives the robots on wheels of both tables: on level ground, in engines against C MuJoCo, by the planner in streets.
+"""Drives the robots of both tables: on wheels on level ground and in engines against C MuJoCo, all by the planner in
+streets.
 
     python -m benchmarks.robots --drive                        # straight, brake, arc, turn: in C MuJoCo
     python -m benchmarks.robots --parity warp jax              # engines against C MuJoCo in box streets
@@ -37,6 +38,12 @@ OTHERS: dict[str, tuple[str, dict[str, Any]]] = {
     "coco": ("CocoNav", {}),
     "coco_ackermann": ("CocoNav", {"drive": "ackermann"}),
     "wheelchair": ("CocoNav", {"robot": "wheelchair"}),
+    # Those with legs whose gaits are shipped.
+    **{
+        name: (catalogue.environment_name(name), {})
+        for name in legged.NAMES
+        if legged.row(name).drive == "gait" and legged.gait_path(name).is_file()
+    },
 }
 
 
@@ -187,7 +194,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     unknown = set(arguments.robots or ()) - {*robot_drives.DRIVEN, *OTHERS}
     if unknown:
         found, known = ", ".join(sorted(unknown)), ", ".join((*OTHERS, *robot_drives.DRIVEN))
-        raise ValidationError(f"--robots: found {found}, needed names of robots on wheels: {known}.")
+        raise ValidationError(f"--robots: found {found}, needed {known}.")
     if arguments.episodes < 1:
         parser.error("--episodes must be positive")
     rows = [name for name in arguments.robots or robot_drives.DRIVEN if name in robot_drives.DRIVEN]

@@ -1,5 +1,6 @@
 """The gait file: equal actions by hand, in NumPy and in JAX, and errors for invalid files."""
 
+import dataclasses
 import pathlib
 
 import jax.numpy as jnp
@@ -47,6 +48,28 @@ def test_file_gives_back_the_gait_and_jax_agrees(tmp_path: pathlib.Path) -> None
     np.testing.assert_array_equal(back.action(np, seen), gait.action(np, seen))
     np.testing.assert_allclose(np.asarray(back.action(jnp, jnp.asarray(seen))), gait.action(np, seen), atol=2e-6)
     assert np.abs(gait.action(np, seen)).max() < 1.0
+
+
+def test_half_precision_halves_the_file_and_is_kept_to_the_bit(tmp_path: pathlib.Path) -> None:
+    gait = make_gait(seed=3)
+    half = gait.in_half_precision()
+    sizes, seen = [], np.random.default_rng(0).normal(size=(7, gait.history * 45)).astype(np.float32)
+    for one in (gait, half):
+        one.save(tmp_path / "g.npz")
+        back = Gait.load(tmp_path / "g.npz")
+        for found, expected in zip((*back.kernels, *back.biases), (*one.kernels, *one.biases), strict=True):
+            assert found.dtype == np.float32
+            np.testing.assert_array_equal(found, expected)
+        sizes.append((tmp_path / "g.npz").stat().st_size)
+    assert sizes[1] < 0.6 * sizes[0]
+    off = np.abs(np.concatenate([(a - b).ravel() for a, b in zip(half.kernels, gait.kernels, strict=True)]))
+    assert 0.0 < off.max() <= 2.0**-11 * max(np.abs(kernel).max() for kernel in gait.kernels)
+    np.testing.assert_allclose(half.action(np, seen), gait.action(np, seen), atol=2e-3)
+    large = dataclasses.replace(gait, biases=(*gait.biases[:-1], np.full(12, 7e4, np.float32)))
+    with pytest.raises(ValidationError, match="a weight beyond 65,504"):
+        large.in_half_precision()
+    large.save(tmp_path / "large.npz")
+    np.testing.assert_array_equal(Gait.load(tmp_path / "large.npz").biases[-1], large.biases[-1])
 
 
 def test_what_is_no_gait_is_refused(tmp_path: pathlib.Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from tests.support.gaits import make_gait
 from urbanverse_mjx.datatypes import Contacts, ValidationError
 from urbanverse_mjx.evaluation.gait_walks import walk
-from urbanverse_mjx.robots import make_go2
+from urbanverse_mjx.robots import gait_of, load, make_go2
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
 from urbanverse_mjx.simulation.engines import make_engine
@@ -19,10 +19,21 @@ from urbanverse_mjx.simulation.parity.c_mujoco import reference_model
 APART = 5e-3
 
 
-@pytest.mark.extended
-def test_it_moves_as_in_c_mujoco() -> None:
-    """A gait of random numbers that shuffles, 0.4 s under two commands."""
-    robot, gait = make_go2(), make_gait(seed=1)
+@pytest.mark.parametrize(
+    ("name", "impl"),
+    [
+        # A gait of random numbers that shuffles.
+        pytest.param("random", "warp", marks=pytest.mark.extended),
+        pytest.param("b2", "warp-fused", marks=pytest.mark.extended),
+        pytest.param("g1", "warp-fused", marks=pytest.mark.extended),
+        pytest.param("b2", "jax", marks=pytest.mark.slow),
+        pytest.param("g1", "jax", marks=pytest.mark.slow),
+    ],
+)
+def test_it_moves_as_in_c_mujoco(name: str, impl: str) -> None:
+    """0.4 s under two commands."""
+    robot = make_go2() if name == "random" else load(name)
+    gait = make_gait(seed=1) if name == "random" else gait_of(robot)
     scene = region_scene("flat-0", terrain_regions("flat", 0))
     model = reference_model(scene_spec(scene), robot)
     qpos = np.tile(model.qpos0, (1, 1))
@@ -34,13 +45,14 @@ def test_it_moves_as_in_c_mujoco() -> None:
 
     expected = walk([model], np.zeros(1, int), robot, gait, qpos, constant, 20, np.full(12, 30.0))
     bank = pack_regions([scene])
-    engine = GaitEngine(make_engine(bank, robot, "warp", gait.control_dt, num_slots=0), robot, gait, 0.2)
+    engine = GaitEngine(make_engine(bank, robot, impl, gait.control_dt, num_slots=0), robot, gait, 0.2)
     sim = jax.jit(engine.init)(jnp.int32(0), qpos[0], jnp.zeros(18))
     step = jax.jit(engine.step)
     for command, t in zip(commands, (9, 19), strict=True):
         sim = step(sim, command)
         np.testing.assert_allclose(sim.xpos[1], expected.position[0, t], atol=APART)
-        np.testing.assert_allclose(sim.contacts.foot_force.sum(), 15.2 * 9.81, rtol=0.6)
+        weight = float(model.body_subtreemass[1]) * 9.81
+        np.testing.assert_allclose(sim.contacts.foot_force.sum(), weight, rtol=0.6)
     # It moved its legs, and remembers how.
     assert np.abs(np.asarray(sim.carry.action)).max() > 0.05
     np.testing.assert_allclose(sim.carry.history[:, 30:33], np.tile(commands[1], (5, 1)))

@@ -96,12 +96,14 @@ class Motion:
         return pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w]), new_v, new_w
 
 
-#: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and Go2
-#: with C MuJoCo. The Go2's gait stands still at small commands (docs/decisions/go2.md).
+#: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and of
+#: gaits with C MuJoCo. Gaits stand still at small commands (docs/decisions/go2.md); the G1's does not turn on the spot.
 MOTIONS = {
     "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9, climb=2.4, veer=9.2),
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456, climb=2.4),
     "go2": Motion(0.2, 0.05, 0.0, np.inf, dead=(0.28, 0.45)),
+    "b2": Motion(0.15, 0.05, 0.0, np.inf, dead=(0.2, 0.65)),
+    "g1": Motion(0.4, 0.1, 0.0, np.inf, dead=(0.3, np.inf)),
 }
 DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
 

@@ -83,12 +83,24 @@ class Gait:
         """(..., J) rad, servo targets for an action."""
         return self.stand + self.scale * action
 
+    def in_half_precision(self) -> "Gait":
+        """This gait with the weights of its layers rounded to 11 significant bits, of which a file is half as large.
+
+        Raises:
+          ValidationError: a weight is too large for half precision.
+        """
+        kernels, biases = (tuple(_half(x).astype(np.float32) for x in part) for part in (self.kernels, self.biases))
+        if not all(np.isfinite(x).all() for x in (*kernels, *biases)):
+            raise v.fail("gait", "a weight beyond 65,504", "smaller ones", "keep its single precision")
+        return dataclasses.replace(self, kernels=kernels, biases=biases)
+
     def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a gait file, without loss: arrays of layers that half precision holds exactly are stored in it."""
         head = {"schema": SCHEMA, "history": self.history, "control_dt": self.control_dt, "meta": self.meta}
         arrays: dict[str, Any] = {"head": np.frombuffer(json.dumps(head).encode("utf-8"), np.uint8)}
         arrays |= {"stand": self.stand, "scale": self.scale}
         for i, (kernel, bias) in enumerate(zip(self.kernels, self.biases, strict=True)):
-            arrays |= {f"kernel_{i}": kernel, f"bias_{i}": bias}
+            arrays |= {f"kernel_{i}": _stored(kernel), f"bias_{i}": _stored(bias)}
         array_file.save(path, arrays)
 
     @staticmethod
@@ -104,5 +116,19 @@ class Gait:
         head = v.parse_json(arrays.pop("head", np.zeros(0, np.uint8)).tobytes(), f"{path}: head")
         v.choice(head.pop("schema", None), f"{path}: schema", (SCHEMA,))
         layers = range(sum(name.startswith("kernel_") for name in arrays))
-        kernels, biases = (tuple(arrays[f"{part}_{i}"] for i in layers) for part in ("kernel", "bias"))
+        kernels, biases = (
+            tuple(arrays[f"{part}_{i}"].astype(np.float32, copy=False) for i in layers) for part in ("kernel", "bias")
+        )
         return Gait(kernels, biases, arrays["stand"], arrays["scale"], **head)
+
+
+def _half(x: np.ndarray) -> np.ndarray:
+    """An array in half precision; infinite where a value is too large for it."""
+    with np.errstate(over="ignore"):
+        return x.astype(np.float16)
+
+
+def _stored(x: np.ndarray) -> np.ndarray:
+    """An array in half precision if that is the same to the bit, else as it is."""
+    half = _half(x)
+    return half if np.array_equal(half.astype(x.dtype), x) else x

@@ -23,8 +23,6 @@ BODY_FRICTION = 0.6
 #: s. 4 physics steps a control step of 20 ms, as rl_lab, isaaclab and mjlab have it.
 PHYSICS_TIMESTEP = 0.005
 ROOT, CAMERA = "base", "front_cam"
-#: s, lags of the speed and the yaw rate of a gait, as the Go2's were measured.
-GAIT_LAGS = (0.2, 0.05)
 
 
 def describe(row: LeggedRow) -> dict[str, Any]:
@@ -42,7 +40,7 @@ def describe(row: LeggedRow) -> dict[str, Any]:
         "spawn_height": row.spawn,
         "planner": {"radius": round(radius, 3), "height": row.size[2], "step": row.step},
     }
-    speed, turn = GAIT_LAGS
+    speed, turn = row.lags
     if row.wheel is None:
         return described | {"drive": {"kind": "gait"}, "response": {"speed_lag": speed, "turn_lag": turn}}
     rover = as_rover(row)

@@ -27,7 +27,9 @@ _REQUIRED = (
     *("title", "kind", "drive", "style", "paint", "size", "camera", "top_speed", "max_yaw_rate", "step", "mount"),
     *("base", "links", "source", "typical"),
 )
-_OPTIONAL = ("spawn", "foot", "wheel", "walk")
+_OPTIONAL = ("spawn", "foot", "wheel", "walk", "lags")
+#: s, lags of the speed and the yaw rate of a gait that is not measured: as the Go2's were.
+GAIT_LAGS = (0.2, 0.05)
 _LINK = ("name", "axis", "range", "stand", "torque", "speed", "armature", "stiffness", "damping", "mass", "centre")
 _LINK_OPTIONAL = ("at", "turn", "rear_range", "rear_stand", "scale", "pose", "mirrored", "spheres")
 _Vector = tuple[float, ...]
@@ -159,6 +161,8 @@ class LeggedRow:
       base, links: see `Solid`, `Link`.
       foot: of a robot with a gait. wheel: of one that drives.
       walk: see `Walk`; None for a robot that drives, and for the Go2 (`envs.joystick.config` has its task).
+      lags: s, of the speed and of the yaw rate behind the commands to its gait, as measured in C MuJoCo
+        (tests/evaluation/test_planner.py).
       source: where which numbers are published. typical: the others, and why they are what they are.
     """
 
@@ -182,6 +186,7 @@ class LeggedRow:
     source: str
     typical: str
     given_spawn: float | None = None
+    lags: _Vector = GAIT_LAGS
 
     @property
     def legs(self) -> dict[str, tuple[float, float]]:
@@ -302,6 +307,7 @@ def _row(name: str, table: Any) -> LeggedRow:
         wheel=_wheel(m["wheel"], f"{where}.wheel") if "wheel" in m else None,
         walk=_walk(m["walk"], f"{where}.walk") if "walk" in m else None,
         given_spawn=v.number(m["spawn"], f"{where}.spawn", above=0.0) if "spawn" in m else None,
+        lags=v.vector(m.get("lags", GAIT_LAGS), f"{where}.lags", 2),
     )
 
 
