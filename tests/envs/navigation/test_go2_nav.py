@@ -1,4 +1,4 @@
-"""Go2Nav: COCO's task on legs. Observations and actions are the same, so one policy runs on both."""
+"""Go2Nav, B2Nav, G1Nav: COCO's task on legs. Observations and actions are the same, so one policy runs on all."""
 
 import pathlib
 
@@ -11,7 +11,8 @@ from ml_collections import ConfigDict
 from tests.support.gaits import make_gait
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, registry
-from urbanverse_mjx.robots import go2_body
+from urbanverse_mjx.robots import catalogue, go2_body
+from urbanverse_mjx.simulation.gait_engine import GaitEngine
 
 BLIND = {"preset": "cpu", "scenes": "all", "vision": False}
 FOR_EVER = {"terminate_on_hit": False, "terminate_off_traversable": False, "success_radius": 1e-3}
@@ -80,10 +81,28 @@ def test_what_does_not_go_is_said(small_bank: SceneBank, tmp_path: pathlib.Path)
         registry.load("Go2Nav", config_overrides={**BLIND, "menagerie": str(tmp_path)}, bank=small_bank)
 
 
+@pytest.mark.parametrize("name", ["b2", "g1"])
+def test_other_robots_have_the_go2s_task_with_their_own_gait(name: str, small_bank: SceneBank) -> None:
+    task = catalogue.environment_name(name)
+    own, go2 = (registry.get_default_config(x, "cpu").to_dict() for x in (task, "Go2Nav"))
+    assert own.pop("robot") == name
+    assert {k: x for k, x in go2.items() if k not in ("robot", "menagerie")} == own
+    env = registry.load(task, config_overrides={**BLIND, "impl": "warp"}, bank=small_bank)
+    assert isinstance(env, NavEnv)
+    assert (env.robot.name, env.action_size) == (name, 2)
+    engine = env.engine
+    assert isinstance(engine, GaitEngine)
+    assert engine.gait.meta["robot"] == name
+    np.testing.assert_allclose(env.qpos0[7:], engine.gait.stand, atol=1e-6)
+    with pytest.raises(ValidationError, match="'dynamic' or clutter for a robot with a gait"):
+        registry.load(task, config_overrides={**BLIND, "scenario": "dynamic"}, bank=small_bank)
+
+
 @pytest.mark.slow
-def test_it_keeps_every_promise(small_bank: SceneBank) -> None:
+@pytest.mark.parametrize("task", ["Go2Nav", "B2Nav", "G1Nav"])
+def test_it_keeps_every_promise(task: str, small_bank: SceneBank) -> None:
     """With the shipped gait: to one that only stands the share of the route that is left never changes."""
-    env = registry.load("Go2Nav", config_overrides={**BLIND, "impl": "warp"}, bank=small_bank)
+    env = registry.load(task, config_overrides={**BLIND, "impl": "warp"}, bank=small_bank)
     check_env(env, num_envs=4, num_steps=6)
 
 
