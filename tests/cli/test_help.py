@@ -1,4 +1,4 @@
-"""Every option of every command says what it is, as its printed help shows."""
+"""Every option of every command says what it is and the form of its value, as its printed help shows."""
 
 import re
 
@@ -51,8 +51,12 @@ def test_every_option_has_a_help_text(
             number += 1
             if not re.sub(r"\((default: .*|required|repeatable|sets: .*)\)$", "", says).strip():
                 silent.append(f"{name}: {option}")
-            # The type of the text is no hint to its form.
-            if "JSON of" in says and re.search(r"\bSTR$", option):
+            # STR, or the name of the option once more, is no hint to the form of a text; None is no value of any.
+            form = re.search(r"--([\w-]+) (\S+)$", option)
+            repeated = form is not None and form[2] == form[1].replace("-", "_").upper()
+            if re.search(r"\bSTR\b|\{None\b", option) or repeated:
+                bare.append(f"{name}: {option}")
+            if "JSON" in says.partition(" ")[0] and not option.endswith(" JSON"):
                 bare.append(f"{name}: {option}")
     assert number >= len(texts), "at least --help of each was read"
     assert (silent, bare) == ([], [])

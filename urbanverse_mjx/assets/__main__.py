@@ -1,7 +1,7 @@
 """`python -m urbanverse_mjx.assets COMMAND`: builds, draws and exports assets; `--help` lists the commands."""
 
 import pathlib
-from typing import Literal
+from typing import Annotated, Literal
 
 import tyro
 from rich.console import Console
@@ -62,7 +62,7 @@ def index(jobs: int = 2) -> None:
 
 def hulls(
     jobs: int = 2,
-    leaf: str | None = None,
+    leaf: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None,
     again: bool = False,
     close: bool = False,
     layouts: tuple[pathlib.Path, ...] = (),
@@ -130,7 +130,9 @@ def sign_words(fonts: pathlib.Path) -> None:
     Console().print(f"{path.name}: {path.stat().st_size} bytes")
 
 
-def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
+def gallery(
+    out: pathlib.Path | None = None, middle: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+) -> None:
     """Draws a contact sheet per middle category (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
 
     Args:
@@ -166,7 +168,7 @@ def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), co
     Console().print(f"{path}: {len(names)} middle categories, {path.stat().st_size} bytes")
 
 
-def thumbnails(leaf: str | None = None) -> None:
+def thumbnails(leaf: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None) -> None:
     """Draws the missing thumbnails of base shapes into the cache; can be interrupted and continued.
 
     Args:

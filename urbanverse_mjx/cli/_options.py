@@ -1,14 +1,98 @@
-"""Options of several commands: JSON objects, and sizes of images."""
+"""Options of several commands: JSON objects, sizes of images, and the forms of texts that the help shows."""
 
+import dataclasses
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any
 
 import tyro
-from tyro.constructors import PrimitiveConstructorSpec
+from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, StructConstructorSpec, StructTypeInfo
 
 from ..datatypes import ValidationError
+
+#: The form of each option or argument that is a text, by its field, in place of STR in the help.
+FORMS = {
+    "agent": "NAME",
+    "blur": "NAME|MODULE:FUNCTION",
+    "city": "NAME",
+    "command_topic": "/NAME",
+    "contact": "TEXT",
+    "coordinator": "HOST:PORT|auto",
+    "country": "NAME|CODE",
+    "encoder": "SPEED",
+    "env_name": "NAME",
+    "folder": "DATASET",
+    "host": "ADDRESS",
+    "image_topic": "/NAME",
+    "licence": "NAME",
+    "meta": "JSON",
+    "odometry_topic": "/NAME",
+    "only": "TEXT",
+    "policy": "NAME|PATH",
+    "preset": "NAME",
+    "robot": "HOST[:PORT]|ros",
+    "scene": "NAME",
+    "scenes": "SPLIT|ID,ID",
+    "sequence": "NAME",
+    "sets": "[NAME ...]",
+    "split": "NAME",
+    "suffix": "TEXT",
+    "title": "TEXT",
+}
+
+
+#: Dataclasses whose fields are being read.
+_OPEN: list[Any] = []
+
+
+def _with_forms(info: StructTypeInfo) -> StructConstructorSpec | None:
+    """A rule for tyro: gives those fields of a dataclass that are texts the metavars of `FORMS`, where their annotation
+    has none."""
+    if not dataclasses.is_dataclass(info.type) or info.type in _OPEN:
+        return None
+    _OPEN.append(info.type)  # so that tyro's own rule is asked
+    try:
+        spec = ConstructorRegistry.get_struct_spec(info)
+    finally:
+        _OPEN.pop()
+    if not isinstance(spec, StructConstructorSpec):
+        return None
+    fields = tuple(
+        dataclasses.replace(field, type=Annotated[field.type, tyro.conf.arg(metavar=FORMS[field.name])])
+        if field.name in FORMS and not _has_form(field.type)
+        else field
+        for field in spec.fields
+    )
+    return dataclasses.replace(spec, fields=fields)
+
+
+def _has_form(kind: Any) -> bool:
+    """Whether an annotation names a metavar, or the type is no text."""
+    named = any(getattr(extra, "metavar", None) for extra in getattr(kind, "__metadata__", ()))
+    return named or "str" not in str(kind)
+
+
+def parse[T](kind: Callable[..., T], argv: Sequence[str], prog: str) -> T:
+    """Reads a command's words into a dataclass, or one of several as subcommands, see `tyro.cli`.
+
+    The help names the form of each value, and "None" is no value: an option that is not given has its default.
+    """
+    return tyro.cli(kind, args=list(argv), prog=prog, config=(tyro.conf.DisallowNone,), registry=_registry())
+
+
+def parse_subcommand(commands: Mapping[str, Callable[..., Any]], argv: Sequence[str], prog: str) -> Any:
+    """Reads the first word as the name of a function or dataclass and the others as its arguments, as `parse` does;
+    returns what it returns."""
+    return tyro.extras.subcommand_cli_from_dict(
+        dict(commands), args=list(argv), prog=prog, config=(tyro.conf.DisallowNone,), registry=_registry()
+    )
+
+
+def _registry() -> ConstructorRegistry:
+    registry = ConstructorRegistry()
+    registry.struct_rule(_with_forms)
+    return registry
 
 
 def json_object(text: str, option: str) -> dict[str, Any]:

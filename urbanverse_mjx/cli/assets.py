@@ -7,13 +7,15 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from ._options import json_object
+from ._options import json_object, parse_subcommand
 
 #: The collections of `assets.selection.libraries`.
 Kind = Literal["object", "sky", "road", "sidewalk"]
+#: A label of words.
+Text = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TEXT")]
 
 
-def list_assets(leaf: str | None = None) -> None:
+def list_assets(leaf: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None) -> None:
     """List the base shapes and the assets you imported, or those of one leaf category.
 
     Args:
@@ -25,7 +27,7 @@ def list_assets(leaf: str | None = None) -> None:
     _print_table(index.by_leaf(leaf) if leaf else index.records)
 
 
-def find(label: Annotated[str, tyro.conf.Positional]) -> None:
+def find(label: Text) -> None:
     """Show the leaf and the base shapes to which a label of a scene graph is matched.
 
     Args:
@@ -45,9 +47,7 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
         print(f"no asset of this leaf yet; the nearest leaves with assets are {', '.join(near)}")
 
 
-def show(
-    label: Annotated[str, tyro.conf.Positional], as_json: Annotated[bool, tyro.conf.arg(name="json")] = False
-) -> None:
+def show(label: Text, as_json: Annotated[bool, tyro.conf.arg(name="json")] = False) -> None:
     """Show the leaf of a free label: its records, median sizes and mass, and the values for filters.
 
     Args:
@@ -74,9 +74,9 @@ def show(
 
 
 def search(
-    query: Annotated[str | None, tyro.conf.Positional] = None,
+    query: Annotated[str | None, tyro.conf.Positional, tyro.conf.arg(metavar="[TEXT]")] = None,
     library: Kind = "object",
-    filters: Annotated[str, tyro.conf.arg(aliases=["-f"])] = "{}",
+    filters: Annotated[str, tyro.conf.arg(aliases=["-f"], metavar="JSON")] = "{}",
     count: int = 20,
 ) -> None:
     """Search all objects, skies or ground materials by free text and filters.
@@ -102,7 +102,9 @@ def search(
         print(f"{len(uids)} records; filters are {', '.join(chosen.filters())}")
 
 
-def explain(field: Annotated[str, tyro.conf.Positional], library: Kind = "object") -> None:
+def explain(
+    field: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME")], library: Kind = "object"
+) -> None:
     """Explain a field of an annotation: its meaning, unit and source.
 
     Args:
@@ -114,7 +116,7 @@ def explain(field: Annotated[str, tyro.conf.Positional], library: Kind = "object
     print(libraries.library(library).explain_annotation(field))
 
 
-def match(label: Annotated[str, tyro.conf.Positional], size: tuple[float, float, float], count: int = 5) -> None:
+def match(label: Text, size: tuple[float, float, float], count: int = 5) -> None:
     """Match an object of a scene graph: label and box to the assets that fit best.
 
     Args:
@@ -174,7 +176,5 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse assets`."""
     from ..assets import __main__ as maintenance
 
-    tyro.extras.subcommand_cli_from_dict(
-        {**COMMANDS, **maintenance.COMMANDS}, args=list(argv), prog="urbanverse assets"
-    )
+    parse_subcommand({**COMMANDS, **maintenance.COMMANDS}, argv, "urbanverse assets")
     return 0

@@ -10,14 +10,14 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.benchmarking import BenchmarkOptions
-from ._options import EnvOverrides
+from ._options import EnvOverrides, parse
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class BenchmarkArgs(BenchmarkOptions):
     """Score a policy on a frozen benchmark: prints the table and writes report.md, results and images to a folder."""
 
-    name: Annotated[str, tyro.conf.Positional]
+    name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME|PATH")]
     """autobench, craftbench, autobench_v2, craftbench_v2, shipped, validation, or a file made by `python -m
     benchmarks.freeze`."""
     bank: pathlib.Path | None = None
@@ -32,7 +32,7 @@ class BenchmarkArgs(BenchmarkOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse benchmark`."""
-    args = tyro.cli(BenchmarkArgs, args=list(argv), prog="urbanverse benchmark", config=(tyro.conf.DisallowNone,))
+    args = parse(BenchmarkArgs, argv, "urbanverse benchmark")
     done = pipeline.benchmark(args.name, args.out, args, args.bank, args.quiet)
     sys.stdout.write(done.page)
     if not args.quiet:

@@ -5,11 +5,9 @@ import json
 import pathlib
 from collections.abc import Sequence
 
-import tyro
-
 from .. import pipeline
 from ..pipeline.filming import CaptureOptions
-from ._options import ImageSize
+from ._options import ImageSize, parse
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -29,6 +27,6 @@ class CaptureArgs(CaptureOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse capture`."""
-    args = tyro.cli(CaptureArgs, args=list(argv), prog="urbanverse capture")
+    args = parse(CaptureArgs, argv, "urbanverse capture")
     print(json.dumps(pipeline.capture(args.out, args, args.quiet)))
     return 0

@@ -13,6 +13,7 @@ import tyro
 from .. import pipeline
 from ..datasets import DatasetSummary
 from ..datatypes import validation as v
+from ._options import parse
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,7 +59,7 @@ _Command = (
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse dataset`."""
-    args = tyro.cli(_Command, args=list(argv), prog="urbanverse dataset")  # type: ignore[call-overload]
+    args = parse(_Command, argv, "urbanverse dataset")  # type: ignore[arg-type]
     if isinstance(args, ViewArgs):
         return _view(args)
     return _stats(args) if isinstance(args, StatsArgs) else _check(args)

@@ -12,6 +12,7 @@ import tyro
 from .. import pipeline
 from ..datatypes import ValidationError
 from ..pipeline.deploying import DeployOptions
+from ._options import parse
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -28,7 +29,7 @@ class DeployArgs(DeployOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse deploy`; 1 if the policy's process was lost or a replay differs, 130 if interrupted."""
-    args = tyro.cli(DeployArgs, args=list(argv), prog="urbanverse deploy")
+    args = parse(DeployArgs, argv, "urbanverse deploy")
     if args.replay is not None:
         found = pipeline.replay(args.replay, args.policy)
         print(json.dumps(found))

@@ -13,7 +13,7 @@ import tyro
 
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
-from ._options import Dynamic, EnvOverrides
+from ._options import Dynamic, EnvOverrides, parse
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,7 +54,7 @@ class EvaluateArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
-    args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate", config=(tyro.conf.DisallowNone,))
+    args = parse(EvaluateArgs, argv, "urbanverse evaluate")
     from ..pipeline.evaluation import SCRIPTED, evaluate_policy
     from ..pipeline.training_run import bank_of
     from ..training.policy import PolicySpec, latest_policy

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from ._options import json_object
+from ._options import json_object, parse
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +25,7 @@ class ExportGaitArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse export-gait`."""
-    args = tyro.cli(ExportGaitArgs, args=list(argv), prog="urbanverse export-gait")
+    args = parse(ExportGaitArgs, argv, "urbanverse export-gait")
     from ..training.export_gait import export_gait
 
     gait = export_gait(args.run, json_object(args.meta, "--meta"))

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import tyro
 
+from ._options import parse
+
 
 @dataclasses.dataclass(frozen=True)
 class ExportOnnxArgs:
@@ -21,7 +23,7 @@ class ExportOnnxArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse export-onnx`."""
-    args = tyro.cli(ExportOnnxArgs, args=list(argv), prog="urbanverse export-onnx")
+    args = parse(ExportOnnxArgs, argv, "urbanverse export-onnx")
     from ..training.export_onnx import export_onnx
 
     record = export_onnx(args.policy, args.out)

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import tyro
 
+from ._options import parse
+
 
 @dataclasses.dataclass(frozen=True)
 class ExportArgs:
@@ -21,7 +23,7 @@ class ExportArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse export-policy`."""
-    args = tyro.cli(ExportArgs, args=list(argv), prog="urbanverse export-policy")
+    args = parse(ExportArgs, argv, "urbanverse export-policy")
     from ..training.policy import PolicySpec, export_actor
 
     folder = export_actor(args.run, args.out)

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from .. import pipeline
+from ._options import parse
 
 
 @dataclasses.dataclass(frozen=True)
@@ -171,12 +172,12 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse gen ...`."""
     words = list(argv)
     if words[:1] == ["batch"]:
-        return _batch(tyro.cli(BatchArgs, args=words[1:], prog="urbanverse gen batch"))
+        return _batch(parse(BatchArgs, words[1:], "urbanverse gen batch"))
     if words[:1] == ["weights"]:
-        return _weights(tyro.cli(WeightsArgs, args=words[1:], prog="urbanverse gen weights"))
+        return _weights(parse(WeightsArgs, words[1:], "urbanverse gen weights"))
     if words[:1] == ["import"]:
-        return _import(tyro.cli(ImportArgs, args=words[1:], prog="urbanverse gen import"))
-    return _gen(tyro.cli(GenArgs, args=words, prog="urbanverse gen"))
+        return _import(parse(ImportArgs, words[1:], "urbanverse gen import"))
+    return _gen(parse(GenArgs, words, "urbanverse gen"))
 
 
 def _gen(args: GenArgs) -> int:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-import tyro
+from ._options import parse
 
 
 def list_envs() -> None:
@@ -15,5 +15,5 @@ def list_envs() -> None:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse list-envs`."""
-    tyro.cli(list_envs, args=list(argv), prog="urbanverse list-envs")
+    parse(list_envs, argv, "urbanverse list-envs")
     return 0

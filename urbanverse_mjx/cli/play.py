@@ -12,7 +12,7 @@ import tyro
 from .. import pipeline
 from ..datatypes import validation as v
 from ..pipeline.playing import PlayOptions
-from ._options import Dynamic, EnvOverrides, ImageSize
+from ._options import Dynamic, EnvOverrides, ImageSize, parse
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ def main(argv: Sequence[str]) -> int:
     former = argparse.ArgumentParser(prog="urbanverse play", add_help=False, allow_abbrev=False)
     former.add_argument("--agent")
     agent, words = former.parse_known_args(list(argv))
-    args = tyro.cli(PlayArgs, args=words, prog="urbanverse play", config=(tyro.conf.DisallowNone,))
+    args = parse(PlayArgs, words, "urbanverse play")
     args = dataclasses.replace(args, agent=agent.agent)
     done = pipeline.play(args.out, args)
     ground, number = sum(bool(r["hit_ground"]) for r in done["results"]), len(done["results"])

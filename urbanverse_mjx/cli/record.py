@@ -12,7 +12,7 @@ from tyro.constructors import PrimitiveConstructorSpec
 
 from .. import pipeline
 from ..pipeline.recording.record import RecordOptions
-from ._options import Crowded, EnvOverrides, ImageSize
+from ._options import Crowded, EnvOverrides, ImageSize, parse
 
 _Sensors = Annotated[
     tuple[str, ...],
@@ -46,7 +46,7 @@ class RecordArgs(RecordOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse record`."""
-    args = tyro.cli(RecordArgs, args=list(argv), prog="urbanverse record", config=(tyro.conf.DisallowNone,))
+    args = parse(RecordArgs, argv, "urbanverse record")
     said = pipeline.record(args.out, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
     print(json.dumps(said))
     return 0

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import tyro
 
 from ..datatypes import validation as v
+from ._options import parse
 
 
 @dataclasses.dataclass(frozen=True)
@@ -17,7 +18,7 @@ class RobotArgs:
     """Read a robot; prints a line for each collision shape that is replaced by spheres, with the largest error of the
     fit, the robot's stance, whether it falls over when it starts or stops, and one JSON line."""
 
-    source: Annotated[str, tyro.conf.Positional]
+    source: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME|PATH")]
     """A robot.json, its folder, wheelchair, or a robot of docs/robots.md, such as courier."""
     picture: pathlib.Path | None = None
     """PNG file to write, with the shapes and spheres from three sides."""
@@ -25,7 +26,7 @@ class RobotArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse robot`."""
-    args = tyro.cli(RobotArgs, args=list(argv), prog="urbanverse robot")
+    args = parse(RobotArgs, argv, "urbanverse robot")
     from ..robots.description import load_with_fits
     from ..robots.stance import stance
     from ..robots.start import start, weaker_motors

@@ -15,6 +15,7 @@ from ..datatypes import validation as v
 from ..datatypes.bank_shards import SUFFIX as SHARDS
 from ..progress import Progress
 from . import scene_gallery, scene_library, scene_routes
+from ._options import parse_subcommand
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,7 +77,7 @@ class JoinArgs:
     out: pathlib.Path
     """Bank file (.npz) to write, or a folder (.bank), which needs the memory of one bank at a time and holds equal
     meshes and textures once."""
-    split: tuple[str, ...] = ()
+    split: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=PATTERN [NAME=PATTERN ...]")] = ()
     """NAME=PATTERN assigns the scenes whose ids match a shell pattern to the split NAME: "held_out=bench_*_15?"."""
 
 
@@ -94,7 +95,7 @@ class TerrainArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse scene ...`."""
-    args = tyro.extras.subcommand_cli_from_dict(
+    args = parse_subcommand(
         {
             "compile": CompileArgs,
             "bank": BankArgs,
@@ -104,8 +105,8 @@ def main(argv: Sequence[str]) -> int:
             "gallery": scene_gallery.GalleryArgs,
             "library": scene_library.LibraryArgs,
         },
-        args=list(argv),
-        prog="urbanverse scene",
+        argv,
+        "urbanverse scene",
     )
     if isinstance(args, TerrainArgs):
         return _terrain(args)

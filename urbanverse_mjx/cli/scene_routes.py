@@ -21,7 +21,7 @@ class RoutesArgs:
     """Folders with map.json and layers.npz: compiled scenes, or maps that the authors' tools made."""
     out: pathlib.Path
     """Folder to write: maps/<scene>/, routes/<scene>.json and routes/<scene>/ of every scene."""
-    robot: str = "delivery"
+    robot: Annotated[str, tyro.conf.arg(metavar="NAME")] = "delivery"
     """Kind of robot for the routes: delivery, quadruped or wheelchair."""
     annotations: pathlib.Path | None = None
     """Folder of <scene>.json files with starts and goals; none: twelve routes are chosen."""

@@ -9,6 +9,7 @@ import tyro
 
 from ..datatypes.json_schema import SCHEMAS
 from ..deployment.messages import SCHEMAS as MESSAGES
+from ._options import parse
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,7 +23,7 @@ class SchemaArgs:
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse schema`."""
-    args = tyro.cli(SchemaArgs, args=list(argv), prog="urbanverse schema")
+    args = parse(SchemaArgs, argv, "urbanverse schema")
     schema = MESSAGES[args.format] if args.format in MESSAGES else SCHEMAS[args.format]()
     print(json.dumps(schema, indent=1, ensure_ascii=False))
     return 0

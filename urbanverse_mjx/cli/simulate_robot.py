@@ -10,6 +10,7 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.robot_simulation import SimulationOptions
+from ._options import parse
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -22,6 +23,6 @@ class SimulateRobotArgs(SimulationOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse simulate-robot`."""
-    args = tyro.cli(SimulateRobotArgs, args=list(argv), prog="urbanverse simulate-robot")
+    args = parse(SimulateRobotArgs, argv, "urbanverse simulate-robot")
     print(json.dumps(pipeline.simulate_robot(args.policy, args, lambda where: print(json.dumps(where), flush=True))))
     return 0

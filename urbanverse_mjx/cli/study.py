@@ -10,6 +10,7 @@ from typing import Annotated
 import tyro
 
 from .. import pipeline
+from ._options import parse
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,7 +87,7 @@ _Command = (
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse study`."""
-    args = tyro.cli(_Command, args=list(argv), prog="urbanverse study")  # type: ignore[call-overload]
+    args = parse(_Command, argv, "urbanverse study")  # type: ignore[arg-type]
     if isinstance(args, AnalyseArgs):
         print(json.dumps(pipeline.analyse_study(args.key, args.answers)))
         return 0

@@ -4,11 +4,9 @@ import dataclasses
 import json
 from collections.abc import Sequence
 
-import tyro
-
 from .. import pipeline
 from ..pipeline.training_run import TrainOptions
-from ._options import EnvOverrides, PpoOverrides
+from ._options import EnvOverrides, PpoOverrides, parse
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -43,7 +41,7 @@ class TrainArgs(TrainOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse train`."""
-    args = tyro.cli(TrainArgs, args=list(argv), prog="urbanverse train", config=(tyro.conf.DisallowNone,))
+    args = parse(TrainArgs, argv, "urbanverse train")
     from ..training.record import RunRequest
 
     request = RunRequest(

@@ -10,14 +10,14 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.viewing import ViewOptions
-from ._options import Crowded, EnvOverrides
+from ._options import Crowded, EnvOverrides, parse
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ViewArgs(ViewOptions):
     """Shows a street in a web page with a policy driving in it; Ctrl-C ends it, with exit status 0."""
 
-    scene: Annotated[str | None, tyro.conf.Positional] = None
+    scene: Annotated[str | None, tyro.conf.Positional, tyro.conf.arg(metavar="[NAME|PATH]")] = None
     """A shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank (.npz,
     .bank)."""
     people: Crowded = False
@@ -28,7 +28,7 @@ class ViewArgs(ViewOptions):
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse view`."""
-    args = tyro.cli(ViewArgs, args=list(argv), prog="urbanverse view", config=(tyro.conf.DisallowNone,))
+    args = parse(ViewArgs, argv, "urbanverse view")
     pipeline.view(args.scene, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
     # Imported by now, with all that the page needed.
     from ..viewer.drive_page import COMPILE

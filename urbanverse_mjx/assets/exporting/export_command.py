@@ -1,8 +1,9 @@
 """`urbanverse assets export`."""
 
 import pathlib
-from typing import Literal
+from typing import Annotated, Literal
 
+import tyro
 from rich.console import Console
 from rich.progress import track
 
@@ -10,8 +11,8 @@ from rich.progress import track
 def export(
     out: pathlib.Path,
     form: Literal["glb", "obj", "mjcf", "usd"] = "glb",
-    leaf: str | None = None,
-    uid: str | None = None,
+    leaf: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None,
+    uid: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None,
 ) -> None:
     """Writes assets as GLB, OBJ, MJCF or USD, each with its annotation as JSON; imported assets too.
 

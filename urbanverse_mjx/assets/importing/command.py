@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 def import_assets(
     folder: Annotated[pathlib.Path, tyro.conf.Positional],
-    licence: str | None = None,
-    leaf: str | None = None,
+    licence: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None,
+    leaf: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None,
     jobs: int = 2,
     again: bool = False,
     pictures: bool = True,

@@ -5,7 +5,7 @@ names. ground, sky: writes the maps of one uid.
 """
 
 import pathlib
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import tyro
@@ -75,7 +75,7 @@ def _sheet(tiles: dict[str, np.ndarray], path: pathlib.Path, columns: int) -> pa
     return write_atomically(path, lambda p: sheet.save(p, "JPEG", quality=80))
 
 
-def ground(uid: str, out: pathlib.Path) -> None:
+def ground(uid: Annotated[str, tyro.conf.arg(metavar="KIND/NAME")], out: pathlib.Path) -> None:
     """Writes albedo.png, normal.png, roughness.png and picture.png of a ground material.
 
     Args:
@@ -90,7 +90,7 @@ def ground(uid: str, out: pathlib.Path) -> None:
     Console().print(f"{out}: {maps.record.description}; {maps.record.tile_size_m} m a tile")
 
 
-def sky(uid: str, out: pathlib.Path, height: int = 256) -> None:
+def sky(uid: Annotated[str, tyro.conf.arg(metavar="NAME-NAME")], out: pathlib.Path, height: int = 256) -> None:
     """Writes radiance.npy (linear, without the sun's disc) and picture.png of a sky.
 
     Args:
