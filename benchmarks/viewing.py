@@ -2,9 +2,13 @@
 
     urbanverse scene library craftbench && python -m benchmarks.viewing     # a street of 385 objects
     python -m benchmarks.viewing park_edge --software                       # a shipped street, on the processor
+    python -m benchmarks.viewing park_edge --software --undrawn             # what the page's scripts take of a frame
 
 Chromium opens the page as a user's does. While the drive is paused and the mouse orbits the camera, `orbit` counts the
-frames that were drawn, and the calls and triangles of each (medians, shadow maps included). While the policy drives,
+frames that were drawn, the calls and triangles of each (medians, shadow maps included), and the milliseconds of the
+page's scripts in a frame (median and 95th percentile). Scripts wait for a graphics card that is behind, so these are
+the page's own only with `--undrawn`, which leaves out the drawing calls themselves: culling, sorting and the state of
+the card remain, pixels and vertices do not. While the policy drives,
 `drive` counts frames, control steps, and the messages and kilobytes that the page receives. `opened` is the time until
 all meshes and textures are on the graphics card, with the bytes received until then and the images on the card (with
 their mipmaps). `renderer` names what draws: with SwiftShader or llvmpipe in it the processor does, and frames a second
@@ -47,11 +51,11 @@ _DISTANCE = re.compile(r"([\d.]+) s · ")
 COUNTER = """
 (() => {
   const drawn = window.drawn = {frames: [], images: 0, bytes: 0, renderer: ""};
-  let calls = 0, triangles = 0;
+  let calls = 0, triangles = 0, scripts = 0;
   const gl = WebGL2RenderingContext.prototype;
   const before = (name, count) => {
-    const own = gl[name];
-    gl[name] = function (...args) { count(this, ...args); return own.apply(this, args); };
+    const own = gl[name], kept = !(name.startsWith("draw") && window.undrawn);
+    gl[name] = function (...args) { count(this, ...args); if (kept) return own.apply(this, args); };
   };
   const add = (mode, corners, copies = 1) => { calls += 1; if (mode === 4) triangles += corners / 3 * copies; };
   before("drawArrays", (_, mode, first, count) => add(mode, count));
@@ -69,12 +73,18 @@ COUNTER = """
       drawn.bytes += 4 * Math.max(1, width >> level) * Math.max(1, height >> level);
     }
   });
+  const ask = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (work) => ask((now) => {
+    const start = performance.now();
+    try { work(now); } finally { scripts += performance.now() - start; }
+  });
   // Asked before the page's own callbacks of a frame, so that it sees all of the frame before.
   const tick = (now) => {
-    if (calls) { drawn.frames.push([now, calls, triangles]); calls = triangles = 0; }
-    requestAnimationFrame(tick);
+    if (calls) drawn.frames.push([now, calls, triangles, scripts]);
+    calls = triangles = scripts = 0;
+    ask(tick);
   };
-  requestAnimationFrame(tick);
+  ask(tick);
 })();
 """
 
@@ -103,8 +113,8 @@ class Sent:
 
 
 @contextlib.contextmanager
-def tab_of(software: bool, window: bool, size: tuple[int, int]) -> Iterator[Any]:
-    """A tab of Chromium that counts what it draws; size: px, width and height.
+def tab_of(software: bool, window: bool, size: tuple[int, int], undrawn: bool = False) -> Iterator[Any]:
+    """A tab of Chromium that counts what it draws; size: px, width and height; undrawn: without drawing it.
 
     Raises:
       ValidationError: no Chromium.
@@ -122,7 +132,7 @@ def tab_of(software: bool, window: bool, size: tuple[int, int]) -> Iterator[Any]
         try:
             tab = chromium.new_page(viewport={"width": size[0], "height": size[1]})
             tab.set_default_timeout(300_000)
-            tab.add_init_script(COUNTER)
+            tab.add_init_script(f"window.undrawn = {json.dumps(undrawn)};{COUNTER}")
             yield tab
         finally:
             chromium.close()
@@ -172,13 +182,15 @@ def drawn(tab: Any) -> dict[str, Any]:
 
 
 def frame_figures(frames: list[list[float]], seconds: float) -> dict[str, Any]:
-    """Figures of frames (ms, calls, triangles) that were drawn within a time."""
-    _, calls, triangles = zip(*frames, strict=True) if frames else ((), (0,), (0,))
+    """Figures of frames (ms, calls, triangles, ms of scripts) that were drawn within a time."""
+    _, calls, triangles, scripts = zip(*frames, strict=True) if frames else ((), (0,), (0,), (0.0,))
     return {
         "frames": len(frames),
         "frames_per_s": round(len(frames) / seconds, 2),
         "draw_calls": int(statistics.median(calls)),
         "triangles": int(statistics.median(triangles)),
+        "scripts_ms": round(statistics.median(scripts), 2),
+        "scripts_ms_95": round(sorted(scripts)[math.ceil(0.95 * len(scripts)) - 1], 2),
     }
 
 
@@ -233,10 +245,11 @@ def drive(tab: Any, seconds: float, sent: Sent) -> dict[str, Any]:
     frames, was, start = len(drawn(tab)["frames"]), driven(), time.monotonic()
     messages, size = sent.messages, sent.bytes
     time.sleep(seconds)
-    passed = time.monotonic() - start
+    passed, simulated = time.monotonic() - start, driven() - was
     return {
         **frame_figures(drawn(tab)["frames"][frames:], passed),
-        "simulated_s_per_s": round((driven() - was) / passed, 2),
+        "simulated_s_per_s": round(simulated / passed, 2),
+        "kilobytes_per_simulated_s": round((sent.bytes - size) / 1e3 / simulated, 1) if simulated else None,
         "messages_per_s": round((sent.messages - messages) / passed, 1),
         "kilobytes_per_s": round((sent.bytes - size) / 1e3 / passed, 1),
     }
@@ -251,7 +264,8 @@ def measured(args: argparse.Namespace) -> dict[str, Any]:
     scene = args.scene
     bank, row = ViewScenes([scene]).open(scene)
     sent = Sent()
-    with sent.counted(), page_of(scene, args.policy) as address, tab_of(args.software, args.window, args.size) as tab:
+    chromium = tab_of(args.software, args.window, args.size, args.undrawn)
+    with sent.counted(), page_of(scene, args.policy) as address, chromium as tab:
         first = opened(tab, address, sent)
         return {
             "scene": scene,
@@ -259,6 +273,7 @@ def measured(args: argparse.Namespace) -> dict[str, Any]:
             "renderer": drawn(tab)["renderer"],
             "cores": num_threads(),
             "size": args.size,
+            "undrawn": args.undrawn,
             "opened": first,
             "orbit": orbit(tab, args.seconds),
             "drive": drive(tab, args.seconds, sent),
@@ -275,6 +290,7 @@ def main(argv: list[str] | None = None) -> int:
     add("--seconds", type=float, default=10.0, help="that each measurement lasts")
     add("--size", type=int, nargs=2, default=[1440, 900], metavar=("W", "H"), help="px of the page")
     add("--software", action="store_true", help="draw on the processor")
+    add("--undrawn", action="store_true", help="count drawing calls without making them, for the time of scripts")
     add("--window", action="store_true", help="show the browser, which some machines need to use their GPU")
     add("--append", type=pathlib.Path, help="file to which the result is appended as a line")
     args = parser.parse_args(argv)

@@ -11,10 +11,23 @@ from websockets.asyncio.server import ServerConnection
 from benchmarks import viewing
 from urbanverse_mjx.datatypes import ValidationError
 
-#: Draws 12 triangles, 3 copies of 2, a line and 5 triangles in each of three frames, with an image of 64 x 32 and a
-#: target without mipmaps; then nothing.
+#: Draws 12 triangles, 3 copies of 2, a line, 5 triangles and a point in each of three frames, in two callbacks that
+#: take 20 ms and 5 ms, with an image of 64 x 32 and a target without mipmaps; then nothing. `painted` says whether the
+#: point was drawn.
 _PAGE = """data:text/html,<canvas id=c></canvas><script>
 const gl = document.getElementById("c").getContext("webgl2");
+const program = gl.createProgram();
+const add = (kind, text) => {
+  const shader = gl.createShader(kind);
+  gl.shaderSource(shader, text);
+  gl.compileShader(shader);
+  gl.attachShader(program, shader);
+};
+add(gl.VERTEX_SHADER, "void main() { gl_Position = vec4(0, 0, 0, 1); gl_PointSize = 99.0; }");
+add(gl.FRAGMENT_SHADER, "void main() { gl_FragColor = vec4(1); }");
+gl.linkProgram(program);
+gl.useProgram(program);
+const spend = (ms) => { const end = performance.now() + ms; while (performance.now() < end); };
 const texture = (levels) => {
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.texStorage2D(gl.TEXTURE_2D, levels, gl.RGBA8, 64, 32);
@@ -26,22 +39,31 @@ const draw = () => {
   gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, 3);
   gl.drawArrays(gl.LINES, 0, 2);
   gl.drawElements(gl.TRIANGLES, 15, gl.UNSIGNED_SHORT, 0);
-  if (left -= 1) requestAnimationFrame(draw); else window.done = true;
+  gl.drawArrays(gl.POINTS, 0, 1);
+  const pixel = new Uint8Array(4);
+  gl.readPixels(gl.drawingBufferWidth / 2, gl.drawingBufferHeight / 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  window.painted = pixel[0] === 255;
+  spend(20);
+  if (left -= 1) { requestAnimationFrame(draw); requestAnimationFrame(() => spend(5)); } else window.done = true;
 };
-requestAnimationFrame(draw);
+requestAnimationFrame(draw); requestAnimationFrame(() => spend(5));
 </script>"""
 
 
 @pytest.mark.extended
-def test_a_page_is_counted_as_it_draws() -> None:
+@pytest.mark.parametrize("undrawn", [False, True])
+def test_a_page_is_counted_as_it_draws(undrawn: bool) -> None:
+    """Or as it would, where its drawing calls are left out."""
     try:
-        with viewing.tab_of(software=True, window=False, size=(300, 200)) as tab:
+        with viewing.tab_of(software=True, window=False, size=(300, 200), undrawn=undrawn) as tab:
             tab.goto(_PAGE)
             tab.wait_for_function("window.done && window.drawn.frames.length === 3")
             found = tab.evaluate("window.drawn")
+            assert tab.evaluate("window.painted") is not undrawn
     except ValidationError as error:
         pytest.skip(str(error))
-    assert [row[1:] for row in found["frames"]] == [[4, 12 + 3 * 2 + 5]] * 3
+    assert [row[1:3] for row in found["frames"]] == [[5, 12 + 3 * 2 + 5]] * 3
+    assert min(row[3] for row in found["frames"]) >= 25.0, "both callbacks of a frame"
     times = np.array(found["frames"])[:, 0]
     assert (np.diff(times) > 0).all()
     # Seven levels, from 64 x 32 to 1 x 1.
@@ -51,9 +73,16 @@ def test_a_page_is_counted_as_it_draws() -> None:
 
 
 def test_figures_are_of_the_frames_within_the_time() -> None:
-    figures = viewing.frame_figures([[0, 10, 100], [16, 30, 300], [33, 20, 500]], 1.5)
-    assert figures == {"frames": 3, "frames_per_s": 2.0, "draw_calls": 20, "triangles": 300}
-    assert viewing.frame_figures([], 2.0) == {"frames": 0, "frames_per_s": 0.0, "draw_calls": 0, "triangles": 0}
+    figures = viewing.frame_figures([[0, 10, 100, 4.0], [16, 30, 300, 2.0], [33, 20, 500, 9.0]], 1.5)
+    assert figures == {
+        "frames": 3,
+        "frames_per_s": 2.0,
+        "draw_calls": 20,
+        "triangles": 300,
+        "scripts_ms": 4.0,
+        "scripts_ms_95": 9.0,
+    }
+    assert set(viewing.frame_figures([], 2.0).values()) == {0}
 
 
 def test_only_what_goes_to_viser_is_counted_and_it_still_arrives(monkeypatch: pytest.MonkeyPatch) -> None:

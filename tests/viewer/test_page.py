@@ -6,6 +6,7 @@ import pathlib
 import re
 import threading
 import time
+import types
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -311,6 +312,28 @@ def test_layers_are_switched(tab: Any, served: tuple[Page, Streets, str]) -> Non
         wait(lambda node=node, was=was: node.visible != was)
         box.evaluate("box => box.click()")
         wait(lambda node=node, was=was: node.visible == was)
+
+
+@pytest.mark.extended
+def test_the_layer_of_people_hides_those_that_are_there(
+    tab: Any, served: tuple[Page, Streets, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One is there and stands where the step has it, another is not; not the checkbox of *Choose*."""
+    page = served[0]
+    nodes = [page._server.scene.add_frame(f"/crowd/{i}", visible=False) for i in range(2)]
+    moves = types.SimpleNamespace(present=[True, False], heading=[np.pi / 2, 0.0], position=[[1.0, 2.0, 0.0]] * 2)
+    monkeypatch.setattr(page.session, "agents", lambda index: moves, raising=False)
+    monkeypatch.setattr(page.stage, "_agents", nodes)
+    page._orders.put(lambda: page._go(page.index))
+    wait(lambda: nodes[0].visible)
+    np.testing.assert_allclose(nodes[0].position, [1.0, 2.0, 0.0])
+    np.testing.assert_allclose(nodes[0].wxyz, [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
+    box = tab.get_by_label("people", exact=True).last
+    for shown in (False, True):
+        box.evaluate("box => box.click()")
+        wait(lambda shown=shown: nodes[0].visible == shown)
+        assert not nodes[1].visible
+    assert not page._people.value
 
 
 @pytest.mark.extended
