@@ -196,10 +196,11 @@ def frame_figures(frames: list[list[float]], seconds: float) -> dict[str, Any]:
 
 def opened(tab: Any, address: str, sent: Sent) -> dict[str, Any]:
     """Opens the page and waits until no image has come to the graphics card for `_QUIET` seconds."""
-    start = changed = time.monotonic()
+    start = time.monotonic()
     tab.goto(address)
     tab.frame_locator("#viser").get_by_role("button", name="Play").wait_for(timeout=300_000)
-    before, state = (), drawn(tab)
+    # What came while the page was waited for is complete only now, at the earliest.
+    before, state, changed = (), drawn(tab), time.monotonic()
     while time.monotonic() - changed < _QUIET or not state["images"]:
         time.sleep(_LOOK_EVERY)
         state = drawn(tab)

@@ -15,7 +15,7 @@ from tests.support.recorded import write_dataset
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import main as cli
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.pipeline.demonstrations import load_demonstrations
+from urbanverse_mjx.pipeline.demonstrations import load_demonstrations, other_looks
 from urbanverse_mjx.training.networks import PIXELS
 
 
@@ -85,6 +85,22 @@ def test_other_meanings_of_actions_and_goals_are_refused(
     assert json.loads((folder / "meta/urbanverse.json").read_text())["environment_config"]["goal_mode"] == "final"
     with pytest.raises(ValidationError, match=r"feature observation.state: found .3., needed one of 5 values"):
         load_demonstrations(write_dataset(tmp_path / "other"), wanting(env))
+
+
+def test_images_that_were_drawn_otherwise_are_said_and_others_are_not(
+    recorded: tuple[pathlib.Path, Any], tmp_path: pathlib.Path
+) -> None:
+    """As those of `record`, whose default is the preset paper, for the preset quick."""
+    folder, env = recorded
+    assert other_looks(folder, wanting(env)) == ""
+    assert other_looks(write_dataset(tmp_path / "other"), wanting(env)) == ""
+    drawn = env.config.vision_config.shading
+    other = env.config.copy_and_resolve_references().unlock()
+    other.preset, other.vision_config.shading = "quick", "flat"
+    said = other_looks(folder, wanting(env, config=other))
+    assert f"drawn with shading '{drawn}' (--preset {env.config.preset})" in said
+    assert "will see shading 'flat'; record with --preset quick" in said
+    assert "light" not in said
 
 
 def test_the_command_refuses_presets_without_a_student(tmp_path: pathlib.Path, capsys: Any) -> None:

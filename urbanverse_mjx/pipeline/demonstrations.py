@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: Keys of the environment's config that give observations and actions their meaning.
 _MEANING = ("action_mode", "goal_mode", "goal_observation_limit", "ctrl_dt", "drive")
+#: Settings of the renderer by which images of one place look unlike each other.
+_LOOKS = ("shading", "light", "shadows")
 _STATE, _GOAL, _ACTION = "observation.state", "observation.environment_state", "action"
 
 
@@ -83,6 +85,27 @@ def _check(stored: "StoredDataset", env: "NavEnv") -> None:
     if abs(int(high) / int(wide) - height / width) > 0.02:
         hint = f"record with --size {height}x{width}"
         raise v.fail(f"{where}: images", f"{high}x{wide}", f"the proportions of {height}x{width}", hint)
+
+
+def other_looks(folder: pathlib.Path, env: "NavEnv") -> str:
+    """One sentence on images of a dataset that were drawn otherwise than an environment's, or "" where they were not.
+
+    Sizes do not count, because images are averaged, and neither do settings that a dataset
+    of another program leaves unsaid.
+    """
+    origin = folder / "meta" / "urbanverse.json"
+    recorded = v.read_json(origin, "origin of the dataset").get("environment_config", {}) if origin.is_file() else {}
+    theirs, ours = recorded.get("vision_config"), env.config.get("vision_config")
+    if not isinstance(theirs, dict) or ours is None:
+        return ""
+    other = [f"{name} {v.show(theirs[name])}" for name in _LOOKS if name in theirs and theirs[name] != ours.get(name)]
+    if not other:
+        return ""
+    wanted = ", ".join(f"{name} {v.show(ours.get(name))}" for name in _LOOKS if theirs.get(name) != ours.get(name))
+    return (
+        f"{folder}: the images were drawn with {', '.join(other)} (--preset {recorded.get('preset')}), but the policy "
+        f"will see {wanted}; record with --preset {env.config.get('preset')}, unless that is meant."
+    )
 
 
 def _rows(stored: "StoredDataset") -> dict[str, np.ndarray]:

@@ -228,9 +228,11 @@ def _clone(
     from ..datatypes import validation as v
     from ..training.cloning import Cloning
     from ..training.imitation import fit
-    from .demonstrations import load_demonstrations
+    from .demonstrations import load_demonstrations, other_looks
 
     data = load_demonstrations(source, env)
+    if other := other_looks(source, env):
+        announce(f"warning: {other}")
     announce(
         f"{v.counted(data.begins.sum(), 'episodes')} with {v.counted(len(data.begins), 'steps')} in {source}", quiet
     )
