@@ -1,7 +1,9 @@
 """`pipeline.record`: rows and images are those of driving the same episodes, and a second run gives the same files."""
 
 import dataclasses
+import errno
 import json
+import os
 import pathlib
 import types
 from collections.abc import Mapping
@@ -26,6 +28,7 @@ from urbanverse_mjx.evaluation import BASELINES, Rollout
 from urbanverse_mjx.evaluation.rollouts import EpisodeSet
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.pipeline import machines
+from urbanverse_mjx.pipeline.errors import naming, refusal
 from urbanverse_mjx.pipeline.recording import cameras, driving, readings
 from urbanverse_mjx.pipeline.recording.action_noise import ActionNoise
 from urbanverse_mjx.pipeline.recording.cameras import FRONT, numbered
@@ -488,6 +491,36 @@ def test_episodes_differ_and_a_smaller_number_gives_the_first_ones(small_bank: S
     assert rows(drawn_episodes(small_bank, scenes, 7, 4)) != few
     with pytest.raises(ValidationError, match=f"--num-episodes: found {most + 1}, needed at most {most} in 3 scenes"):
         drawn_episodes(small_bank, scenes, most + 1, 0)
+
+
+def test_an_error_of_the_disk_that_names_no_file_names_the_folder(tmp_path: pathlib.Path) -> None:
+    """Arrow's do not; those that name a file keep it, and those that are not about a disk name none."""
+    for code, name, named in (
+        (errno.ENOSPC, None, str(tmp_path)),
+        (errno.EIO, None, str(tmp_path)),
+        (errno.ENOSPC, "a.mp4", "a.mp4"),
+        (errno.EMFILE, None, None),
+    ):
+        with pytest.raises(OSError, match=os.strerror(code)) as caught, naming(tmp_path):
+            raise OSError(code, os.strerror(code), name)
+        assert caught.value.filename == named
+        assert (refusal(caught.value) or "").startswith(f"{named}: found the error" if named else "found the error")
+
+
+@pytest.mark.extended
+def test_a_recording_on_a_full_disk_is_one_sentence_with_its_folder(
+    capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    use(drawn_env(small_bank, {"episode_length": STEPS}), monkeypatch)
+    monkeypatch.setattr("urbanverse_mjx.datasets.DatasetWriter.add", full)
+    command = ["record", "--policy", "zero", "--out", str(tmp_path / "new"), "--num-episodes", "1", "--quiet"]
+    assert cli.main(command) == 2
+    said = capsys.readouterr()
+    assert (said.out, said.err.count("\n")) == ("", 1)
+    assert f"{tmp_path / 'new'}: found the error 'No space left on device'; make room on that disk." in said.err
 
 
 def test_nothing_is_driven_where_the_folder_is_in_use(

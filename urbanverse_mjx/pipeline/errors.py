@@ -1,8 +1,10 @@
 """Converts errors about the user's input to one-sentence messages. Imports only the standard library."""
 
+import contextlib
 import errno
 import os
 import traceback
+from collections.abc import Iterator
 
 _FILE_ERRORS = (FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError, FileExistsError)
 #: Error code of a missing resource or permission -> advice.
@@ -17,6 +19,8 @@ _MACHINE_ERRORS = {
     errno.ENAMETOOLONG: "choose a shorter name",
     errno.ELOOP: "remove the links that lead in a circle",
 }
+#: Those of them that are about a disk.
+_DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG, errno.EIO)
 
 
 def refusal(error: Exception) -> str | None:
@@ -38,6 +42,18 @@ def refusal(error: Exception) -> str | None:
     else:
         return None
     return " ".join(sentence.split())
+
+
+@contextlib.contextmanager
+def naming(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Gives an error of the machine, such as a full disk, this path where it names no file: libraries such as Arrow do
+    not say which disk is full."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None and error.errno in _DISK_ERRORS:
+            error.filename = os.fspath(path)
+        raise
 
 
 def _is_removed_here() -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...datatypes import RESULTS, SceneBank
 from ...datatypes import validation as v
+from ..errors import naming
 from ..viewing import PageOptions
 from .action_noise import ActionNoise
 from .formats import Format, check_folder, frame_episode, image_type, open_writer, stored
@@ -129,6 +130,7 @@ def record(
     results: collections.Counter[str] = collections.Counter()
     origin = _origin(options, machine, scenes, sensors)
     with (
+        naming(folder),
         open_writer(
             folder, options.format, options.size, options.lidar, features, env, origin, options.resume
         ) as writer,
