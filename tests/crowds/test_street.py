@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.crowds.test_resolve_collisions import distances
+from tests.support import figures
 from tests.support.box_bank import HALF_WIDTH, KERB_Y
 from tests.support.compiling import optimized
 from urbanverse_mjx.crowds import (
@@ -42,6 +43,36 @@ def spaces(small_bank: SceneBank) -> dict[str, FreeSpace]:
 def tables(small_bank: SceneBank) -> CrowdTables:
     with optimized():  # flats take seconds
         return make_tables(small_bank, [0, 1])
+
+
+def test_figures_of_a_crowds_tables(spaces: dict[str, FreeSpace], tables: CrowdTables) -> None:
+    figures.check("crowds/tables", {"spaces": spaces, "tables": tables})
+
+
+@pytest.mark.extended
+def test_figures_of_a_crowds_first_steps(tables: CrowdTables) -> None:
+    """Agents of every kind in two streets, some of them in each other's way, with a robot among them."""
+    kinds = ("pedestrian",) * 5 + ("wheelchair", "scooter", "cyclist", "car", "car")
+    model, scene = CrowdModel(tables, kinds, num_neighbours=6, reach=25.0), jnp.array([0, 1])
+    robot = spawning.Observer(jnp.float32(24.0), jnp.float32(5.5), jnp.float32(0.3), jnp.array(True))
+    script = behaviours.talk(jnp.float32(15.0), jnp.float32(5.9), 2)
+
+    def few(key: jax.Array, z: jax.Array) -> tuple[Crowd, Crowd]:
+        first = model.init(key, z, robot, script=script)
+        close = first.bodies._replace(
+            x=first.bodies.x.at[2:5].set(jnp.array([22.0, 23.0, 23.2])), y=first.bodies.y.at[2:5].set(5.6)
+        )
+        begun = first._replace(bodies=close, blocked=first.blocked.at[3].set(2.0))
+
+        def body(crowd: Crowd, key: jax.Array) -> tuple[Crowd, None]:
+            return model.step(crowd, z, robot, (jnp.float32(0.8), jnp.float32(-0.1)), key), None
+
+        last, _ = jax.lax.scan(body, begun, jax.random.split(key, 5))
+        return first, last
+
+    first, last = jax.jit(jax.vmap(few))(jax.random.split(jax.random.key(3), 2), scene)
+    figures.check("crowds/first", first, tolerance=1e-3)
+    figures.check("crowds/steps", last, tolerance=5e-3)
 
 
 def cell_of(space: FreeSpace, x: float, y: float) -> tuple[int, int]:

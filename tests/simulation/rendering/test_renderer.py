@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.support import render_reference
+from tests.support import figures, render_reference
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.assets.appearances.skies import build_sky
 from urbanverse_mjx.datatypes import CameraMount, RobotSpec, SceneBank, ValidationError
@@ -327,6 +327,12 @@ def test_more_rays_per_pixel_are_the_mean_of_a_finer_picture(bank: SceneBank, ro
     error = np.abs(cases.to_linear(coarse) - mean)
     assert np.quantile(error, 0.95) < 0.02
     assert error.mean() < 0.005
+
+
+def test_figures_of_pictures(frames: dict[str, np.ndarray]) -> None:
+    """Of each place; rounding may move some edges by a ray."""
+    found = {name: {str(k): x for k, x in enumerate(frame[:6])} for name, frame in frames.items()}
+    figures.check("rendering/frames", found, tolerance=0.02)
 
 
 @pytest.mark.extended

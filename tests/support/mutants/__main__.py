@@ -42,13 +42,15 @@ TESTS = (
 MARKS, QUICK = "not slow and not gpu", "not extended and not slow and not gpu"
 #: Tests of the text of the code notice every change of it.
 LEFT_OUT = ("tests/project/",)
+#: Ends of files whose tests compare constants and defaults of modules: tracing does not show which values they read.
+DEFAULTS = "_defaults.py"
 #: Caches that tests need; linked anew for each fault, which may spoil them.
 CACHES = ("assets", "banks", "crowds", "kernels", "light", "meshes", "surroundings", "tests/jax")
 #: Caches without which a fault in these packages is judged: a table that was made without it would hide it.
 MADE_BY = {"crowds": ("crowds/", "envs/navigation/"), "light": ("simulation/rendering/",), "surroundings": ("scene/",)}
 #: Outcomes of a fault that tests notice.
 NOTICED = ("killed", "timeout")
-_SLOWER, _START = 4.0, 90.0  # times as long as without the fault, and s, before tests are ended
+_START = 90.0  # s, for imports, before tests are ended
 _LONGEST = 3600.0  # s, for the tests of a file without a fault
 
 
@@ -67,7 +69,8 @@ def main() -> int:
         for number, mutant in enumerate(sample):
             if mutant.name in done and settled(done[mutant.name], options.wide):
                 continue
-            row = judge(mutant, covered, seconds=options.seconds, marks=marks, wide=options.wide)
+            limits = {"seconds": options.seconds, "patience": options.patience}
+            row = judge(mutant, covered, marks=marks, wide=options.wide, **limits)
             done[mutant.name] = row
             file.write(json.dumps(row) + "\n")
             file.flush()
@@ -84,6 +87,9 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--tests", nargs="+", default=TESTS, help="files or folders of tests that may notice them")
     parser.add_argument(
         "--seconds", type=float, default=300.0, help="of tests for one fault, as long as they take without it"
+    )
+    parser.add_argument(
+        "--patience", type=float, default=4.0, help="times as long as without the fault before tests are ended"
     )
     parser.add_argument("--quick", action="store_true", help="only with the tests that `make test` runs")
     parser.add_argument("--wide", action="store_true", help="what its own folder misses, also with the other folders")
@@ -176,17 +182,23 @@ def chosen_tests(
 ) -> list[str]:
     """Tests that may notice a fault and whose names begin so and not like `left_out`, as many as take so long without
     it (s), at least one: those that ran its line, then the others of their files, since what one test traces or a
-    fixture computes, others check; of both, those of files that import its module first, then the fastest."""
+    fixture computes, others check; of both, those of files that import its module first, then the fastest. A fault in
+    a line that no test ran, since it runs when its module is imported, is judged first by the tests that compare what
+    modules hold then."""
     seconds: Mapping[str, float] = covered["seconds"]
     module = mutant.file.removesuffix(".py").replace("/", ".")
     near = {file for file, names in covered.get("imports", {}).items() if module in names}
 
-    def rank(test: str) -> tuple[bool, float]:
-        return test.partition("::")[0] not in near, seconds.get(test, 0.0)
+    def compares(test: str) -> bool:
+        return test.partition("::")[0].endswith(DEFAULTS)
 
-    ran = {
-        test for test in tests_of(mutant, covered["lines"]) if test.startswith(start) and not test.startswith(left_out)
-    }
+    def rank(test: str) -> tuple[bool, bool, float]:
+        return not compares(test), test.partition("::")[0] not in near, seconds.get(test, 0.0)
+
+    ran = tests_of(mutant, covered["lines"])
+    if not any(f"{mutant.file}:{line}" in covered["lines"] for line in (mutant.line, mutant.statement)):
+        ran |= {test for test in seconds if compares(test)}
+    ran = {test for test in ran if test.startswith(start) and not test.startswith(left_out)}
     files = {test.partition("::")[0] for test in ran}
     others = {test for test in seconds if test.partition("::")[0] in files} - ran
     tests = [test for part in (ran, others) for test in sorted(part, key=rank)]
@@ -206,6 +218,7 @@ def judge(
     seconds: float = 300.0,
     marks: str = MARKS,
     wide: bool = False,
+    patience: float = 4.0,
 ) -> dict[str, Any]:
     """Results of the `chosen_tests` of a mutant in the `folder_of_tests` of its package, and, where they miss it and
     `wide` is true, of those in all other folders; "stage" tells which noticed it."""
@@ -216,7 +229,7 @@ def judge(
     row = {"outcome": "uncovered", "stage": "near", "tests": 0, "said": ""}
     if any(stages.values()):
         with planted(mutant, root) as (folder, environment):
-            row |= _run_stages(folder, environment, stages, covered["seconds"], marks)
+            row |= _run_stages(folder, environment, stages, covered["seconds"], marks, patience)
     place = {"name": mutant.name, "file": mutant.file, "line": mutant.line, "wide": wide}
     change = {"before": mutant.before, "after": mutant.after}
     return place | change | row | {"seconds": round(time.monotonic() - begin, 1)}
@@ -228,6 +241,7 @@ def _run_stages(
     stages: Mapping[str, Sequence[str]],
     seconds: Mapping[str, float],
     marks: str,
+    patience: float,
 ) -> dict[str, Any]:
     """Runs the tests of one stage after the other until one notices the fault."""
     row: dict[str, Any] = {}
@@ -235,7 +249,7 @@ def _run_stages(
     for stage, tests in stages.items():
         if not tests:
             continue
-        limit = _START + _SLOWER * sum(seconds.get(test, 0.0) for test in tests)
+        limit = _START + patience * sum(seconds.get(test, 0.0) for test in tests)
         (folder / "chosen.txt").write_text("\n".join(tests))
         words = ["-q", "-x", "-n", "0", "-m", marks, "-p", "no:cacheprovider", "@chosen.txt"]
         status, text = run_tests(folder, environment, words, limit)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.support.compiling import optimized
+from tests.support.task_figures import check_task
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env
@@ -47,6 +48,10 @@ def task(env: NavEnv) -> CrossStreet:
 @pytest.fixture(scope="module")
 def begun(env: NavEnv) -> Any:
     return jax.jit(env.begin_at)(jax.random.key(0), jnp.int32(0), jnp.int32(0))
+
+
+def test_figures_of_the_task(env: NavEnv, begun: Any) -> None:
+    check_task(env, begun)
 
 
 def lane_of(task: CrossStreet, side: int) -> int:

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from tests.support.task_figures import check_task
 from tests.support.unicycle import first_states, one
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.ground import GROUND_KINDS
@@ -47,6 +48,10 @@ def task(env: NavEnv) -> Deliver:
 @pytest.fixture(scope="module")
 def begun(env: NavEnv) -> Any:
     return first_states(env)
+
+
+def test_figures_of_the_task(env: NavEnv, begun: Any) -> None:
+    check_task(env, begun)
 
 
 def touching(env: NavEnv, nav: Any, away: float, force: float, hit: bool = False) -> Any:

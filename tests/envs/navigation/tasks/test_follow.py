@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.compiling import optimized
+from tests.support.task_figures import check_task
 from tests.support.unicycle import first_states, one, unicycle_env
 from urbanverse_mjx.crowds.behaviours import ROAM
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
@@ -39,6 +40,10 @@ def task(env: NavEnv) -> FollowPerson:
 def begun(env: NavEnv) -> Any:
     """The first state of every episode of a scene."""
     return first_states(env)
+
+
+def test_figures_of_the_task(env: NavEnv, begun: Any) -> None:
+    check_task(env, begun)
 
 
 def facing_east(nav: Any) -> Any:

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from tests.support.task_figures import check_task
 from tests.support.unicycle import one, unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result
@@ -37,6 +38,10 @@ def pair(env: NavEnv) -> Any:
     """The first states of two robots of a street."""
     rows = jnp.arange(2, dtype=jnp.int32)
     return jax.vmap(env.begin_at)(jax.random.split(jax.random.key(0), 2), jnp.zeros(2, jnp.int32), rows)
+
+
+def test_figures_of_the_task(env: NavEnv, pair: Any) -> None:
+    check_task(env, pair)
 
 
 def stepped(env: NavEnv, nav: Any, xy: Any) -> Any:

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from tests.support.task_figures import check_task
 from tests.support.unicycle import first_states, one, unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, registry
@@ -40,6 +41,10 @@ def task(env: NavEnv) -> ObjectGoal:
 def begun(env: NavEnv) -> Any:
     """The first state of every episode of a scene."""
     return first_states(env)
+
+
+def test_figures_of_the_task(env: NavEnv, begun: Any) -> None:
+    check_task(env, begun)
 
 
 def at(nav: Any, xy: Any, speed: float = 0.0, turn: float = 0.0) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.support.compiling import optimized
+from tests.support.task_figures import check_task
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.crowds import Bodies
 from urbanverse_mjx.crowds.behaviours import GO, STAY
@@ -43,6 +44,10 @@ def env(small_bank: SceneBank) -> NavEnv:
 @pytest.fixture(scope="module")
 def begun(env: NavEnv) -> Any:
     return jax.jit(env.begin_at)(jax.random.key(0), jnp.int32(0), jnp.int32(0))
+
+
+def test_figures_of_the_task(env: NavEnv, begun: Any) -> None:
+    check_task(env, begun)
 
 
 def with_people(nav: Any, places: list[tuple[float, float, float, float]], mode: int = GO) -> Any:
