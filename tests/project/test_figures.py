@@ -45,15 +45,17 @@ def test_the_part_that_changed_is_named() -> None:
 
 
 def test_figures_are_stored_only_when_asked(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "FOLDER", tmp_path)
+    monkeypatch.setattr(kept, "FILE", tmp_path / "figures.txt.xz")
     monkeypatch.delenv(kept.STORE, raising=False)
     found = {"a.b": {"c": np.arange(9.0)}, "d": "two words", "e": np.zeros(0)}
-    with pytest.raises(AssertionError, match="is missing"):
+    with pytest.raises(AssertionError, match="has no x/y"):
         kept.check("x/y", found)
     monkeypatch.setenv(kept.STORE, "1")
     kept.check("x/y", found)
+    kept.check("a", {"b": 1.0})
     monkeypatch.delenv(kept.STORE)
     kept.check("x/y", found)
+    assert list(kept.stored()) == ["a", "x/y"]
     with pytest.raises(AssertionError, match=r"x/y: .*\nd: text two words  ->  text two"):
         kept.check("x/y", found | {"d": "two"})
 

@@ -162,10 +162,10 @@ def test_files_that_import_the_module_of_a_fault_come_first(tmp_path: pathlib.Pa
 
 
 def test_a_fault_in_a_line_of_the_import_is_judged_first_by_the_tests_of_defaults() -> None:
-    seconds = {"tests/a/test_b.py::x": 1.0, "tests/a/test_a_defaults.py::x": 2.0, "tests/b/test_b_defaults.py::x": 2.0}
+    seconds = {"tests/a/test_b.py::x": 1.0, "tests/b/test_defaults.py::x": 2.0}
     covered = {"lines": {"a/c.py:3": ["tests/a/test_b.py::x"]}, "seconds": seconds}
     found = {n: mutants.chosen_tests(Mutant("a/c.py", n, n, "", "", ""), covered, 9.0, "tests/a/") for n in (1, 3)}
-    assert found == {1: ["tests/a/test_a_defaults.py::x", "tests/a/test_b.py::x"], 3: ["tests/a/test_b.py::x"]}
+    assert found == {1: ["tests/b/test_defaults.py::x", "tests/a/test_b.py::x"], 3: ["tests/a/test_b.py::x"]}
 
 
 def test_what_was_missed_is_judged_again_with_the_other_folders() -> None:

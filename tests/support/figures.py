@@ -1,14 +1,14 @@
-"""Figures of results, kept in `tests/figures`: whatever changes a result must acknowledge it.
+"""Figures of results, kept in `tests/figures.txt.xz`: whatever changes a result must acknowledge it.
 
 They do not say that a result is right, but that it is as before: of each part of it (an array, a field, an item) how
 many numbers there are, their mean, their root mean square, and two sums with weights that tell places apart. A test
 fails with a line for each part that is other than before. Whoever wants the change stores the new figures with
-`python -m tests.support.figures`, or of some tests alone with the paths of their files, and looks at the difference
-in Git.
+`python -m tests.support.figures`, or of some tests alone with the paths of their files; it tells what changed.
 """
 
 import dataclasses
 import enum
+import lzma
 import os
 import pathlib
 import re
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 ROOT = pathlib.Path(__file__).parents[2]
-FOLDER = ROOT / "tests" / "figures"
+FILE = ROOT / "tests" / "figures.txt.xz"
 #: Environment variable under which `check` writes in place of comparing.
 STORE = "URBANVERSE_STORE_FIGURES"
 #: How tests import this module.
@@ -28,6 +28,8 @@ _USE = re.compile(r"^from tests\.support(\.task_figures)? import .*\b(figures|ch
 _WEIGHTS = np.exp(1j * np.pi * (3.0 - np.sqrt(5.0)) * np.arange(1, 4094))
 #: Arrays of at most so many elements are kept as they are.
 _FEW = 6
+#: Of a part whose figures are smaller, the tolerance is that of this size: rounding beside values that cancel out.
+_SMALL = 0.01
 
 
 def parts(found: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -104,7 +106,8 @@ def lines_of(found: Any) -> dict[str, str]:
             lines[key] = " ".join(["=", *(f"{x:.6g}" for x in np.ravel(value).astype(np.float64))])
             continue
         if isinstance(value, str):
-            lines[key] = "text " + (value if len(value) < 200 else f"{len(value)} {value[:80]} {_sum_of(value)}")
+            word = " ".join(value.split())
+            lines[key] = f"text {word if len(word) < 200 else f'{len(word)} {_sum_of(word)} {word[:80]}'}".rstrip()
             continue
         finite = int(np.isfinite(value).sum()) if value.dtype.kind == "f" else value.size
         count = f"{value.size}" if finite == value.size else f"{value.size}/{finite}"
@@ -136,7 +139,7 @@ def _alike(old: str, new: str, tolerance: float) -> bool:
     same = (a == b) | (np.isnan(a) & np.isnan(b))
     both = np.concatenate([a, b])
     size = np.abs(both[np.isfinite(both)]).max(initial=0.0) if count == "=" else max(a[1], b[1])
-    return bool((same | (np.abs(a - b) <= tolerance * size + 1e-9)).all())
+    return bool((same | (np.abs(a - b) <= tolerance * max(size, _SMALL))).all())
 
 
 def check(name: str, found: Any, tolerance: float = 1e-4) -> None:
@@ -147,48 +150,61 @@ def check(name: str, found: Any, tolerance: float = 1e-4) -> None:
       tolerance: by which figures may differ, as a share of the root mean square of their part. Other processors and
         versions of XLA round otherwise, at about 1e-6 of a sum.
     """
-    path, now = FOLDER / f"{name}.txt", lines_of(found)
+    now = lines_of(found)
     assert now, f"{name}: no part has figures"
     if os.environ.get(STORE):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(_written(now), encoding="utf-8")
+        _write(stored() | {name: now})
         return
-    assert path.is_file(), f"{path} is missing; python -m tests.support.figures writes it"
-    said = differences(_read(path.read_text(encoding="utf-8")), now, tolerance)
+    before = stored().get(name)
+    assert before is not None, f"{FILE} has no {name}; python -m tests.support.figures writes it"
+    said = differences(before, now, tolerance)
     more = [] if len(said) <= 20 else [f"and {len(said) - 20} more"]
-    assert not said, "\n".join([f"{name}: elements, mean, rms and two sums that tell places apart:", *said[:20], *more])
+    head = f"{name}: other than in {FILE.name}; of arrays: elements, mean, rms, and two sums that tell places apart:"
+    assert not said, "\n".join([head, *said[:20], *more])
 
 
-def _written(lines: Mapping[str, str]) -> str:
-    """The text of a file: what names have in common before their last dot is in a line of its own."""
-    text, last = "", ""
-    for key, line in lines.items():
-        group, dot, name = key.rpartition(".")
-        if group != last:
-            text, last = f"{text}[{group}]\n", group
-        text += f"{name if dot else key} {line}\n"
-    return text
-
-
-def _read(text: str) -> dict[str, str]:
-    lines, group = dict[str, str](), ""
+def stored() -> dict[str, dict[str, str]]:
+    """Name -> lines, of all that is kept."""
+    found, name, group = dict[str, dict[str, str]](), "", ""
+    text = lzma.decompress(FILE.read_bytes()).decode("utf-8") if FILE.is_file() else ""
     for line in text.splitlines():
-        if line.startswith("["):
+        if line.startswith("# "):
+            name = line[2:]
+            found[name] = {}
+        elif line.startswith("["):
             group = line[1:-1]
         else:
-            name, _, figures = line.partition(" ")
-            lines[f"{group}.{name}" if group else name] = figures
-    return lines
+            key, _, figures = line.partition(" ")
+            found[name][f"{group}.{key}" if group else key] = figures
+    return found
+
+
+def _write(kept: Mapping[str, Mapping[str, str]]) -> None:
+    """What names have in common before their last dot is in a line of its own."""
+    text = ""
+    for name, lines in sorted(kept.items()):
+        text, last = f"{text}# {name}\n[]\n", ""
+        for key, line in lines.items():
+            group, dot, word = key.rpartition(".")
+            if group != last:
+                text, last = f"{text}[{group}]\n", group
+            text += f"{word if dot else key} {line}\n"
+    FILE.write_bytes(lzma.compress(text.encode("utf-8"), preset=9))
 
 
 def main() -> int:
-    """Runs the tests that compare figures, by default all of them, and stores what they find."""
+    """Runs the tests that compare figures, by default all of them, stores what they find, and tells what changed."""
     import pytest
 
     tests = (ROOT / "tests").rglob("test_*.py")
     files = sys.argv[1:] or sorted(str(f.relative_to(ROOT)) for f in tests if _USE.search(f.read_text("utf-8")))
+    before = stored()
     os.environ[STORE] = "1"
-    return int(pytest.main(["-q", "-n", "0", "-k", "figures", *files]))
+    status = int(pytest.main(["-q", "-n", "0", "-k", "figures", *files]))
+    for name, lines in stored().items():
+        for line in differences(before.get(name, {}), lines, 0.0):
+            print(f"{name}: {line}")
+    return status
 
 
 if __name__ == "__main__":

@@ -198,7 +198,7 @@ def chosen_tests(
     ran = tests_of(mutant, covered["lines"])
     if not any(f"{mutant.file}:{line}" in covered["lines"] for line in (mutant.line, mutant.statement)):
         ran |= {test for test in seconds if compares(test)}
-    ran = {test for test in ran if test.startswith(start) and not test.startswith(left_out)}
+    ran = {test for test in ran if (test.startswith(start) or compares(test)) and not test.startswith(left_out)}
     files = {test.partition("::")[0] for test in ran}
     others = {test for test in seconds if test.partition("::")[0] in files} - ran
     tests = [test for part in (ran, others) for test in sorted(part, key=rank)]

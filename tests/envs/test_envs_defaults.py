@@ -1,9 +1,0 @@
-"""Constants, defaults of functions and of fields in `envs`: whoever changes one acknowledges it."""
-
-from tests.support import defaults, figures
-
-
-def test_figures_of_defaults() -> None:
-    modules = defaults.modules_of("envs")
-    found = {module.partition(".")[2]: defaults.defaults_of(module) for module in modules}
-    figures.check("defaults/envs", {module: values for module, values in found.items() if values}, tolerance=1e-5)
