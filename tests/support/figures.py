@@ -58,8 +58,8 @@ def _fields(found: Any) -> Mapping[Any, Any] | None:
     """The parts of a mapping or a record by their names; None of anything else."""
     if dataclasses.is_dataclass(found) and not isinstance(found, type):
         return {f.name: getattr(found, f.name) for f in dataclasses.fields(found)}
-    if hasattr(found, "_asdict"):
-        return dict(found._asdict())
+    if isinstance(found, tuple) and (names := getattr(found, "_fields", None)):
+        return dict(zip(names, found, strict=True))
     return found if isinstance(found, Mapping) else None
 
 
