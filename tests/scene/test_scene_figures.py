@@ -19,9 +19,11 @@ from urbanverse_mjx.citygen.section import StreetSection, ground_regions
 from urbanverse_mjx.datatypes import GraphObject, PlacedGround, SceneBank, SceneGraph, Source
 from urbanverse_mjx.scene import statistics, terrain
 from urbanverse_mjx.scene.backdrop import openings, surround
+from urbanverse_mjx.scene.bank import ground_category
 from urbanverse_mjx.scene.compiler import scene_geometry
 from urbanverse_mjx.scene.drive import Drive
 from urbanverse_mjx.scene.episodes import EpisodeRules, build_episodes
+from urbanverse_mjx.scene.geometry import SHOWN_KINDS
 from urbanverse_mjx.scene.halves import half_layouts
 from urbanverse_mjx.scene.mjcf import scene_mjcf
 from urbanverse_mjx.scene.planner import GoalField, RobotSize, free_space, path_length
@@ -158,4 +160,5 @@ def test_figures_of_a_compiled_street() -> None:
 
 
 def test_figures_of_a_bank(small_bank: SceneBank) -> None:
-    figures.check("scene/bank", small_bank)
+    shown = [ground_category(kind) for kind in range(len(SHOWN_KINDS))]
+    figures.check("scene/bank", {"bank": small_bank, "shown": shown})

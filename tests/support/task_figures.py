@@ -29,12 +29,18 @@ def check_task(env: NavEnv, begun: Any, name: str = "") -> None:
     goal = nav.goal[:2] - nav.sim.xpos[task.parts.root, :2]
     shifts = jnp.concatenate([ahead, goal[None]])
 
+    around = nav.sim.xpos[task.parts.root, :2] + jnp.array([[2.0, 0.5], [-1.0, 3.0], [10.0, -4.0], [-15.0, 1.0]])
+
     @jax.jit
     @jax.vmap
     def after(shift: Any) -> Any:
         place = nav.sim.xpos.at[task.parts.root, :2].add(shift)
         sim = nav.sim._replace(xpos=place, qvel=nav.sim.qvel.at[:2].set(shift).at[5].set(0.2))
-        changes = task.advance(nav, sim, nav.crowd)
+        crowd = nav.crowd
+        if crowd is not None:  # whose agents have gone on, some of them past the robot
+            turned = crowd.bodies._replace(x=crowd.bodies.x + 6.0 * shift[0], heading=crowd.bodies.heading + shift[1])
+            crowd = crowd._replace(bodies=turned, anchor_x=crowd.anchor_x + 12.0 * shift[0])
+        changes = {"crowd": crowd, **task.advance(nav, sim, crowd)}
         new = nav._replace(sim=sim, steps=nav.steps + 1, **changes)
         seen = {"goal": task.observed_goal(new), "told": task.goal_observation(new)}
         seen |= {"proprio": list(task.proprio(new)), "privileged": list(task.privileged(new))}
@@ -42,6 +48,7 @@ def check_task(env: NavEnv, begun: Any, name: str = "") -> None:
         return {
             "changes": changes, "result": task.result(new, nav.result), "rewards": task.rewards(nav, new),
             "scores": task.scores(new), "seen": seen, "shown": task.shown(new),
+            "gaps": None if crowd is None or task.parts.dynamic is None else task.parts.dynamic.gaps(crowd, around),
             "completed": task.completed(new, place[task.parts.root, :2], away, nav.driven),
         }  # fmt: skip
 

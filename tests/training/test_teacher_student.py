@@ -175,3 +175,15 @@ def test_a_run_that_was_cut_in_two_stages_ends_with_the_bytes_of_one_that_was_no
     for name in ("state.npz", "imitation/state.npz", "validation.json", "imitation/validation.json", "complete.json"):
         assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
     assert len(RunRecord.load(tmp_path / "cut").segments) == 3
+
+
+def test_only_a_resumed_training_starts_from_what_its_record_says(tmp_path: pathlib.Path) -> None:
+    given = pathlib.Path("given")
+    asked: Any = types.SimpleNamespace(start_from=given, folder=tmp_path)
+    assert TeacherStudent._start_from(asked, resume=False) == given
+    for said in ("recorded", None):
+        record = types.SimpleNamespace(segments=[{"start_from": "first"}, {"start_from": said}])
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(RunRecord, "load", lambda folder, record=record: record)
+            found = TeacherStudent._start_from(asked, resume=True)
+        assert found == (None if said is None else pathlib.Path(said))
