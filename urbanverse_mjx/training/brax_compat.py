@@ -86,11 +86,11 @@ class _Rollout:
 
         def of(x: jax.Array) -> jax.Array:
             # By one index into merged axes, because XLA transposes, and so copies, all of an array of which it gathers
-            # by two axes that are not the first; time comes first here as in Brax's loss, which copies nothing then.
+            # by two axes that are not the first. In Brax's order (n, unroll_length), because XLA rounds otherwise in
+            # another.
             length = x.shape[1]
-            index = (unroll * length + jnp.arange(length)[:, None]) * num_envs + env
-            found = x.reshape(-1, *x.shape[3:]).at[index].get(mode="promise_in_bounds")
-            return jnp.swapaxes(found, 0, 1)
+            index = (unroll[:, None] * length + jnp.arange(length)) * num_envs + env[:, None]
+            return x.reshape(-1, *x.shape[3:]).at[index].get(mode="promise_in_bounds")
 
         return jax.tree.map(of, self.stacked)
 
