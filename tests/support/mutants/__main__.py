@@ -69,7 +69,7 @@ def main() -> int:
         for number, mutant in enumerate(sample):
             if mutant.name in done and settled(done[mutant.name], options.wide):
                 continue
-            limits = {"seconds": options.seconds, "patience": options.patience}
+            limits = {"seconds": options.seconds, "slower": options.slower}
             row = judge(mutant, covered, marks=marks, wide=options.wide, **limits)
             done[mutant.name] = row
             file.write(json.dumps(row) + "\n")
@@ -89,7 +89,7 @@ def _options() -> argparse.Namespace:
         "--seconds", type=float, default=300.0, help="of tests for one fault, as long as they take without it"
     )
     parser.add_argument(
-        "--patience", type=float, default=4.0, help="times as long as without the fault before tests are ended"
+        "--slower", type=float, default=4.0, help="times as long as without the fault before tests are ended"
     )
     parser.add_argument("--quick", action="store_true", help="only with the tests that `make test` runs")
     parser.add_argument("--wide", action="store_true", help="what its own folder misses, also with the other folders")
@@ -218,7 +218,7 @@ def judge(
     seconds: float = 300.0,
     marks: str = MARKS,
     wide: bool = False,
-    patience: float = 4.0,
+    slower: float = 4.0,
 ) -> dict[str, Any]:
     """Results of the `chosen_tests` of a mutant in the `folder_of_tests` of its package, and, where they miss it and
     `wide` is true, of those in all other folders; "stage" tells which noticed it."""
@@ -229,7 +229,7 @@ def judge(
     row = {"outcome": "uncovered", "stage": "near", "tests": 0, "said": ""}
     if any(stages.values()):
         with planted(mutant, root) as (folder, environment):
-            row |= _run_stages(folder, environment, stages, covered["seconds"], marks, patience)
+            row |= _run_stages(folder, environment, stages, covered["seconds"], marks, slower)
     place = {"name": mutant.name, "file": mutant.file, "line": mutant.line, "wide": wide}
     change = {"before": mutant.before, "after": mutant.after}
     return place | change | row | {"seconds": round(time.monotonic() - begin, 1)}
@@ -241,7 +241,7 @@ def _run_stages(
     stages: Mapping[str, Sequence[str]],
     seconds: Mapping[str, float],
     marks: str,
-    patience: float,
+    slower: float,
 ) -> dict[str, Any]:
     """Runs the tests of one stage after the other until one notices the fault."""
     row: dict[str, Any] = {}
@@ -249,7 +249,7 @@ def _run_stages(
     for stage, tests in stages.items():
         if not tests:
             continue
-        limit = _START + patience * sum(seconds.get(test, 0.0) for test in tests)
+        limit = _START + slower * sum(seconds.get(test, 0.0) for test in tests)
         (folder / "chosen.txt").write_text("\n".join(tests))
         words = ["-q", "-x", "-n", "0", "-m", marks, "-p", "no:cacheprovider", "@chosen.txt"]
         status, text = run_tests(folder, environment, words, limit)
