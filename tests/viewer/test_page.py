@@ -16,12 +16,14 @@ from PIL import Image
 
 from tests.support.box_machine import box_machine
 from tests.support.browser import browser
+from tests.support.onnx_bytes import linear_policy
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.evaluation import fixed_episodes
+from urbanverse_mjx.evaluation.onnx_policy import load_onnx
 from urbanverse_mjx.pipeline.playing import _write_html
 from urbanverse_mjx.viewer.page import Page
 from urbanverse_mjx.viewer.recording import html_recording, start_server
-from urbanverse_mjx.viewer.session import Machine, Session
+from urbanverse_mjx.viewer.session import Machine, NamedPolicy, Session
 from urbanverse_mjx.viewer.street import StreetMeshes
 from urbanverse_mjx.viewer.teleop import Inputs
 
@@ -47,12 +49,18 @@ class Streets:
         return 3
 
     def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
+        if policy.endswith(".onnx"):
+            return self.driven_by(pathlib.Path(policy)), self.scenes.index(scene)
         if policy not in self.policies:
             if policy == "full/disk":
                 raise OSError(errno.ENOSPC, "No space left on device", policy)
             raise ValidationError(f"--policy: found {policy!r}, needed go_to_goal.")
         self.opened.append((scene, cousin, policy, people))
         return self.machine, self.scenes.index(scene)
+
+    def driven_by(self, path: pathlib.Path) -> Machine:
+        """The same box, driven by an ONNX file."""
+        return Machine(self.machine.env, NamedPolicy(path.name, load_onnx(path), outside=True))
 
 
 @pytest.fixture(scope="module")
@@ -222,6 +230,37 @@ def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Street
 
 
 @pytest.mark.extended
+def test_an_onnx_file_drives_on_the_page(tab: Any, served: tuple[Page, Streets, str], tmp_path: pathlib.Path) -> None:
+    """As it does without a page, and not as the rule of the page before it."""
+    page, streets, _ = served
+    path = tmp_path / "turn.onnx"
+    path.write_bytes(linear_policy(np.array([[0.5, 0.1], [0.0, -1.0]])))
+    session = page.session
+    field = tab.locator("label", has_text="or a file").locator("xpath=ancestor::div[.//input][1]//input")
+    enter(field, str(path), lambda: page._path.value == str(path))
+    tab.get_by_role("button", name="Open").click()
+    wait(lambda: page.session is not session)
+    tab.get_by_role("button", name="Play").click()
+    wait(lambda: len(page.session) > 5)
+    page._orders.put(page._pause)
+    wait(lambda: not page.playing)
+
+    def driven(machine: Machine) -> np.ndarray:
+        alone = Session(machine, page.session.scene, page.session.rows)
+        for _ in range(5):
+            alone.step()
+        return np.stack([np.asarray(frame.nav.sim.qpos) for frame in alone.frames])
+
+    found = np.stack([np.asarray(frame.nav.sim.qpos) for frame in page.session.frames[:6]])
+    np.testing.assert_allclose(found, driven(streets.driven_by(path)), atol=1e-5)
+    assert np.abs(found - driven(streets.machine))[..., :2].max() > 0.2
+    session = page.session
+    enter(field, "", lambda: page._path.value == "")
+    tab.get_by_role("button", name="Open").click()
+    wait(lambda: page.session is not session)
+
+
+@pytest.mark.extended
 def test_cousins_are_numbered_as_by_the_commands(tab: Any, served: tuple[Page, Streets, str]) -> None:
     """From 0; a larger number than there are takes the last one."""
     page, streets = served[0], served[1]
@@ -247,9 +286,15 @@ def test_a_scene_is_opened_from_elsewhere(tab: Any, served: tuple[Page, Streets,
     wait(lambda: page.session.scene == 0)
 
 
+def camera_of(page: Page) -> np.ndarray:
+    """(3,) m, where the browser's camera is."""
+    (client,) = page._server.get_clients().values()
+    return np.asarray(client.camera.position)
+
+
 @pytest.mark.extended
-def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page, Streets, str]) -> None:
-    page, streets, _ = served
+def test_views_and_speeds_are_what_they_say(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    page = served[0]
     session = page.session
     tab.get_by_role("button", name="Begin again").click()
     wait(lambda: page.session is not session)
@@ -258,19 +303,45 @@ def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page,
         tab.get_by_role("combobox", name=control, exact=True).click()
         tab.get_by_role("option", name=option, exact=True).click()
 
-    def camera() -> np.ndarray:
-        (client,) = page._server.get_clients().values()
-        return np.asarray(client.camera.position)
-
     def above() -> float:
-        return float(camera()[2] - np.asarray(page.session.frames[0].nav.sim.xpos)[page._robot(), 1, 2])
+        return float(camera_of(page)[2] - np.asarray(page.session.frames[0].nav.sim.xpos)[page._robot(), 1, 2])
 
     choose("view", "from above")
     wait(lambda: above() > 25.0)
     choose("view", "behind the robot")
     wait(lambda: above() < 3.0)
-    choose("speed", "as fast as possible")
-    wait(lambda: page._speed.value == "as fast as possible")
+    choose("view", "free")
+    wait(lambda: page._view.value == "free")
+    was, index = camera_of(page), page.index
+    tab.get_by_role("button", name="Step").click()
+    wait(lambda: page.index == index + 1)
+    np.testing.assert_allclose(camera_of(page), was, atol=1e-6)
+    choose("view", "behind the robot")
+    wait(lambda: page._view.value == "behind the robot")
+    for speed in ("2x", "4x", "as fast as possible"):
+        session = page.session
+        tab.get_by_role("button", name="Begin again").click()
+        wait(lambda session=session: page.session is not session)
+        choose("speed", speed)
+        wait(lambda speed=speed: page._speed.value == speed)
+        start, first = time.monotonic(), len(page.session)
+        tab.get_by_role("button", name="Play").click()
+        wait(lambda first=first: len(page.session) >= first + 8 or page.session.over)
+        page._orders.put(page._pause)  # not by its button, which goes when the episode ends
+        wait(lambda: not page.playing)
+        if speed != "as fast as possible":
+            # A page that was late may catch up half a second.
+            simulated, passed = (len(page.session) - first) * page.session.machine.env.dt, time.monotonic() - start
+            assert simulated <= int(speed[0]) * (passed + 0.5)
+
+
+@pytest.mark.extended
+def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    page, streets, _ = served
+    session = page.session
+    tab.get_by_role("button", name="Begin again").click()
+    wait(lambda: page.session is not session)
+
     shown = tab.get_by_label("shown", exact=True)
     for visible in (False, True):
         shown.evaluate("box => box.click()")
@@ -287,9 +358,9 @@ def test_every_other_control_changes_what_it_names(tab: Any, served: tuple[Page,
         field.fill(str(number))
         field.press("Enter")
 
-    was = camera()
+    was = camera_of(page)
     enter("robot shown", 2)
-    wait(lambda: page._robot() == 1 and bool(np.linalg.norm(camera() - was) > 0.5))
+    wait(lambda: page._robot() == 1 and bool(np.linalg.norm(camera_of(page) - was) > 0.5))
     enter("episode", 1)
     wait(lambda: page.session.rows == (1, 2))
     enter("robots", 1)
@@ -320,6 +391,7 @@ def test_the_layer_of_people_hides_those_that_are_there(
 ) -> None:
     """One is there and stands where the step has it, another is not; not the checkbox of *Choose*."""
     page = served[0]
+    chosen = page._people.value
     nodes = [page._server.scene.add_frame(f"/crowd/{i}", visible=False) for i in range(2)]
     moves = types.SimpleNamespace(present=[True, False], heading=[np.pi / 2, 0.0], position=[[1.0, 2.0, 0.0]] * 2)
     monkeypatch.setattr(page.session, "agents", lambda index: moves, raising=False)
@@ -333,7 +405,7 @@ def test_the_layer_of_people_hides_those_that_are_there(
         box.evaluate("box => box.click()")
         wait(lambda shown=shown: nodes[0].visible == shown)
         assert not nodes[1].visible
-    assert not page._people.value
+    assert page._people.value == chosen
 
 
 @pytest.mark.extended
