@@ -142,8 +142,8 @@ IMAGE_ARMS = {"exact": "exact inputs", "images": "images alone"}
 #: The same of benchmarks.several_gpus.
 SEVERAL_GPUS = "gpus"
 #: The same of benchmarks.tasks, the sets to train on, and the number of streets of each: tables of crowds take seconds
-#: each. A teacher of FollowRoute that saw procedural streets alone arrives in as many unseen ones of them (79 %), but in
-#: 17 % of composed streets (docs/tasks/follow_route.md).
+#: each. A teacher of FollowRoute that saw procedural streets alone arrives in 79 % of episodes in others of them, but
+#: in 17 % in composed streets (docs/tasks/follow_route.md).
 TASK, TASK_SETS, TASK_STREETS = "task", ("procedural", "places"), 48
 #: Least number of episodes of a task's references in benchmarks/scores with which they are not driven again.
 TASK_EPISODES = 256

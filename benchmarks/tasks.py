@@ -14,8 +14,8 @@ there is one. `--teacher` and `--student` score policies that are there. All age
 episodes with the same crowds, without randomisation. `relative` is where a policy is between baseline (0) and ceiling
 (1) by the task's headline score; 0.5 is asked of a trained one. Writes log.jsonl, result.json, episodes.csv and policy
 folders to `--out`. With `--alone` policies are driven without baseline and planner, whose scores are those of
-benchmarks/scores/tasks.csv. `--add` writes the rows of a result into benchmarks/scores/tasks.csv, and `--page` those rows into
-the pages of docs/tasks.
+benchmarks/scores/tasks.csv. `--add` writes the rows of a result into that file, and `--page` its rows into the pages of
+docs/tasks.
 """
 
 import argparse
