@@ -137,7 +137,7 @@ def raiser(error: BaseException, module: str):
             2,
             "error: /a.npz: found the error 'No space left on device'",
         ),
-        (OSError(errno.ENOSPC, "-"), "zipfile", 2, "error: found the error 'No space left on device'; make room"),
+        (OSError(errno.ENOSPC, "-"), "zipfile", 2, "error: found the error 'No space left on device'; free space"),
         (OSError(errno.EDQUOT, "-", "/a.npz"), "zipfile", 2, "error: /a.npz: found the error 'Disk quota exceeded'"),
         (OSError(errno.EROFS, "-", "/a"), "tempfile", 2, "error: /a: found the error 'Read-only file system'; write"),
         (OSError(errno.EMFILE, "-", "/a"), "pathlib", 2, "error: /a: found the error 'Too many open files'; raise"),
@@ -213,7 +213,9 @@ def test_output_that_finds_no_room_is_one_sentence(size: int) -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 2
-    assert done.stderr == "error: standard output: found the error 'No space left on device'; make room on that disk.\n"
+    assert (
+        done.stderr == "error: standard output: found the error 'No space left on device'; free space on that disk.\n"
+    )
 
 
 def test_every_command_has_its_module() -> None:

@@ -520,7 +520,7 @@ def test_a_recording_on_a_full_disk_is_one_sentence_with_its_folder(
     assert cli.main(command) == 2
     said = capsys.readouterr()
     assert (said.out, said.err.count("\n")) == ("", 1)
-    assert f"{tmp_path / 'new'}: found the error 'No space left on device'; make room on that disk." in said.err
+    assert f"{tmp_path / 'new'}: found the error 'No space left on device'; free space on that disk." in said.err
 
 
 def test_nothing_is_driven_where_the_folder_is_in_use(

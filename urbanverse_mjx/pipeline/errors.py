@@ -9,8 +9,8 @@ from collections.abc import Iterator
 _FILE_ERRORS = (FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError, FileExistsError)
 #: Error code of a missing resource or permission -> advice.
 _MACHINE_ERRORS = {
-    errno.ENOSPC: "make room on that disk",
-    errno.EDQUOT: "make room within the quota, or write elsewhere",
+    errno.ENOSPC: "free space on that disk",
+    errno.EDQUOT: "free space within the quota, or write elsewhere",
     errno.EROFS: "write elsewhere",
     errno.EFBIG: "raise the limit of file sizes (ulimit -f)",
     errno.EMFILE: "raise the limit of open files (ulimit -n)",
