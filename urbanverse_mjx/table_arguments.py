@@ -9,6 +9,7 @@ JAX's own setting for this, `jax_use_simplified_jaxpr_constants`, is experimenta
 imported.
 """
 
+import functools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -40,23 +41,18 @@ class Program:
             whole = closed.replace(consts=[consts[k] for k in range(len(closed.consts))])
             return jax.tree.unflatten(structure, jaxpr_as_fun(whole)(*jax.tree.leaves(arguments)))
 
-        self._run: Any = jax.jit(run, donate_argnums=tuple(k + 1 for k in donated))
+        self._run = jax.jit(run, donate_argnums=tuple(k + 1 for k in donated))
 
     def __call__(self, *arguments: Any) -> Any:
         return self._run(self.tables, *arguments)
 
-    def compile(self) -> "Program":
-        """The same, compiled."""
-        self._run = self._run.lower(self.tables, *self._arguments).compile()
-        return self
+    def lowered(self) -> Any:
+        """The `jax.stages.Lowered` of tables and arguments."""
+        return self._run.lower(self.tables, *self._arguments)
 
-    def memory_analysis(self) -> Any:
-        """Of the compiled program, see `jax.stages.Compiled.memory_analysis`."""
-        return self._run.memory_analysis()
-
-    def as_text(self) -> str:
-        """The program before the compiler sees it, in StableHLO."""
-        return self._run.lower(self.tables, *self._arguments).as_text()
+    def compile(self) -> Callable[..., Any]:
+        """The compiled function of the arguments."""
+        return functools.partial(self.lowered().compile(), self.tables)
 
 
 class Jitted:
