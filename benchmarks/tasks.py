@@ -233,13 +233,15 @@ def score(env: "NavEnv", name: str, agent: Any, episodes: Any, at_once: int) -> 
     return list(benchmark.drive(env, name, agent, episodes, False, at_once).results)
 
 
+def _rows(path: pathlib.Path) -> list[dict[str, str]]:
+    """The rows of a table of scores."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 def _reference_rows(task: str, path: pathlib.Path = SCORES) -> list[dict[str, str]]:
     """Rows of the headline of a task's baseline and planner."""
-    if not path.is_file():
-        return []
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    return [r for r in rows if r["task"] == task and not r["seed"] and r["metric"] == HEADLINE]
+    return [r for r in _rows(path) if r["task"] == task and not r["seed"] and r["metric"] == HEADLINE]
 
 
 def references(task: str, path: pathlib.Path = SCORES) -> dict[str, float]:
@@ -304,10 +306,7 @@ def add(result: pathlib.Path, path: pathlib.Path = SCORES) -> None:
     from urbanverse_mjx.evaluation.report import write_csv
 
     body = v.read_json(result, "result")
-    kept: list[dict[str, Any]] = []
-    if path.is_file():
-        with path.open(newline="", encoding="utf-8") as file:
-            kept = list(csv.DictReader(file))
+    kept: list[dict[str, Any]] = [*_rows(path)] if path.is_file() else []
     seeds = {name: str(body["seed"]) if agent["steps"] else "" for name, agent in body["agents"].items()}
     kept = [r for r in kept if not (r["task"] == body["task"] and seeds.get(r["agent"]) == r["seed"])]
     for name, agent in body["agents"].items():
@@ -354,8 +353,7 @@ def write_pages(path: pathlib.Path = SCORES, pages: pathlib.Path = PAGES) -> Non
     """Writes the tables of all tasks with scores into their pages."""
     from benchmarks import results
 
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = _rows(path)
     for task, (name, _) in TASKS.items():
         if any(row["task"] == task for row in rows):
             page = pages / name

@@ -3,6 +3,7 @@
 import csv
 import json
 import pathlib
+import types
 from typing import Any
 
 import pytest
@@ -10,6 +11,8 @@ import pytest
 from benchmarks import campaign, films, tasks
 from tests.benchmarks.test_campaign import _args
 from urbanverse_mjx.envs import registry
+from urbanverse_mjx.evaluation import report, task_agents
+from urbanverse_mjx.training import policy
 
 
 def result(seed: int = 0, teacher: float = 0.6) -> dict[str, Any]:
@@ -62,6 +65,38 @@ def test_references_of_the_table_are_those_that_a_policy_alone_is_compared_with(
     with pytest.raises(SystemExit):
         tasks.arguments(["--task", "CocoDeliver", "--out", str(tmp_path), "--alone"])
     assert "no scores of CocoDeliver's baseline and planner" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_policy_alone_is_compared_with_the_table_and_others_with_what_was_driven(
+    alone: bool, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = {"go_to_goal": 0.1, "planner": 0.9, "teacher": 0.3}
+    driven: list[str] = []
+
+    def score(_: Any, name: str, *__: Any) -> list[Any]:
+        driven.append(name)
+        return []
+
+    def summary(_: Any) -> dict[str, Any]:
+        return {"task/score": {"mean": known[driven[-1]]}, "ends": {}}
+
+    monkeypatch.setattr(tasks, "references", lambda _: {"go_to_goal": 0.2, "planner": 0.7})
+    monkeypatch.setattr(tasks, "scoring_env", lambda *_: None)
+    monkeypatch.setattr(tasks, "suite_of", lambda *_: types.SimpleNamespace(episodes={"validation": []}))
+    monkeypatch.setattr(tasks, "score", score)
+    monkeypatch.setattr(tasks, "summary_of", summary)
+    monkeypatch.setattr(task_agents, "baseline_of", lambda _: ("go_to_goal", None))
+    monkeypatch.setattr(task_agents, "planner_of", lambda _: None)
+    monkeypatch.setattr(report, "write_csv", lambda *_: None)
+    monkeypatch.setattr(policy, "load_policy", lambda _: (None, None))
+    monkeypatch.setattr(policy.PolicySpec, "load", lambda _: types.SimpleNamespace(steps=7))
+    words = ["--task", "CocoFollowRoute", "--out", str(tmp_path), "--teacher", "told", *(["--alone"] if alone else [])]
+    found = tasks.measure(tasks.arguments(words), lambda **_: None)["agents"]
+    assert driven == (["teacher"] if alone else ["go_to_goal", "planner", "teacher"])
+    assert list(found) == driven
+    of_table, of_driven = (0.3 - 0.2) / (0.7 - 0.2), (0.3 - 0.1) / (0.9 - 0.1)
+    assert found["teacher"]["relative"] == pytest.approx(of_table if alone else of_driven)
 
 
 def test_every_task_has_a_page_with_marks_and_a_film_and_scores_of_its_own() -> None:
