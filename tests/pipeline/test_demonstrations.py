@@ -101,6 +101,15 @@ def test_images_that_were_drawn_otherwise_are_said_and_others_are_not(
     assert f"drawn with shading '{drawn}' (--preset {env.config.preset})" in said
     assert "will see shading 'flat'; record with --preset quick" in said
     assert "light" not in said
+    assert "shadows" not in said
+    origin = json.loads((folder / "meta/urbanverse.json").read_text())
+    del origin["environment_config"]["vision_config"]["light"]
+    silent = tmp_path / "silent"
+    (silent / "meta").mkdir(parents=True)
+    (silent / "meta/urbanverse.json").write_text(json.dumps(origin))
+    other.vision_config.light = "another"
+    assert "will see shading 'flat', light 'another';" in other_looks(folder, wanting(env, config=other))
+    assert "light" not in other_looks(silent, wanting(env, config=other))
 
 
 def test_the_command_refuses_presets_without_a_student(tmp_path: pathlib.Path, capsys: Any) -> None:

@@ -90,20 +90,20 @@ def _check(stored: "StoredDataset", env: "NavEnv") -> None:
 def other_looks(folder: pathlib.Path, env: "NavEnv") -> str:
     """One sentence on images of a dataset that were drawn otherwise than an environment's, or "" where they were not.
 
-    Sizes do not count, because images are averaged, and neither do settings that a dataset
-    of another program leaves unsaid.
+    Sizes do not count, because images are averaged, and neither do settings that a dataset of another program leaves
+    unsaid.
     """
     origin = folder / "meta" / "urbanverse.json"
     recorded = v.read_json(origin, "origin of the dataset").get("environment_config", {}) if origin.is_file() else {}
     theirs, ours = recorded.get("vision_config"), env.config.get("vision_config")
     if not isinstance(theirs, dict) or ours is None:
         return ""
-    other = [f"{name} {v.show(theirs[name])}" for name in _LOOKS if name in theirs and theirs[name] != ours.get(name)]
+    other = [name for name in _LOOKS if name in theirs and theirs[name] != ours.get(name)]
     if not other:
         return ""
-    wanted = ", ".join(f"{name} {v.show(ours.get(name))}" for name in _LOOKS if theirs.get(name) != ours.get(name))
+    drawn, wanted = (", ".join(f"{name} {v.show(of.get(name))}" for name in other) for of in (theirs, ours))
     return (
-        f"{folder}: the images were drawn with {', '.join(other)} (--preset {recorded.get('preset')}), but the policy "
+        f"{folder}: the images were drawn with {drawn} (--preset {recorded.get('preset')}), but the policy "
         f"will see {wanted}; record with --preset {env.config.get('preset')}, unless that is meant."
     )
 
