@@ -18,13 +18,13 @@ from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.planner import (
     _ROWS,
-    MOTIONS,
     Planner,
     RouteField,
     _Field,
     _field_at,
     _fill_half_cells,
     footprint,
+    motion_of,
     placed,
     waypoint_of,
 )
@@ -44,7 +44,7 @@ def test_the_model_of_coco_stays_beside_c_mujoco(drive: str, command: tuple[floa
     model = spec.compile()
     data = mujoco.MjData(model)
     data.qpos[2] = robot.spawn_height
-    motion, (x, y, yaw, v, w) = MOTIONS[robot.name], np.zeros(5)
+    motion, (x, y, yaw, v, w) = motion_of(robot), np.zeros(5)
     omega = float(np.clip(command[1], -command[0] * motion.curvature, command[0] * motion.curvature))
     data.ctrl[:] = np.asarray(robot.command(jnp.array([command[0], omega])))
     dt = model.opt.timestep
@@ -84,7 +84,7 @@ def _coco_on(
 def test_the_model_of_coco_climbs_as_in_c_mujoco(drive: str, slope: float, speed: float) -> None:
     """A ramp of 12 % takes 0.3 m/s of any speed: a command of 0.2 m/s rolls back, as one to stand does."""
     found, _ = _coco_on((slope, 0.0), (speed, 0.0), 3.0, drive)
-    motion, pose, v, w = MOTIONS[f"coco_{drive}"], np.zeros(3), 0.0, 0.0
+    motion, pose, v, w = motion_of(make_coco(drive)), np.zeros(3), 0.0, 0.0  # type: ignore[arg-type]
     for _ in range(15):
         pose, v, w = motion.drive(pose, v, w, motion.obeyed(speed, 0.0), 0.2, (slope, 0.0))
     assert float(v) == pytest.approx(found, abs=0.05)
@@ -94,7 +94,7 @@ def test_the_model_of_coco_climbs_as_in_c_mujoco(drive: str, slope: float, speed
 def test_the_model_of_coco_veers_downhill_as_in_c_mujoco(left: float, omega: float) -> None:
     """A turn on the spot towards the upper side of a ramp of 12 % does not come about."""
     _, found = _coco_on((0.0, left), (0.0, omega), 0.6, "differential")
-    motion, pose, v, w = MOTIONS["coco_differential"], np.zeros(3), 0.0, 0.0
+    motion, pose, v, w = motion_of(make_coco("differential")), np.zeros(3), 0.0, 0.0
     for _ in range(6):
         pose, v, w = motion.drive(pose, v, w, motion.obeyed(0.0, omega), 0.1, (0.0, left))
     assert float(w) == pytest.approx(found, abs=0.25)
@@ -124,7 +124,7 @@ def test_the_model_of_a_gait_stays_beside_c_mujoco(name: str) -> None:
     start = judge.start(model, np.zeros((len(requested), 3)), np.zeros(len(requested)))
     commands = np.stack([requested[:, 0], 0.0 * requested[:, 0], requested[:, 1]], 1)[:, None]
     walked = judge.run(model, start, Wandering(commands), seconds)
-    motion, (x, y, yaw, v, w) = MOTIONS[name], np.zeros((5, len(requested)))
+    motion, (x, y, yaw, v, w) = motion_of(robot), np.zeros((5, len(requested)))
     goal_v, goal_w = (np.asarray(part) for part in motion.obeyed(requested[:, 0], requested[:, 1]))
     np.testing.assert_array_equal(goal_v[:stand], requested[:stand, 0])
     np.testing.assert_array_equal(np.stack([goal_v, goal_w])[:, stand:], 0.0)

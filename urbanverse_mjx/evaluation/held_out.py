@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from .. import settings
+from .. import settings, table_arguments
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
 from ..envs.navigation.draws import OFF, Randomization
@@ -111,11 +111,11 @@ class Suite:
         env = for_scoring(env, self.bank)
         chosen = _joined([self.episodes[name] for name in names])
         sizes = [len(self.episodes[name]) for name in names]
-        start = jax.jit(
+        start = table_arguments.jit(
             lambda: jax.vmap(env.begin_at)(chosen.keys(), jnp.asarray(chosen.scenes), jnp.asarray(chosen.episodes))
         )
 
-        @jax.jit
+        @table_arguments.jit
         def drive(params: Any, nav: Any, memory: Any) -> Any:
             def step(carry: Any, _: None) -> Any:
                 nav, memory = carry

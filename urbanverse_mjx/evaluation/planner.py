@@ -96,15 +96,15 @@ class Motion:
         return pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w]), new_v, new_w
 
 
-#: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares those of COCO and of
-#: gaits with C MuJoCo. Gaits stand still at small commands (docs/decisions/go2.md); the G1's does not turn on the spot.
+#: Robot -> motion; for other robots see `motion_of`. tests/evaluation/test_planner.py compares these and those of gaits
+#: with C MuJoCo.
 MOTIONS = {
     "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9, climb=2.4, veer=9.2),
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456, climb=2.4),
-    "go2": Motion(0.2, 0.05, 0.0, np.inf, dead=(0.28, 0.45)),
-    "b2": Motion(0.15, 0.05, 0.0, np.inf, dead=(0.2, 0.65)),
-    "g1": Motion(0.4, 0.1, 0.0, np.inf, dead=(0.3, np.inf)),
 }
+#: Robot -> `Motion.dead` of its gait, which stands still at small commands (docs/decisions/go2.md); the G1's does not
+#: turn on the spot.
+DEAD = {"go2": (0.28, 0.45), "b2": (0.2, 0.65), "g1": (0.3, np.inf)}
 DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
 
 
@@ -113,7 +113,14 @@ def motion_of(robot: RobotSpec) -> Motion:
     known = robot.response
     if robot.name in MOTIONS or known is None:
         return MOTIONS.get(robot.name, DEFAULT)
-    return Motion(known.speed_lag, known.turn_lag, known.pivot, known.curvature, lateral=known.lateral)
+    return Motion(
+        known.speed_lag,
+        known.turn_lag,
+        known.pivot,
+        known.curvature,
+        dead=DEAD.get(robot.name, (0.0, 0.0)),
+        lateral=known.lateral,
+    )
 
 
 @dataclasses.dataclass(frozen=True)

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Key
 
-from .. import settings
+from .. import settings, table_arguments
 from ..datatypes import SceneBank, ValidationError
 from ..envs import Result, StagedBase, registry
 
@@ -66,11 +66,13 @@ class Batch[C]:
         self._names = tuple(chosen)
         self.observation_space = gymnasium.spaces.Dict({name: _space(shapes[name]) for name in chosen})
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (env.action_size,), np.float32)
-        self.begin = jax.jit(self._begin)
+        self.begin = table_arguments.jit(self._begin)
         self.merge = jax.jit(self._merge)
-        self.step = jax.jit(self._step)
-        self.step_or_begin = jax.jit(self._step_or_begin)
-        self.step_and_begin = jax.jit(self._step_and_begin, static_argnames="final_obs")
+        self.step = table_arguments.jit(self._step)
+        self.step_or_begin = table_arguments.jit(self._step_or_begin)
+        self._to_next, self._to_next_with_last = (
+            table_arguments.jit(functools.partial(self._step_and_begin, final_obs)) for final_obs in (False, True)
+        )
 
     def _observe(self, carried: C) -> Obs:
         def one(carried: C) -> Obs:
@@ -123,8 +125,11 @@ class Batch[C]:
         reward = jnp.where(over, 0.0, reward)
         return Transition(after, self._observe(after), reward, terminated & ~over, truncated & ~over, info, info)
 
-    def _step_and_begin(self, carried: C, action: Float[Array, "n nu"], final_obs: bool) -> Transition[C]:
+    def step_and_begin(self, carried: C, action: Float[Array, "n nu"], final_obs: bool) -> Transition[C]:
         """Steps all envs; those whose episode ends begin the next one immediately."""
+        return (self._to_next_with_last if final_obs else self._to_next)(carried, action)
+
+    def _step_and_begin(self, final_obs: bool, carried: C, action: Float[Array, "n nu"]) -> Transition[C]:
         stepped, reward, terminated, truncated, final_info = self._advance(carried, action)
         over = terminated | truncated
         begun = jax.vmap(self.env.reset_episode)(stepped)

@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .. import table_arguments
 from ..datatypes import RESULTS
 from ..datatypes import validation as v
 from ..deployment.messages import Image, Odometry
@@ -76,10 +77,10 @@ class SimulatedRobot:
     ) -> None:
         self.env, self._link = env, link
         self._publish = publish or (lambda _, message: link.publish(message))
-        self._advance = jax.jit(lambda nav, action: env.advance(nav, action)[0])
-        self._pixels = jax.jit(lambda nav: env.observe(nav)["pixels/front"])
-        self._motion = jax.jit(self._motion_of)
-        begin = jax.jit(env.begin_at)
+        self._advance = table_arguments.jit(lambda nav, action: env.advance(nav, action)[0])
+        self._pixels = table_arguments.jit(lambda nav: env.observe(nav)["pixels/front"])
+        self._motion = table_arguments.jit(self._motion_of)
+        begin = table_arguments.jit(env.begin_at)
         self._nav: NavState = begin(jax.random.key(seed), jnp.int32(scene), jnp.int32(row))
         self._fovy = float(np.radians(env.mj_model.camera(env.robot.camera).fovy[0]))
         self.velocity, self.steps = (0.0, 0.0), 0

@@ -73,7 +73,7 @@ def make_go2(menagerie: str | pathlib.Path | None = None) -> RobotSpec:
         planner_radius=PLANNER_RADIUS,
         planner_height=PLANNER_HEIGHT,
         step_height=STEP_HEIGHT,
-        # As its planner knows them (`evaluation.planner.MOTIONS`).
+        # As tests/evaluation/test_planner.py compares them with its gait in C MuJoCo.
         response=Response(speed_lag=0.2, turn_lag=0.05),
         drive="gait",
     )

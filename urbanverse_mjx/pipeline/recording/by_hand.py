@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import jax
 import numpy as np
 
+from ... import table_arguments
 from ...datatypes import RESULTS
 from ...evaluation.agents import episode_data
 from ...evaluation.rollouts import EpisodeSet
@@ -45,7 +46,7 @@ class HandDrive:
     ) -> None:
         self._machine, self._options, self._on_ready, self._until = machine, options, on_ready, until
         env = machine.env
-        self._sensed = jax.jit(jax.vmap(lambda nav: env.named_observations(nav, env.observe(nav))["state"]))
+        self._sensed = table_arguments.jit(jax.vmap(lambda nav: env.named_observations(nav, env.observe(nav))["state"]))
 
     def run(self, episodes: EpisodeSet, first: int = 0) -> Iterator[list[Driven]]:
         """Serves the page until all episodes from `first` on are driven, or the person ends the recording: with the
