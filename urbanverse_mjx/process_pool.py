@@ -4,16 +4,21 @@ The workers of a `ProcessPoolExecutor` hold both ends of the pipe on which they 
 their parent is killed (SIGKILL). Every pool and process that this package starts therefore watches its parent.
 """
 
+import collections
 import concurrent.futures
 import concurrent.futures.process
+import contextlib
 import multiprocessing
 import multiprocessing.connection
 import os
+import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
+#: Least number of streets for which a process of its own is started: importing JAX takes as long as the tables of one.
+_STREETS_EACH = 4
 #: s between two checks of the parent's id, on operating systems that do not signal its exit.
 _INTERVAL = 0.5
 
@@ -78,18 +83,65 @@ def results_as_completed(
       Exception: a task failed; tasks that have not begun are dropped.
       ValidationError: a worker process ended by itself, for want of memory or because it ran the calling script again.
     """
-    from .datatypes import ValidationError
-
     workers = min(workers, len(tasks))
     if workers <= 1:
         for number, task in enumerate(tasks):
             yield number, function(*task)
         return
-    with worker_pool(workers) as pool:
+    with _work(workers, worker_pool(workers)) as pool:
         jobs = {pool.submit(function, *task): number for number, task in enumerate(tasks)}
+        for job in concurrent.futures.as_completed(jobs):
+            yield jobs[job], job.result()
+
+
+def results_in_order(function: Callable[..., Any], tasks: Iterable[tuple[Any, ...]], workers: int) -> Iterator[Any]:
+    """Calls `function(*task)` for every task, in `workers` processes in which JAX has the processor alone: on a GPU it
+    would take memory in each of them.
+
+    With one worker the work runs in this process. Tasks are made while others run, two for each worker at most, so that
+    many large ones take little memory.
+
+    Yields:
+      the result of each task, in their order.
+
+    Raises:
+      Exception, ValidationError: see `results_as_completed`.
+    """
+    if workers <= 1:
+        for task in tasks:
+            yield function(*task)
+        return
+    with _work(workers, worker_pool(workers, initializer=_on_the_processor)) as pool:
+        jobs: collections.deque[concurrent.futures.Future[Any]] = collections.deque()
+        for task in tasks:
+            jobs.append(pool.submit(function, *task))
+            if len(jobs) == 2 * workers:
+                yield jobs.popleft().result()
+        while jobs:
+            yield jobs.popleft().result()
+
+
+def workers_for(streets: int, cores: int) -> int:
+    """The number of processes for work that takes seconds of a core for each of some streets; 0 or 1: this one."""
+    return min(cores, streets // _STREETS_EACH)
+
+
+def _on_the_processor() -> None:
+    os.environ["JAX_PLATFORMS"] = "cpu"
+    if "jax" in sys.modules:  # it reads the variable when it is imported
+        sys.modules["jax"].config.update("jax_platforms", "cpu")
+
+
+@contextlib.contextmanager
+def _work(
+    workers: int, pool: concurrent.futures.ProcessPoolExecutor
+) -> Iterator[concurrent.futures.ProcessPoolExecutor]:
+    """The pool; at the end drops tasks that have not begun, and tells in a sentence if a worker ended by itself."""
+    from .datatypes import ValidationError
+
+    with pool:
         try:
-            for job in concurrent.futures.as_completed(jobs):
-                yield jobs[job], job.result()
+            yield pool
         except concurrent.futures.process.BrokenProcessPool as error:
             raise ValidationError(
                 f"worker processes: found that one of {workers} ended by itself, needed all of them. In a script of "

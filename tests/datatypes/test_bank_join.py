@@ -131,3 +131,22 @@ def test_appearances_of_agents_survive_a_join(small_bank: SceneBank) -> None:
     assert join([small_bank]).agents["kind"] == []
     assert looking.num_meshes == small_bank.num_meshes + len(BOXES)
     assert_same_scene(small_bank, 1, looking, 1)
+
+
+def test_the_geometry_of_a_scene_is_that_of_the_bank(small_bank: SceneBank) -> None:
+    """Hulls where they were, the same ground and episodes; looks, and hulls of other scenes, are left out."""
+    for scene in range(small_bank.num_scenes):
+        alone = small_bank.geometry_of(scene)
+        for found, whole in zip(alone.standing_hulls(0), small_bank.standing_hulls(scene), strict=True):
+            np.testing.assert_array_equal(found, whole)
+        prisms, own = small_bank.prism_hull[scene], alone.prism_hull[0]
+        np.testing.assert_array_equal(own < 0, prisms < 0)
+        for name in ("hull_vertices", "hull_planes", "hull_triangles", "hull_box", "hull_num_vertices"):
+            table, whole = getattr(alone, name), getattr(small_bank, name)
+            np.testing.assert_array_equal(table[own[own >= 0]], whole[prisms[prisms >= 0]])
+        for name in ("inst_position", "prism_position", "map_kind", "map_origin", "hull_grid", "episode_waypoints"):
+            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(small_bank, name)[scene])
+        used = np.concatenate([small_bank.inst_hull[scene], prisms])
+        assert alone.num_hulls == len(set(used[used >= 0].tolist()))
+        assert alone.scene_ids == small_bank.scene_ids[scene : scene + 1]
+        assert (alone.num_meshes, alone.texture_data.size) == (0, 0)

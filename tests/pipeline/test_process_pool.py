@@ -13,10 +13,10 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from tests.support.pool_tasks import square
+from tests.support.pool_tasks import platform_and_square, square
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.pipeline.generation.run_folder import RunFolder
-from urbanverse_mjx.process_pool import results_as_completed
+from urbanverse_mjx.process_pool import results_as_completed, results_in_order
 from urbanverse_mjx.scene import metadata
 from urbanverse_mjx.scene.compiler import CompiledScene, check_out_dir
 from urbanverse_mjx.scene.folders import scene_folders
@@ -295,3 +295,27 @@ def test_a_run_gets_back_the_stage_that_was_put_aside(tmp_path: pathlib.Path) ->
     with RunFolder.open(tmp_path, "walk.mp4"):
         assert json.loads((tmp_path / "cousins" / "metadata.json").read_text())["statistics"] == "old"
     assert sorted(p.name for p in tmp_path.iterdir()) == [".lock", "cousins", "run.json"]
+
+
+@pytest.mark.extended
+def test_results_in_order_make_tasks_as_they_are_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two for each worker; JAX has the processor alone there, whatever it may use here."""
+    monkeypatch.setenv("JAX_PLATFORMS", "cuda")
+    made: list[int] = []
+
+    def tasks() -> Iterator[tuple[int]]:
+        for number in range(9):
+            made.append(number)
+            yield (number,)
+
+    found = []
+    for number, (platform, result) in enumerate(results_in_order(platform_and_square, tasks(), 2)):
+        assert len(made) <= number + 4
+        assert platform == "cpu"
+        found.append(result)
+    assert found == [number * number for number in range(9)]
+
+
+def test_results_in_order_of_one_worker_are_made_here() -> None:
+    here = lambda number: (os.getpid(), number)  # noqa: E731  # no worker could be sent it
+    assert list(results_in_order(here, ((k,) for k in range(3)), 1)) == [(os.getpid(), k) for k in range(3)]

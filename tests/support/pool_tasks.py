@@ -13,6 +13,13 @@ def sleep(folder: str, number: int) -> None:
     time.sleep(120)
 
 
+def platform_and_square(number: int) -> tuple[str, int]:
+    """The platform of JAX in this process, and a square."""
+    import jax
+
+    return jax.default_backend(), number * number
+
+
 def square(number: int) -> tuple[int, int]:
     """The square and the process id.
 

@@ -13,8 +13,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .. import settings
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
+from ..process_pool import results_in_order, workers_for
 from . import (
     behaviours,
     crossings,
@@ -85,16 +87,29 @@ class CrowdTables(NamedTuple):
 
 
 def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTables:
-    """Makes the tables of the given scenes (default: all) in their order; takes a few seconds per scene."""
+    """Makes the tables of the given scenes (default: all) in their order; takes a few seconds of a processor per scene,
+    in several processes where there are many scenes."""
     numbers = range(bank.num_scenes) if scenes is None else scenes
-    spaces = [free_space.free_spaces(bank, z) for z in numbers]
-    by_surface = {name: [s[name] for s in spaces] for name in SURFACES}
+    workers = workers_for(len(numbers), settings.num_threads())
+    made = list(results_in_order(_spaces_and_fields, ((bank.geometry_of(z),) for z in numbers), workers))
+    by_surface = {name: [spaces[name] for spaces, _ in made] for name in SURFACES}
     return CrowdTables(
         flats={name: flats.make_flats(by_surface[name], flats.REACH[name]) for name in SURFACES},
         ground={name: open_ground.make_open_ground(by_surface[name]) for name in SURFACES},
-        routes={name: goal_fields.make_routes(by_surface[rules.surface], rules) for name, rules in RULES.items()},
+        routes={
+            name: goal_fields.make_routes(by_surface[rules.surface], [fields[name] for _, fields in made])
+            for name, rules in RULES.items()
+        },
         crossings=crossings.make_crossings(by_surface["foot"]),
     )
+
+
+def _spaces_and_fields(
+    bank: SceneBank,
+) -> tuple[dict[str, free_space.FreeSpace], dict[str, tuple[np.ndarray, ...]]]:
+    """Free space by surface and fields of goals by group, of a bank of one scene."""
+    spaces = free_space.free_spaces(bank, 0)
+    return spaces, {name: goal_fields.fields_of(spaces[rules.surface], rules) for name, rules in RULES.items()}
 
 
 @dataclasses.dataclass(frozen=True)

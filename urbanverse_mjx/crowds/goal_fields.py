@@ -225,15 +225,17 @@ def _on_the_route(following: np.ndarray, start: np.ndarray) -> np.ndarray:
     return np.unique(at)
 
 
-def make_routes(spaces: Sequence[FreeSpace], rules: RouteRules, seed: int = 0) -> GoalRoutes:
+def make_routes(spaces: Sequence[FreeSpace], found: Sequence[tuple[np.ndarray, ...]]) -> GoalRoutes:
     """The table of one group in several scenes.
+
+    Args:
+      found: `fields_of` each scene.
 
     Raises:
       ValidationError: no scene.
     """
     if not spaces:
         raise v.fail("ways", "no scene", "at least one")
-    found = [fields_of(space, rules, seed) for space in spaces]
     size = np.max([f.shape[1:] for f, *_ in found], axis=0)
     number = max(1, max(len(g) for _, g, *_ in found))
     direction = np.zeros((len(found), number, *size), np.uint8)

@@ -29,6 +29,16 @@ SCHEMA = "urbanverse.scene_bank/1"
 #: Splits of scenes: for training; for the choice of presets, checkpoints and ablations; for reports.
 SPLITS = ("train", "validation", "test")
 MAX_HULL_TRIANGLES = 2 * MAX_HULL_VERTICES - 4
+#: For `SceneBank.geometry_of`: beginnings of the names of arrays by scene, arrays by hull, and those of looks alone.
+_OF_SCENE = (
+    *("inst_", "prism_", "slot_", "episode_", "num_episodes", "map_kind", "map_origin", "hull_grid", "grid_origin"),
+    "scene_sky",
+)
+_OF_HULL = (*("hull_vertices", "hull_num_vertices", "hull_triangles", "hull_num_triangles", "hull_planes", "hull_box"),)
+_LOOKS = (
+    *("mesh_vertices", "mesh_uv", "mesh_faces", "mesh_material", "texture_data", "texture_shape"),
+    *("material_texture", "material_rgba", "material_roughness", "material_metallic"),
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -184,6 +194,26 @@ class SceneBank:
             if hull >= 0:
                 local = self.hull_vertices[hull, : self.hull_num_vertices[hull]].astype(np.float64)
                 yield local @ rotation.T.astype(np.float64) + position
+
+    def geometry_of(self, scene: int) -> "SceneBank":
+        """A bank of one scene with what robots and people can touch, walk on and drive to, and without its looks: a few
+        MB, for a process that makes tables of it."""
+        own = {name: array[scene : scene + 1] for name, array in self.arrays().items() if name.startswith(_OF_SCENE)}
+        used, rows = np.unique(np.concatenate([own["inst_hull"], own["prism_hull"]], 1), return_inverse=True)
+        # The first is -1, an empty row, where there is one.
+        empty = int(used[0] < 0)
+        rows = (rows.reshape(1, -1) - empty).astype(np.int32)
+        own["inst_hull"], own["prism_hull"] = np.split(rows, [own["inst_hull"].shape[1]], 1)
+        hulls = {name: getattr(self, name)[used[empty:]] for name in _OF_HULL}
+        shared = {"grid_cell": self.grid_cell, "map_resolution": self.map_resolution}
+        looks = {name: getattr(self, name)[:0] for name in _LOOKS}
+        starts = {name: getattr(self, name)[:1] for name in ("mesh_vertex_start", "mesh_face_start", "texture_start")}
+        slots = {"slot_mesh": np.full_like(own["slot_mesh"], -1), "scene_sky": np.zeros_like(own["scene_sky"])}
+        sky = {name: getattr(self, name)[:1] for name in ("sky_sun_direction", "sky_sun_irradiance")}
+        sky["sky_radiance"] = self.sky_radiance[:1, :1, :1]
+        meta = {**self.meta, **{k: [self.meta[k][scene]] for k in ("scene_ids", "splits", "object_ids")}}
+        meta = {k: x for k, x in meta.items() if k not in ("agents", "key")}
+        return SceneBank(meta=meta, **(own | hulls | shared | looks | starts | slots | sky))
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Every array by its name."""

@@ -14,7 +14,9 @@ differential robot with commands (v, omega); the authors' asset steers its front
 * `ackermann`: the front axle turns as a whole; every wheel gets the speed of its own path, so that no tyre slips.
 """
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Any, Literal, get_args
 
 import jax.numpy as jnp
@@ -76,6 +78,10 @@ def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any
     return pd_velocity(waypoint, control_period, MAX_SPEED, MAX_YAW_RATE)
 
 
+def _command(convert: Callable[[Any], Any], velocity: Any) -> Any:
+    return convert(clip_command(velocity))
+
+
 def _circumradius(max_steer: float) -> float:
     """Farthest collision point (m) from base_link, the front axle turned by up to `max_steer` rad."""
     spheres = [((body.REAR_AXLE_X, body.WHEEL_Y, body.WHEEL_Z), body.WHEEL_RADIUS)]
@@ -110,7 +116,8 @@ def make_coco(drive: Drive = "differential") -> RobotSpec:
         max_speed=MAX_SPEED,
         max_yaw_rate=MAX_YAW_RATE,
         physics_timestep=PHYSICS_TIMESTEP,
-        command=lambda velocity: convert(clip_command(velocity)),
+        # A partial of functions of this module, because workers of process pools are sent robots.
+        command=functools.partial(_command, convert),
         waypoint_to_velocity=waypoint_to_velocity,
         # Radius of the circle of a turn on the spot: the distance of the farthest wheel from base_link.
         planner_radius=math.hypot(body.REAR_AXLE_X, body.WHEEL_Y) + body.WHEEL_RADIUS,

@@ -12,7 +12,7 @@ from ml_collections import ConfigDict
 
 from tests.support.compiling import optimized
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.crowds import Bodies
+from urbanverse_mjx.crowds import Bodies, crowd
 from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
 from urbanverse_mjx.crowds.crowd import Crowd
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
@@ -187,6 +187,17 @@ def test_tables_have_rows_of_the_scenes_in_use_alone(env: NavEnv, small_bank: Sc
     for found, whole in zip(jax.tree.leaves(one[:-1]), jax.tree.leaves(every[:-1]), strict=True):
         assert found.shape == (1, *whole.shape[1:])
         np.testing.assert_array_equal(found[0], whole[2])
+
+
+@pytest.mark.extended
+def test_tables_of_many_scenes_are_the_same_from_processes(
+    env: NavEnv, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = dynamic_tables.kept_tables(small_bank, env.scenes.tolist()).crowd
+    monkeypatch.setattr(crowd, "workers_for", lambda *_: 2)
+    made = crowd.make_tables(small_bank, env.scenes.tolist())
+    for found, whole in zip(jax.tree.leaves(made), jax.tree.leaves(kept), strict=True):
+        np.testing.assert_array_equal(found, whole)
 
 
 def test_static_streets_carry_nothing_of_it(small_bank: SceneBank) -> None:

@@ -1,5 +1,6 @@
 """Tables of a bank's scenes for crowds, and their ground heights: made once per bank and cached."""
 
+import concurrent.futures
 import hashlib
 import pathlib
 from collections.abc import Sequence
@@ -59,7 +60,13 @@ def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray
 
 def ground_heights(bank: SceneBank, scenes: Sequence[int] | np.ndarray) -> Float[np.ndarray, "n X Y"]:
     """(n, X, Y) f32 m, the ground of some scenes."""
-    return np.stack([free_space.ground_height(bank, int(z))[::POOL, ::POOL] for z in scenes]).astype(np.float32)
+
+    def height(scene: int) -> np.ndarray:
+        return free_space.ground_height(bank, int(scene))[::POOL, ::POOL].astype(np.float32)
+
+    # Most of it are distance transforms, which let other threads go on.
+    with concurrent.futures.ThreadPoolExecutor(settings.num_threads()) as pool:
+        return np.stack(list(pool.map(height, scenes)))
 
 
 def rows_of(bank: SceneBank, scenes: Sequence[int] | np.ndarray) -> Int32[np.ndarray, " Z"]:

@@ -384,3 +384,49 @@ def test_scenes_without_a_crosswalk_are_refused_in_a_sentence(small_bank: SceneB
         ValidationError, match=r"config.scenes: found none of 1 \(\w+\) with a crosswalk between pavements"
     ):
         unicycle_env(bank, {**FEW, "scenes": bank.scene_ids[0], "scenario": "static"}, config=follow_route_config())
+
+
+def _corners_one_by_one(points: np.ndarray) -> list[int]:
+    """`routes._corners`, one point after the other."""
+    found = [0]
+    while found[-1] < len(points) - 1:
+        first, end = found[-1], found[-1] + 1
+        for k in range(first + 2, len(points)):
+            chord = points[k] - points[first]
+            length = float(np.hypot(*chord))
+            if not routes.NODE <= length <= routes._OPTIONS.spacing:
+                break
+            away = points[first + 1 : k] - points[first]
+            if np.abs(away @ [-chord[1], chord[0]]).max() / length > routes._OPTIONS.tolerance:
+                break
+            end = k
+        found.append(end)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_lines_of_a_route_keep_to_its_path(seed: int) -> None:
+    """Paths that run straight for longer than the points that are compared at once, turn and come back."""
+    rng = np.random.default_rng(seed)
+    turns = rng.normal(0.0, (0.05, 0.6)[seed % 2], 300).cumsum()
+    turns[200:] += np.pi
+    # Off the grid, so that no length is exactly a limit.
+    points = (np.stack([np.cos(turns), np.sin(turns)], -1) * (routes.NODE, 0.03)[seed // 4]).cumsum(0)
+    assert routes._corners(points) == _corners_one_by_one(points)
+    assert routes._corners(points[:2]) == [0, 1]
+
+
+@pytest.mark.extended
+def test_many_scenes_have_the_same_routes_from_processes(
+    small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenes, robot = np.arange(small_bank.num_scenes, dtype=np.int32), make_coco()
+    banks = []
+    for workers in (1, 2):
+        monkeypatch.setattr(routes, "workers_for", lambda *_, workers=workers: workers)
+        monkeypatch.setattr(routes.array_file, "load_cached", lambda *_: None)
+        banks.append(routes.with_long_routes(small_bank, scenes, robot, 60.0)[0])
+    here, apart = banks
+    assert int(here.num_episodes.max()) == 64
+    for name in ("episode_start", "episode_waypoints", "episode_num_waypoints", "episode_length", "num_episodes"):
+        np.testing.assert_array_equal(getattr(here, name), getattr(apart, name))

@@ -21,7 +21,7 @@ from ....datatypes import KIND_INDEX, RobotSpec, SceneBank
 from ....geometry.grids import Grid
 from ....geometry.polylines import arc_lengths, points_at
 from ..clearance_maps import CELL as FINE
-from ..clearance_maps import ClearanceMaps
+from ..clearance_maps import build_clearance_maps
 from .crosswalks import Rectangle, rectangles
 from .routes import Routes
 
@@ -293,21 +293,24 @@ def _half_width(robot: RobotSpec) -> float:
 
 
 def crossing_routes(
-    maps: ClearanceMaps, bank: SceneBank, scene: int, roads: Sequence[Road], robot: RobotSpec
+    bank: SceneBank, scene: int, number: int, roads: Mapping[int, Sequence[Road]], robot: RobotSpec
 ) -> Routes | None:
-    """Straight routes over the crosswalks from pavement to pavement, drawn from the scene's number; None if there is
-    none."""
+    """Straight routes over the crosswalks of a scene from pavement to pavement, drawn from `number`, which is that of
+    its roads; None if there is none."""
+    if not roads[number]:
+        return None
+    maps = build_clearance_maps(bank, [scene], robot.planner_height)
     clear = np.minimum(maps.to_hull[scene], maps.to_edge[scene]).astype(np.float32)
     grid = Grid(maps.origin[scene], FINE, clear.shape)
     side = round(float(bank.map_resolution) / FINE)
     paved = np.kron(bank.map_kind[scene] == KIND_INDEX["sidewalk"], np.ones((side, side), bool))
 
-    rng = np.random.default_rng(scene)
+    rng = np.random.default_rng(number)
     low, high = _OPTIONS.from_kerb
     needed = _half_width(robot) + _OPTIONS.clearance
-    each = -(-_OPTIONS.number // max(len(roads), 1))
+    each = -(-_OPTIONS.number // len(roads[number]))
     rows: list[tuple[np.ndarray, np.ndarray]] = []
-    for road in roads:
+    for road in roads[number]:
         along = np.array([-road.across[1], road.across[0]])
         aside = max(road.half[1] - needed, 0.0)
         count = _OPTIONS.tries * each

@@ -11,6 +11,7 @@ The measures and their sources:
   above 45 s is level of service F, with "very high likelihood of risk-taking".
 """
 
+import functools
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -23,7 +24,6 @@ from ....crowds import KINDS
 from ....crowds.crowd import Crowd
 from ....datatypes import RobotSpec, SceneBank, SimState, ValidationError
 from ...types import NavState, Result
-from ..clearance_maps import build_clearance_maps
 from ..dynamic import DynamicStreet
 from ..scenarios import select_scenes
 from . import carriageways, routes
@@ -150,13 +150,7 @@ class CrossStreet(PeopleTask):
     ) -> tuple[SceneBank, Int32[np.ndarray, " n"], Any]:
         """See `Task.episodes`."""
         roads, marked = cls._roads(config, bank, scenes)
-
-        def make(scene: int) -> routes.Routes | None:
-            if not roads[scene]:
-                return None
-            maps = build_clearance_maps(bank, [scene], robot.planner_height)
-            return carriageways.crossing_routes(maps, bank, scene, roads[scene], robot)
-
+        make = functools.partial(carriageways.crossing_routes, roads=roads, robot=robot)
         needed = "a crosswalk between pavements over a road with two lanes"
         bank, usable = routes.with_routes(bank, scenes, robot, f"crossing {carriageways.parameters()}", make, needed)
         used = {int(z): roads[int(z)] for z in usable}

@@ -9,9 +9,10 @@ is shorter than that, so the route comes back over the same pavements and crossw
 """
 
 import dataclasses
+import functools
 import hashlib
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from ....crowds import free_space
 from ....datatypes import KIND_INDEX, RobotSpec, SceneBank, ValidationError, array_file
 from ....geometry.geodesics import GridGraph, extra_near
 from ....geometry.grids import Grid, pooled
+from ....process_pool import results_in_order, workers_for
 from ..clearance_maps import CELL, build_clearance_maps
 from .crosswalks import rectangles
 
@@ -70,6 +72,8 @@ class RouteOptions:
 
 
 _OPTIONS = RouteOptions()
+#: Number of points of a path that are compared with a line at once.
+_AHEAD = 32
 
 
 class Routes(NamedTuple):
@@ -136,19 +140,27 @@ def _corners(points: np.ndarray) -> list[int]:
     """Indices of points (n, 2) m of a path, the first and last among them, whose line keeps to the path."""
     found, last = [0], len(points) - 1
     while found[-1] < last:
-        first, end = found[-1], found[-1] + 1
-        for k in range(first + 2, last + 1):
-            chord = points[k] - points[first]
-            length = np.linalg.norm(chord)
-            if length > _OPTIONS.spacing:
+        first, behind = found[-1], found[-1] + 1
+        while behind < last:
+            kept = _kept_by(points[first : min(behind + _AHEAD, last) + 1], behind - first)
+            behind += kept
+            if kept < _AHEAD:
                 break
-            away = points[first + 1 : k] - points[first]
-            aside = np.abs(away[:, 0] * chord[1] - away[:, 1] * chord[0]) / max(length, 1e-9)
-            if length < NODE or aside.max() > _OPTIONS.tolerance:
-                break
-            end = k
-        found.append(end)
+        found.append(behind)
     return found
+
+
+def _kept_by(points: np.ndarray, checked: int) -> int:
+    """How many of the points (n, 2) m of a path behind number `checked` a line from the first reaches one after the
+    other without leaving the path."""
+    chords = points[checked + 1 :] - points[0]
+    lengths = np.sqrt(chords[:, 0] * chords[:, 0] + chords[:, 1] * chords[:, 1])
+    passed = points[1:-1] - points[0]
+    aside = np.abs(passed[:, 0] * chords[:, 1:] - passed[:, 1] * chords[:, :1]) / np.maximum(lengths, 1e-9)[:, None]
+    between = np.arange(len(passed)) < checked + np.arange(len(chords))[:, None]
+    leaves = np.where(between, aside, 0.0).max(1, initial=0.0) > _OPTIONS.tolerance
+    ends = np.flatnonzero(leaves | (lengths < NODE) | (lengths > _OPTIONS.spacing))
+    return int(ends[0]) if len(ends) else len(chords)
 
 
 def _stacked(rows: Sequence[tuple[np.ndarray, np.ndarray, float]]) -> Routes | None:
@@ -164,8 +176,8 @@ def _stacked(rows: Sequence[tuple[np.ndarray, np.ndarray, float]]) -> Routes | N
     )
 
 
-def long_routes(bank: SceneBank, scene: int, robot: RobotSpec, length: float) -> Routes | None:
-    """Routes of at least `length` m over pavements and crosswalks, drawn from the scene's number; None if the robot
+def long_routes(bank: SceneBank, scene: int, number: int, robot: RobotSpec, length: float) -> Routes | None:
+    """Routes of at least `length` m over pavements and crosswalks of a scene, drawn from `number`; None if the robot
     comes over no crosswalk."""
     ground = _Ground(bank, scene, robot)
     cells, graph = ground.graph.cells, ground.graph
@@ -200,7 +212,7 @@ def long_routes(bank: SceneBank, scene: int, robot: RobotSpec, length: float) ->
         if nearest.max() < _OPTIONS.min_leg:
             break
         add(int(candidates[nearest.argmax()]))
-    rng = np.random.default_rng(scene)
+    rng = np.random.default_rng(number)
     rows = []
     for _ in range(_OPTIONS.tries * _OPTIONS.number):
         nodes = _walk(ground, places, costs, following, side_of, _OPTIONS.shortening * length, rng)
@@ -260,10 +272,7 @@ def with_long_routes(
     Raises:
       ValidationError: no scene has routes.
     """
-
-    def make(scene: int) -> Routes | None:
-        return long_routes(bank, scene, robot, length)
-
+    make = functools.partial(long_routes, robot=robot, length=length)
     return with_routes(bank, scenes, robot, f"long {length:g}", make, "a crosswalk between pavements")
 
 
@@ -272,21 +281,32 @@ def with_routes(
     scenes: Int32[np.ndarray, " n"],
     robot: RobotSpec,
     name: str,
-    make: Callable[[int], Routes | None],
+    make: Callable[[SceneBank, int, int], Routes | None],
     needed: str,
 ) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
     """The bank with routes in place of the episodes of some scenes (n,), and those scenes that have any.
 
     Args:
       name: of the routes, with their parameters: a part of the cache's key.
-      make: routes of a scene, see `long_routes`.
+      make: function (bank, scene, number) -> routes of a scene with that number in `bank`, see `long_routes`; of many
+        scenes in processes of their own, each with `SceneBank.geometry_of` the scene.
       needed: what a scene needs for them, for the message.
 
     Raises:
       ValidationError: no scene has routes.
     """
-    paths = paths_of(bank, scenes.tolist(), robot, name)
-    found = {int(z): _kept(path, int(z), make) for z, path in zip(scenes, paths, strict=True)}
+    paths = dict(zip(scenes.tolist(), paths_of(bank, scenes.tolist(), robot, name), strict=True))
+    arrays = {z: array_file.load_cached(path, "routes of a task", Routes._fields) for z, path in paths.items()}
+    missing = [z for z, kept in arrays.items() if kept is None]
+    tasks = ((bank.geometry_of(z), 0, z) for z in missing)
+    workers = workers_for(len(missing), settings.num_threads())
+    for z, routes in zip(missing, results_in_order(make, tasks, workers), strict=True):
+        # A scene without any has a table without rows.
+        made = routes or Routes(np.zeros((0, 4)), np.zeros((0, 1, 3)), np.zeros(0, np.int32), np.zeros(0))
+        own = dict(made._asdict())
+        array_file.save_cached(paths[z], own)
+        arrays[z] = own
+    found = {z: _routes_in(kept) for z, kept in arrays.items() if kept is not None}
     usable = np.array([z for z, routes in found.items() if routes is not None], np.int32)
     if not len(usable):
         names = ", ".join(bank.scene_ids[z] for z in list(found)[:5])
@@ -325,14 +345,7 @@ def with_routes(
 _OF_SCENE = ("inst_hull", "inst_position", "inst_rotation", "prism_hull", "prism_position", "map_kind", "map_origin")
 
 
-def _kept(path: pathlib.Path, scene: int, make: Callable[[int], Routes | None]) -> Routes | None:
-    arrays = array_file.load_cached(path, "routes of a task", Routes._fields)
-    if arrays is None:
-        routes = make(scene)
-        # A scene without any has a table without rows.
-        made = routes or Routes(np.zeros((0, 4)), np.zeros((0, 1, 3)), np.zeros(0, np.int32), np.zeros(0))
-        arrays = dict(made._asdict())
-        array_file.save_cached(path, arrays)
+def _routes_in(arrays: Mapping[str, np.ndarray]) -> Routes | None:
     return Routes(**{k: arrays[k] for k in Routes._fields}) if len(arrays["start"]) else None
 
 
