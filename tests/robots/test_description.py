@@ -3,6 +3,7 @@
 import contextlib
 import json
 import pathlib
+import re
 import struct
 from typing import Any
 
@@ -285,3 +286,14 @@ def test_engines_drive_the_wheelchair_as_c_mujoco_does(impl: str) -> None:
     assert report.onset.max() <= 1, summary
     assert (report.onset >= 0).all(), summary
     assert report.ends_agree.all(), summary
+
+
+def test_every_robot_that_an_unknown_name_is_answered_with_is_loaded() -> None:
+    with pytest.raises(ValidationError, match=r"found 'coca', needed coco, go2, ") as told:
+        load("coca")
+    listed = re.split(", or | needed ", str(told.value).split(";")[0])[1]
+    names = listed.split(", ")
+    assert len(names) > 25
+    assert [load(name).name for name in ("coco", "go2")] == ["coco_differential", "go2"]
+    for name in names[2:]:
+        assert load(name).name == name

@@ -19,6 +19,7 @@ import numpy as np
 from ..datatypes import Response, RobotSpec
 from ..datatypes import validation as v
 from . import catalogue, legged
+from .coco import make_coco
 from .collision import Fit, is_fitted_sphere, replace_by_spheres
 from .gait import Gait
 from .go2 import load_gait, make_go2
@@ -40,7 +41,8 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
     """Loads a robot from its description.
 
     Args:
-      source: folder of the robot, its robot.json, one of `SHIPPED`, or a name of `catalogue.NAMES` or `legged.NAMES`.
+      source: folder of the robot, its robot.json, "coco" (with differential drive), one of `SHIPPED`, or a name of
+        `catalogue.NAMES` or `legged.NAMES`.
 
     Raises:
       ValidationError: the description or its MJCF is incomplete or invalid.
@@ -54,8 +56,9 @@ def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit
     Raises:
       ValidationError: see `load`.
     """
-    if source == "go2":
-        return make_go2(), ()
+    built = {"coco": make_coco, "go2": make_go2}
+    if isinstance(source, str) and source in built:
+        return built[source](), ()
     if isinstance(source, str) and source in (*catalogue.NAMES, *legged.NAMES):
         if source in legged.NAMES:
             described = legged.describe(legged.row(source))
