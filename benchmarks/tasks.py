@@ -267,9 +267,15 @@ def measure(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any
     from urbanverse_mjx.evaluation.task_agents import baseline_of, planner_of
     from urbanverse_mjx.training.policy import PolicySpec, load_policy
 
-    trained = train(args, log) if args.train else given(args)
     blind = scoring_env(args, False)
     episodes = suite_of(blind, args.episodes).episodes["validation"]
+    told = driven_references(args.task)
+    if args.alone and len(episodes) != told:
+        raise SystemExit(
+            f"error: --alone: found {len(episodes)} episodes to drive and {told} of {args.task}'s baseline and planner "
+            f"in {SCORES.name}, needed as many; give --episodes {told}, or leave out --alone."
+        )
+    trained = train(args, log) if args.train else given(args)
     baseline, drive = baseline_of(blind)
     agents: dict[str, tuple[Any, Any]] = {}
     if not args.alone:

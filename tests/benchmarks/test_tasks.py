@@ -82,8 +82,9 @@ def test_a_policy_alone_is_compared_with_the_table_and_others_with_what_was_driv
         return {"task/score": {"mean": known[driven[-1]]}, "ends": {}}
 
     monkeypatch.setattr(tasks, "references", lambda _: {"go_to_goal": 0.2, "planner": 0.7})
+    monkeypatch.setattr(tasks, "driven_references", lambda _: 5)
     monkeypatch.setattr(tasks, "scoring_env", lambda *_: None)
-    monkeypatch.setattr(tasks, "suite_of", lambda *_: types.SimpleNamespace(episodes={"validation": []}))
+    monkeypatch.setattr(tasks, "suite_of", lambda *_: types.SimpleNamespace(episodes={"validation": [0] * 5}))
     monkeypatch.setattr(tasks, "score", score)
     monkeypatch.setattr(tasks, "summary_of", summary)
     monkeypatch.setattr(task_agents, "baseline_of", lambda _: ("go_to_goal", None))
@@ -97,6 +98,15 @@ def test_a_policy_alone_is_compared_with_the_table_and_others_with_what_was_driv
     assert list(found) == driven
     of_table, of_driven = (0.3 - 0.2) / (0.7 - 0.2), (0.3 - 0.1) / (0.9 - 0.1)
     assert found["teacher"]["relative"] == pytest.approx(of_table if alone else of_driven)
+    # Of other episodes than the table's, nothing is trained or driven.
+    driven.clear()
+    monkeypatch.setattr(tasks, "driven_references", lambda _: 6)
+    if alone:
+        with pytest.raises(SystemExit, match=r"found 5 episodes to drive and 6 of CocoFollowRoute's .* --episodes 6"):
+            tasks.measure(tasks.arguments(words), lambda **_: None)
+        assert not driven
+    else:
+        tasks.measure(tasks.arguments(words), lambda **_: None)
 
 
 def test_every_task_has_a_page_with_marks_and_a_film_and_scores_of_its_own() -> None:
