@@ -68,7 +68,7 @@ def test_drives_are_those_of_the_table(robots: dict[str, RobotSpec]) -> None:
 
 def test_robots_say_of_their_lags_what_their_planner_knows(robots: dict[str, RobotSpec]) -> None:
     """Of slopes, the planner knows more."""
-    walkers = [load(name) for name in ("b2", "g1")]
+    walkers = [load(name) for name in ("mini_cheetah", "b2", "g1")]
     for robot in (robots["coco"], robots["ackermann"], robots["go2"], robots["arm"], *walkers):
         motion, response = motion_of(robot), robot.response
         assert response is not None

@@ -319,7 +319,7 @@ def test_steps_are_those_of_c_mujoco(name: str, impl: str) -> None:
 @pytest.mark.skipif(os.environ.get("MUJOCO_GL") not in ("egl", "osmesa"), reason="needs off-screen OpenGL")
 def test_pictures_show_legs_of_their_own() -> None:
     """A wheel, a lidar or a second pair of legs that is not drawn changes no number of the tests above."""
-    images = {name: image_of(robot(name), 120, 160) for name in ("go2", "go2w", "b2", "g1")}
+    images = {name: image_of(robot(name), 120, 160) for name in ("go2", "go2w", "mini_cheetah", "b2", "g1")}
     for name, image in images.items():
         for other in images.keys() - {name}:
             assert (np.abs(image.astype(int) - images[other]).max(-1) > 40).mean() > 0.01, (name, other)

@@ -103,8 +103,8 @@ MOTIONS = {
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456, climb=2.4),
 }
 #: Robot -> `Motion.dead` of its gait, which stands still at small commands (docs/decisions/go2.md); the G1's does not
-#: turn on the spot.
-DEAD = {"go2": (0.28, 0.45), "b2": (0.2, 0.65), "g1": (0.3, np.inf)}
+#: turn on the spot, and the Mini Cheetah's not always to the left.
+DEAD = {"go2": (0.28, 0.45), "mini_cheetah": (0.27, 1.1), "b2": (0.2, 0.65), "g1": (0.3, np.inf)}
 DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
 
 

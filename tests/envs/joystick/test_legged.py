@@ -15,7 +15,7 @@ from urbanverse_mjx.robots import legged, load
 
 WALKERS = ("mini_cheetah", "b2", "g1")
 #: Those whose gaits are shipped.
-SHIPPED = ("b2", "g1")
+SHIPPED = ("mini_cheetah", "b2", "g1")
 
 
 def load_env(name: str, **overrides: object) -> JoystickEnv:

@@ -1,4 +1,5 @@
-"""Go2Nav, B2Nav, G1Nav: COCO's task on legs. Observations and actions are the same, so one policy runs on all."""
+"""Nav environments of robots with a gait: COCO's task on legs. Observations and actions are the same, so one policy
+runs on all."""
 
 import pathlib
 
@@ -81,7 +82,7 @@ def test_what_does_not_go_is_said(small_bank: SceneBank, tmp_path: pathlib.Path)
         registry.load("Go2Nav", config_overrides={**BLIND, "menagerie": str(tmp_path)}, bank=small_bank)
 
 
-@pytest.mark.parametrize("name", ["b2", "g1"])
+@pytest.mark.parametrize("name", ["mini_cheetah", "b2", "g1"])
 def test_other_robots_have_the_go2s_task_with_their_own_gait(name: str, small_bank: SceneBank) -> None:
     task = catalogue.environment_name(name)
     own, go2 = (registry.get_default_config(x, "cpu").to_dict() for x in (task, "Go2Nav"))
@@ -99,7 +100,7 @@ def test_other_robots_have_the_go2s_task_with_their_own_gait(name: str, small_ba
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("task", ["Go2Nav", "B2Nav", "G1Nav"])
+@pytest.mark.parametrize("task", ["Go2Nav", "MiniCheetahNav", "B2Nav", "G1Nav"])
 def test_it_keeps_every_promise(task: str, small_bank: SceneBank) -> None:
     """With the shipped gait: to one that only stands the share of the route that is left never changes."""
     env = registry.load(task, config_overrides={**BLIND, "impl": "warp"}, bank=small_bank)
