@@ -166,6 +166,39 @@ def test_letters_in_a_text_field_are_letters(driven: DrivenPage) -> None:
     field.press("Tab")
 
 
+def test_keys_drive_after_a_click_on_a_checkbox_or_a_choice_from_a_list(driven: DrivenPage) -> None:
+    """Both keep the focus and take no letters; an open list takes them for its search."""
+    page, teleop, _, tab = driven
+    frame = tab.frame_locator("#viser")
+    view = frame.get_by_role("combobox", name="view", exact=True)
+
+    def drives(key: str) -> None:
+        tab.keyboard.down(key)
+        wait(lambda: teleop.held)
+        tab.keyboard.up(key)
+        wait(lambda: not teleop.held)
+
+    for shown in (True, False):
+        frame.get_by_label("hulls", exact=True).click()
+        wait(lambda shown=shown: page._layers["hulls"].value is shown)
+        drives("w")
+    for name in ("from above", "behind the robot"):
+        view.click()
+        tab.keyboard.press("w")
+        time.sleep(0.5)
+        assert not teleop.held
+        view.fill(name)
+        frame.get_by_role("option", name=name, exact=True).click()
+        wait(lambda name=name: page._view.value == name)
+        drives("w")
+        assert view.input_value() == name
+    # An arrow opens the list.
+    tab.keyboard.press("ArrowDown")
+    frame.get_by_role("option", name="free", exact=True).wait_for(timeout=60_000)
+    assert not teleop.held
+    tab.keyboard.press("Escape")
+
+
 def test_a_gamepad_takes_over_by_its_button_and_drives_by_its_stick(driven: DrivenPage) -> None:
     page, teleop, _, tab = driven
 
