@@ -1,4 +1,4 @@
-"""Every robot that the page offers follows held keys: COCO, the wheelchair, and one that a user has described."""
+"""Robots that the page offers follow held keys: COCO, the wheelchair, one that a user has described, the Go2."""
 
 import json
 import pathlib
@@ -11,8 +11,12 @@ import pytest
 from tests.robots.test_coco_drive import Controller, ground
 from tests.robots.test_description import WHEELCHAIR, blocks
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.evaluation.gait_walks import walk
 from urbanverse_mjx.pipeline.machines import load_machine
-from urbanverse_mjx.robots import load, make_coco
+from urbanverse_mjx.robots import gait_of, load, make_coco
+from urbanverse_mjx.scene.mjcf import scene_spec
+from urbanverse_mjx.scene.terrain import region_scene, terrain_regions
+from urbanverse_mjx.simulation.parity.c_mujoco import reference_model
 from urbanverse_mjx.viewer.session import Machine, Session
 from urbanverse_mjx.viewer.teleop import Inputs, Teleop
 
@@ -40,6 +44,13 @@ def described(name: str, tug: pathlib.Path) -> RobotSpec:
     return make_coco() if name == "coco" else load(tug if name == "tug" else name)
 
 
+def velocity_of(robot: RobotSpec, mode: str, action: np.ndarray) -> list[float]:
+    """m/s and rad/s, as the environment reads an action."""
+    if mode == "waypoint":
+        return [float(x) for x in robot.waypoint_to_velocity(action, DT)]
+    return [0.5 * (float(action[0]) + 1.0) * robot.max_speed, float(action[1]) * robot.max_yaw_rate]
+
+
 @pytest.mark.parametrize("mode", ["waypoint", "velocity"])
 @pytest.mark.parametrize("name", ["coco", WHEELCHAIR, "tug"])
 def test_held_keys_become_the_robots_velocity(name: str, mode: str, tug: pathlib.Path) -> None:
@@ -50,10 +61,7 @@ def test_held_keys_become_the_robots_velocity(name: str, mode: str, tug: pathlib
     for held, (speed, turn) in HELD.items():
         action = Machine.action_of(machine, Inputs(frozenset(held)).command())
         assert np.abs(action).max() <= 1.0
-        if mode == "waypoint":
-            velocity = [float(x) for x in robot.waypoint_to_velocity(action, DT)]
-        else:
-            velocity = [0.5 * (float(action[0]) + 1.0) * robot.max_speed, float(action[1]) * robot.max_yaw_rate]
+        velocity = velocity_of(robot, mode, action)
         controller = Controller(robot, ground([(-30.0, 30.0, 0.0, 0.0)], half_width=30.0))
         controller.drive(velocity[0], velocity[1], 3.0)
         root = controller.data.body(f"robot/{robot.root_body}")
@@ -64,18 +72,48 @@ def test_held_keys_become_the_robots_velocity(name: str, mode: str, tug: pathlib
         assert controller.data.qvel[5] == pytest.approx(wanted, abs=0.2 * abs(wanted) + 0.02), held
 
 
+@pytest.mark.extended
+@pytest.mark.parametrize("mode", ["waypoint", "velocity"])
+def test_held_keys_become_the_velocity_of_a_gait(mode: str) -> None:
+    """The Go2 with its shipped gait, in C MuJoCo on flat ground, by the action that the page passes."""
+    robot = load("go2")
+    gait = gait_of(robot)
+    env: Any = types.SimpleNamespace(robot=robot, dt=DT, config=types.SimpleNamespace(action_mode=mode))
+    machine: Any = types.SimpleNamespace(env=env)
+    actions = [Machine.action_of(machine, Inputs(frozenset(held)).command()) for held in HELD]
+    commands = np.array([robot.command(np.array(velocity_of(robot, mode, a), np.float32)) for a in actions])
+    model = reference_model(scene_spec(region_scene("flat-0", terrain_regions("flat", 0))), robot)
+    stand = model.qpos0.copy()
+    stand[2], stand[7:] = robot.spawn_height + 0.005, gait.stand
+    steps = round(4.0 / gait.control_dt)
+    limits = np.full(len(gait.stand), np.inf)
+    number = len(HELD)
+    first = np.tile(stand, (number, 1))
+    found = walk([model], np.zeros(number, int), robot, gait, first, lambda *_: commands, steps, limits)
+    assert not found.fell.any()
+    # Mean of the last two seconds: a trot swings about its speed.
+    velocity = found.velocity[:, steps // 2 :].mean(1)
+    for (held, (speed, turn)), (ahead, left, yaw_rate) in zip(HELD.items(), velocity, strict=True):
+        assert ahead == pytest.approx(speed * robot.max_speed, abs=0.1 * robot.max_speed), held
+        assert abs(left) < 0.1 * robot.max_speed, held
+        assert yaw_rate == pytest.approx(turn * robot.max_yaw_rate, abs=0.1 * robot.max_yaw_rate), held
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [WHEELCHAIR, "tug"])
+@pytest.mark.parametrize("name", [WHEELCHAIR, "tug", "go2"])
 def test_a_street_is_driven_by_keys_that_take_over_from_nobody(
     name: str, tug: pathlib.Path, small_bank: SceneBank
 ) -> None:
-    """`urbanverse view --policy zero --playground-config-overrides '{"robot": ...}'` without its page: the environment
-    with the robot's physics, its messages, and the steps between them."""
-    robot = described(name, tug)
-    place = str(tug) if name == "tug" else name
-    free = {"terminate_on_hit": False, "terminate_off_traversable": False, "success_radius": 1e-3}
-    overrides = {"robot": place, "sim_dt": robot.physics_timestep, "impl": "jax", **free}
-    machine = load_machine("zero", small_bank, image_size=None, overrides=overrides)
+    """`urbanverse view --policy zero --playground-config-overrides '{"robot": ...}'`, and with `--env-name Go2Nav`,
+    without its page: the environment with the robot's physics, its messages, and the steps between them."""
+    robot, env_name = described(name, tug), None
+    overrides = {"terminate_on_hit": False, "terminate_off_traversable": False, "success_radius": 1e-3, "impl": "jax"}
+    if name == "go2":
+        env_name = "Go2Nav"
+    else:
+        overrides |= {"robot": str(tug) if name == "tug" else name, "sim_dt": robot.physics_timestep}
+    machine = load_machine("zero", small_bank, env_name=env_name, image_size=None, overrides=overrides)
+    assert machine.env.robot.name == robot.name
     session, teleop = Session(machine, 0, [3]), Teleop(give_back_after=0.5)
     root = machine.env.mj_model.body(machine.env.robot.root_body).id
     now = 0.0
