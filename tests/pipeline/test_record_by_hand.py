@@ -222,6 +222,16 @@ def test_a_click_during_the_last_step_is_not_lost(
     assert (following is None) == (clicked == "end")
 
 
+def leave_and_come_back(tab: Any, dataset: pathlib.Path) -> None:
+    """In the middle of the second episode, which loses nothing: the recording waits for a browser."""
+    address = tab.url
+    tab.goto("about:blank")
+    time.sleep(2.0)
+    assert pipeline.check_dataset(dataset).episodes == 1
+    tab.goto(address)
+    tab.frame_locator("#viser").get_by_role("button", name="Play").wait_for(timeout=120_000)
+
+
 @pytest.mark.slow
 def test_a_person_at_a_browser_records_an_episode_discards_one_and_ends(
     small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
@@ -261,6 +271,9 @@ def test_a_person_at_a_browser_records_an_episode_discards_one_and_ends(
         # After a second without a key nobody drives and the episode waits.
         tab.keyboard.press("a")
         tab.get_by_text("1 intervention,").wait_for(timeout=120_000)
+        leave_and_come_back(tab, tmp_path / "new")
+        tab.get_by_text("1 intervention,").wait_for(timeout=120_000)
+        assert thread.is_alive()
         buttons.get_by_role("button", name="Discard and begin again").click(timeout=120_000)
         tab.get_by_text("0 interventions").wait_for(timeout=120_000)
         buttons.get_by_role("button", name="End the recording").click(timeout=120_000)
