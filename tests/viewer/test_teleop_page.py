@@ -184,12 +184,14 @@ def test_keys_drive_after_a_click_on_a_checkbox_or_a_choice_from_a_list(driven: 
         drives("w")
     for name in ("from above", "behind the robot"):
         view.click()
+        frame.get_by_role("option", name=name, exact=True).wait_for(timeout=60_000)
         tab.keyboard.press("w")
         time.sleep(0.5)
         assert not teleop.held
         view.fill(name)
         frame.get_by_role("option", name=name, exact=True).click()
         wait(lambda name=name: page._view.value == name)
+        frame.get_by_role("option").first.wait_for(state="hidden", timeout=60_000)
         drives("w")
         assert view.input_value() == name
     # An arrow opens the list.
