@@ -51,15 +51,20 @@ def begun_again(driven: DrivenPage) -> None:
 #: The page before the first step, each pixel the mean of 4 x 4 of the browser's.
 STORED = pathlib.Path(__file__).with_name("view_page.png")
 _BLOCK = 4
-#: Share of pixels that may be other than in the stored image: edges of letters in another font, and smoothing.
+#: Share of pixels that may be other than in the stored image: borders around keys in another font, and smoothing.
 _MAX_OTHER = 0.005
 
 
 def screenshot(tab: Any) -> np.ndarray:
-    """(200, 300, 3) of the page, without what viser says of the browser, nor a button that the mouse points at."""
+    """(200, 300, 3) of the page, without what viser says of the browser, nor a button that the mouse points at.
+
+    Letters are transparent: another machine's fonts break lines elsewhere.
+    """
     tab.mouse.move(400, 790)
     inner = next(frame for frame in tab.frames if "/viser" in frame.url)
     inner.add_style_tag(content=".mantine-Notifications-root { display: none !important; }")
+    for frame in (tab.main_frame, inner):
+        frame.add_style_tag(content="* { color: transparent !important; }")
     whole = Image.open(io.BytesIO(tab.screenshot(timeout=120_000))).convert("RGB")
     return np.asarray(whole.reduce(_BLOCK)).astype(int)
 
