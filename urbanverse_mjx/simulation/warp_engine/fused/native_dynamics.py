@@ -82,7 +82,8 @@ CUDA_CALLABLE inline void place_bodies(Work& k, const Robot& r)
                     if (type == SLIDE) {
                         place = place + moved * axis;
                     } else {
-                        turn = turn * about(v3(r.joint_axis[b]), moved);
+                        turn = turn * (HAS_BALLS && type == BALL ? unit(quaternion(k.qpos + BODY_QPOS[b]))
+                                                                 : about(v3(r.joint_axis[b]), moved));
                         matrix(m, turn);
                         place = anchor - turned(m, v3(r.joint_pos[b]));
                     }
@@ -120,6 +121,16 @@ CUDA_CALLABLE inline void place_inertia(
     out[9] = scale * mass;
 }
 
+// rad, a component of the rotation vector of a ball joint.
+CUDA_CALLABLE inline float turn_about(Quaternion q, int axis)
+{
+    const float part = axis == 0 ? q.x : axis == 1 ? q.y : q.z;
+    const float sine = sqrtf(q.x * q.x + q.y * q.y + q.z * q.z);
+    if (sine < 1e-12f) return 0.0f;
+    // The shorter way round.
+    return part / sine * 2.0f * atan2f(q.w < 0.0f ? -sine : sine, magnitude(q.w));
+}
+
 // Mass matrix (both triangles) and the forces that need no contact; returns the centre of mass.
 CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scale)
 {
@@ -139,6 +150,10 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
             }
         } else if (type == SLIDE) {
             out.l = v3(k.axis[b]);
+        } else if (HAS_BALLS && type == BALL) {
+            const float* column = k.xmat[b] + number;
+            out.a = { column[0], column[3], column[6] };
+            out.l = cross(out.a, com - v3(k.anchor[b]));
         } else {
             out.a = v3(k.axis[b]);
             out.l = cross(out.a, com - v3(k.anchor[b]));
@@ -150,10 +165,11 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
             const int b = LEVEL_BODY[LEVEL_START[level] + n], p = BODY_PARENT[b], first = BODY_DOF[b];
             V6 v = v6(k.velocity[p]), a = v6(k.acceleration[p]);
             const int type = BODY_JOINT[b];
-            if (type == FREE) {
-                v.l = v.l + v3(k.qvel + first);
+            if (type == FREE || (HAS_BALLS && type == BALL)) {
+                const int from = type == FREE ? first + 3 : first;
+                if (type == FREE) v.l = v.l + v3(k.qvel + first);
                 V6 spin = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-                for (int i = first + 3; i < first + 6; ++i) {
+                for (int i = from; i < from + 3; ++i) {
                     spin = spin + k.qvel[i] * v6(k.dof[i]);
                     a = a + k.qvel[i] * cross_motion(v, v6(k.dof[i]));
                 }
@@ -189,8 +205,13 @@ CUDA_CALLABLE inline V3 smooth_dynamics(Work& k, const Robot& r, float mass_scal
         for (int u = 0; u < NU; ++u)
             if (ACTUATOR_DOF[u] == i) {
                 const float ctrl = bound(k.ctrl[u], r.ctrl_range[u][0], r.ctrl_range[u][1]), gear = r.gear[u];
-                const float driven = r.gain[u] * ctrl + r.bias[u][0] + r.bias[u][1] * gear * k.qpos[ACTUATOR_QPOS[u]]
-                    + r.bias[u][2] * gear * k.qvel[i];
+                const float at = HAS_BALLS && ACTUATOR_SPIN[u] >= 0
+                    ? turn_about(quaternion(k.qpos + ACTUATOR_QPOS[u]), ACTUATOR_SPIN[u])
+                    : k.qpos[ACTUATOR_QPOS[u]];
+                float gain = r.gain[u];
+                if (AFFINE_GAINS) gain += gear * (r.gain_slope[u][0] * at + r.gain_slope[u][1] * k.qvel[i]);
+                const float driven
+                    = gain * ctrl + r.bias[u][0] + r.bias[u][1] * gear * at + r.bias[u][2] * gear * k.qvel[i];
                 out += gear * bound(driven, r.force_range[u][0], r.force_range[u][1]);
             }
         k.smooth[i] = out;

@@ -62,6 +62,10 @@ CUDA_CALLABLE inline void integrate(Work& k, const Robot& r, int contacts)
             const V3 spin = v3(v + 3);
             const float speed = sqrtf(dot(spin, spin));
             put(q + 3, unit(unit(quaternion(q + 3)) * about(unit(spin), dt * speed)));
+        } else if (HAS_BALLS && BODY_JOINT[b] == BALL) {
+            const V3 spin = v3(v);
+            const float speed = sqrtf(dot(spin, spin));
+            put(q, unit(unit(quaternion(q)) * about(unit(spin), dt * speed)));
         } else if (BODY_JOINT[b] != FIXED) {
             q[0] += dt * v[0];
         }

@@ -20,11 +20,12 @@ from . import native
 MAX_VELOCITIES = 32
 #: The number of slots is rounded up to a multiple of this, so that banks share programs.
 _SLOTS_STEP = 8
-_FIXED, _FREE, _SLIDE, _HINGE = range(4)
+_FIXED, _FREE, _SLIDE, _HINGE, _BALL = range(5)
 _JOINTS = {
     int(mujoco.mjtJoint.mjJNT_FREE): _FREE,
     int(mujoco.mjtJoint.mjJNT_SLIDE): _SLIDE,
     int(mujoco.mjtJoint.mjJNT_HINGE): _HINGE,
+    int(mujoco.mjtJoint.mjJNT_BALL): _BALL,
 }
 #: MuJoCo Warp's least tolerance of the solver in float32, and MuJoCo's smallest number that is not zero.
 _LEAST_TOLERANCE, _MINIMUM = 1e-6, 1e-15
@@ -53,8 +54,8 @@ def check_fusible(robot: RobotModel) -> None:
     """Refuses robots for which MuJoCo Warp is the only path.
 
     Raises:
-      NotFusible: bodies that can be pushed, more than 32 velocities, another tree than one of free, slide and
-        hinge joints, one a body, or forces that the program does not know.
+      NotFusible: bodies that can be pushed, more than 32 velocities, another tree than one of free, slide,
+        hinge and ball joints, one a body, or forces that the program does not know.
     """
     model = robot.model
     where, hint = f"robot {robot.physics.spec.name!r} with impl='warp-fused'", "use impl='warp'"
@@ -64,15 +65,19 @@ def check_fusible(robot: RobotModel) -> None:
         raise _not_fusible(where, f"{model.nv} velocities", f"at most {MAX_VELOCITIES}", hint)
     several = model.body_jntnum.max() > 1 or len(np.unique(model.body_rootid[1:])) != 1
     if several or any(int(t) not in _JOINTS for t in model.jnt_type):
-        raise _not_fusible(where, "other joints", "one tree of free, slide and hinge joints, at most one a body", hint)
+        needed = "one tree of free, slide, hinge and ball joints, at most one a body"
+        raise _not_fusible(where, "other joints", needed, hint)
     plain = (
         model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT,
         model.actuator_dyntype == mujoco.mjtDyn.mjDYN_NONE,
-        model.actuator_gaintype == mujoco.mjtGain.mjGAIN_FIXED,
+        np.isin(model.actuator_gaintype, (mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtGain.mjGAIN_AFFINE)),
         np.isin(model.actuator_biastype, (mujoco.mjtBias.mjBIAS_NONE, mujoco.mjtBias.mjBIAS_AFFINE)),
     )
     if not all(np.all(p) for p in plain):
-        raise _not_fusible(where, "other actuators", "joint actuators of fixed gain and affine bias", hint)
+        raise _not_fusible(where, "other actuators", "joint actuators of fixed or affine gain and affine bias", hint)
+    balls = model.jnt_type[model.actuator_trnid[:, 0]] == mujoco.mjtJoint.mjJNT_BALL
+    if ((model.actuator_gear[balls, :3] != 0.0).sum(1) != 1).any():
+        raise _not_fusible(where, "an actuator that turns a ball joint aslant", "one about x, y or z", hint)
     options = model.opt
     extra = {
         "joint springs": model.jnt_stiffness.any(),
@@ -118,6 +123,8 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
     limit_of = np.full(model.nv, -1)
     limit_of[limits.dof] = np.arange(len(limits.dof))
     driven = model.actuator_trnid[:, 0]
+    balls = model.jnt_type == mujoco.mjtJoint.mjJNT_BALL
+    spin = np.where(balls[driven], (model.actuator_gear[:, :3] != 0.0).argmax(1), -1)
     numbers = {
         "NQ": model.nq,
         "NV": model.nv,
@@ -144,6 +151,9 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
         "FREE": _FREE,
         "SLIDE": _SLIDE,
         "HINGE": _HINGE,
+        "BALL": _BALL,
+        "HAS_BALLS": int(balls.any()),
+        "AFFINE_GAINS": int(np.any(model.actuator_gaintype == mujoco.mjtGain.mjGAIN_AFFINE)),
     }
     floats = {
         "AGENT_FRICTION": agent_slots.FRICTION,
@@ -180,8 +190,9 @@ def build_program(robot: RobotModel, slots: int, contacts: int, agents: int) -> 
         "SPHERE_SLIPPERY": spheres.slippery.astype(int),
         "LIMIT_QPOS": _some(limits.qpos),
         "LIMIT_DOF": _some(limits.dof),
-        "ACTUATOR_DOF": _some(model.jnt_dofadr[driven], -1),
+        "ACTUATOR_DOF": _some(model.jnt_dofadr[driven] + np.maximum(spin, 0), -1),
         "ACTUATOR_QPOS": _some(model.jnt_qposadr[driven]),
+        "ACTUATOR_SPIN": _some(spin, -1),
     }
     values = _values(robot)
     source = native.preamble(numbers, floats, tables, values)
@@ -202,6 +213,9 @@ def _values(robot: RobotModel) -> dict[str, Any]:
     zero[model.jnt_bodyid] = model.qpos0[model.jnt_qposadr]
     unlimited = np.array([-3e38, 3e38])
     affine = model.actuator_biastype == mujoco.mjtBias.mjBIAS_AFFINE
+    sloped = model.actuator_gaintype == mujoco.mjtGain.mjGAIN_AFFINE
+    balls = model.jnt_type[model.actuator_trnid[:, 0]] == mujoco.mjtJoint.mjJNT_BALL
+    gear = np.where(balls, model.actuator_gear[:, :3].sum(1), model.actuator_gear[:, 0])
     return {
         "body_pos": model.body_pos,
         "body_quat": model.body_quat,
@@ -225,8 +239,9 @@ def _values(robot: RobotModel) -> dict[str, Any]:
         "limit_solimp": _some(limits.solimp),
         "limit_weight": _some(limits.invweight),
         "gain": _some(model.actuator_gainprm[:, 0]),
+        "gain_slope": _some(np.where(sloped[:, None], model.actuator_gainprm[:, 1:3], 0.0)),
         "bias": _some(np.where(affine[:, None], model.actuator_biasprm[:, :3], 0.0)),
-        "gear": _some(model.actuator_gear[:, 0]),
+        "gear": _some(gear),
         "ctrl_range": _some(np.where(model.actuator_ctrllimited[:, None], model.actuator_ctrlrange, unlimited)),
         "force_range": _some(np.where(model.actuator_forcelimited[:, None], model.actuator_forcerange, unlimited)),
         "gravity": model.opt.gravity,
