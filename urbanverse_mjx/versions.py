@@ -159,10 +159,13 @@ CODE: Mapping[str, Code] = {
         ),
         ("crowds", "surroundings"),
     ),
-    # Posts with doorbells and their episodes.
+    # Posts with doorbells, parcel boxes, and their episodes.
     "doorbells": Code(
         1,
-        ("envs.navigation.clearance_maps", *_below("envs.navigation.tasks", "doorbells", "posts")),
+        (
+            "envs.navigation.clearance_maps",
+            *_below("envs.navigation.tasks", "boxes", "doorbells", "furniture", "posts"),
+        ),
         ("crowds", "surroundings"),
     ),
     # City blocks; the number is part of their seed.

@@ -20,7 +20,7 @@ from ....robots.arm_reach import ArmReach
 from ...types import NavState, Result
 from .. import terms
 from ..scenarios import select_scenes
-from .doorbells import APPROACH, Options, with_doorbells
+from .doorbells import checked_options, with_doorbells
 from .task import Parts, Task
 
 #: m from the button within which the fingertip can touch nothing but its cap without a hit. Wide, because a force is
@@ -30,8 +30,6 @@ NEAR = 0.15
 LEAST_FORCE = 0.5
 #: m and rad/s, units of observed distances of the hand and of the joints' speeds.
 HAND_UNIT, SPEED_UNIT = 0.5, 2.0
-#: Largest number of posts in a scene, each of which costs slots of collision and of the image.
-MOST_POSTS = 32
 
 
 class PressState(NamedTuple):
@@ -113,22 +111,10 @@ class Deliver(Task):
         Raises:
           ValidationError: see the class, or no scene has space for a post.
         """
-        options = config.task
-        if not 1 <= options.posts <= MOST_POSTS:
-            raise ValidationError(f"config.task.posts: found {options.posts}, needed 1 to {MOST_POSTS} in a scene.")
-        low, high = (float(x) for x in options.height)
-        if not 0.3 <= low <= high <= 1.22:
-            raise ValidationError(
-                f"config.task.height: found {low:g} to {high:g} m, needed least <= greatest between 0.3 and 1.22."
-            )
-        near, far = (float(x) for x in options.distance)
-        if not APPROACH <= near < far:
-            raise ValidationError(
-                f"config.task.distance: found {near:g} to {far:g} m, needed {APPROACH:g} <= least < greatest."
-            )
+        options = checked_options(config.task, 0.3, 1.22)
         ArmReach(robot)
         scenes = select_scenes(bank, config.scenes).tolist()
-        return with_doorbells(bank, scenes, robot, Options(int(options.posts), (low, high), (near, far)))
+        return with_doorbells(bank, scenes, robot, options)
 
     @classmethod
     def episodes(

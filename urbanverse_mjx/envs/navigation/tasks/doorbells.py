@@ -1,7 +1,8 @@
-"""Where doorbells stand, and the episodes that lead to them: from a start a few metres away, by two straight lines.
+"""Where doorbells and parcel boxes stand, and the episodes that lead to them: from a start a few metres away, by two
+straight lines.
 
 In:   a bank, a robot with an arm, options.
-Out:  the bank with posts (`posts`) and with these episodes.
+Out:  the bank with posts (`posts`) or boxes (`boxes`) and with these episodes.
 When: once per bank, on the host; cached.
 """
 
@@ -10,7 +11,7 @@ import hashlib
 import json
 import pathlib
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from ....datatypes import RobotSpec, SceneBank, ValidationError, array_file
 from ....datatypes.ground import GROUND_KINDS
 from ....geometry.grids import Grid
 from ..clearance_maps import CELL, build_clearance_maps
+from . import boxes
 from .posts import DEPTH, HALF_SIDE, HEADINGS, Post, with_posts
 
 #: m between the robot's origin and the button's surface from which the arm reaches it, and at which the last straight
@@ -48,16 +50,62 @@ _USED = (
 )
 
 
+#: Largest number of posts in a scene, each of which costs slots of collision and of the image.
+MOST_POSTS = 32
+
+
 class Options(NamedTuple):
     """Attributes:
     posts: greatest number in a scene.
-    height: m, least and greatest height of a button above the ground.
-    distance: m, least and greatest distance of a start from its button.
+    height: m, least and greatest height of a button, or of a box's rim, above the ground.
+    distance: m, least and greatest distance of a start from its post.
     """
 
     posts: int
     height: tuple[float, float]
     distance: tuple[float, float]
+
+
+class Stand(NamedTuple):
+    """What stands there.
+
+    Attributes:
+      name: in messages, and of its folder in the cache.
+      half_side: m. before: m from its middle to the surface before which the robot stands.
+      clearance: m that it keeps from hulls and edges.
+    """
+
+    name: str
+    half_side: float
+    before: float
+    clearance: float
+
+
+#: A post with a doorbell, and a parcel box.
+DOORBELL = Stand("doorbell", HALF_SIDE, HALF_SIDE + DEPTH, POST_CLEARANCE)
+BOX = Stand("parcel box", boxes.HALF_SIDE, boxes.HALF_SIDE, POST_CLEARANCE + boxes.HALF_SIDE - HALF_SIDE)
+
+
+def checked_options(options: Any, lowest: float, highest: float) -> Options:
+    """The options of `config.task` with heights from lowest to highest (m).
+
+    Raises:
+      ValidationError: a value is out of its range.
+    """
+    if not 1 <= options.posts <= MOST_POSTS:
+        raise ValidationError(f"config.task.posts: found {options.posts}, needed 1 to {MOST_POSTS} in a scene.")
+    low, high = (float(x) for x in options.height)
+    if not lowest <= low <= high <= highest:
+        raise ValidationError(
+            f"config.task.height: found {low:g} to {high:g} m, "
+            f"needed least <= greatest between {lowest:g} and {highest:g}."
+        )
+    near, far = (float(x) for x in options.distance)
+    if not APPROACH <= near < far:
+        raise ValidationError(
+            f"config.task.distance: found {near:g} to {far:g} m, needed {APPROACH:g} <= least < greatest."
+        )
+    return Options(int(options.posts), (low, high), (near, far))
 
 
 def with_doorbells(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> SceneBank:
@@ -67,32 +115,50 @@ def with_doorbells(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, opt
     Raises:
       ValidationError: no scene has space for a post.
     """
-    path = _path_of(bank, scenes, robot, options)
+    return with_posts(*_furnished(bank, scenes, robot, options, DOORBELL))
+
+
+def with_parcel_boxes(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> SceneBank:
+    """The same with parcel boxes.
+
+    Raises:
+      ValidationError: see `with_doorbells`.
+    """
+    return boxes.with_boxes(*_furnished(bank, scenes, robot, options, BOX))
+
+
+def _furnished(
+    bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options, stand: Stand
+) -> tuple[SceneBank, dict[int, list[Post]]]:
+    """The bank with the episodes, and the posts of each scene that has some."""
+    path = _path_of(bank, scenes, robot, options, stand)
     names = ("posts", "start", "of")
     arrays = array_file.load_cached(path, "doorbells", names)
     if arrays is None:
-        arrays = _build(bank, scenes, robot, options)
+        arrays = _build(bank, scenes, robot, options, stand)
         array_file.save_cached(path, arrays)
     posts = {int(z): [Post(tuple(p), h, b) for p, h, b in own] for z, own in json.loads(arrays["posts"].tobytes())}
     if not posts:
         raise ValidationError(
-            f"config.scenes: found no space for a doorbell in {len(scenes)} scenes, needed a post on "
+            f"config.scenes: found no space for a {stand.name} in {len(scenes)} scenes, needed a post on "
             f"a pavement and {options.distance[0]:g} m of level ground before it; take other scenes or distances."
         )
-    return with_posts(_with_rows(bank, posts, arrays["start"], arrays["of"]), posts)
+    return _with_rows(bank, posts, arrays["start"], arrays["of"], stand), posts
 
 
-def _path_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> pathlib.Path:
+def _path_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options, stand: Stand) -> pathlib.Path:
     told = (versions.of("doorbells"), [int(z) for z in scenes], robot.planner_radius, robot.planner_height, options)
-    digest = hashlib.sha256(repr((*told, bank.scene_ids)).encode())
+    digest = hashlib.sha256(repr((*told, bank.scene_ids, *(stand if stand != DOORBELL else ()))).encode())
     for name in _USED:
         array = np.ascontiguousarray(getattr(bank, name))
         digest.update(f"{name} {array.shape} {array.dtype}".encode())
         digest.update(array.data)
-    return settings.cache_dir("doorbells", f"{digest.hexdigest()[:24]}.npz")
+    return settings.cache_dir("doorbells" if stand == DOORBELL else "parcel_boxes", f"{digest.hexdigest()[:24]}.npz")
 
 
-def _build(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options) -> dict[str, np.ndarray]:
+def _build(
+    bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options, stand: Stand
+) -> dict[str, np.ndarray]:
     """posts: JSON of (scene, (place, heading, button) of each); start (S, 4) x, y, z, yaw; of (S, 2) i32, scene and
     post of each start."""
     maps = build_clearance_maps(bank, scenes, robot.planner_height)
@@ -102,7 +168,7 @@ def _build(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Op
         name = hashlib.sha256(bank.scene_ids[scene].encode()).digest()
         side = round(float(bank.map_resolution) / CELL)
         pavement = np.kron(np.isin(bank.map_kind[scene], _PAVEMENT), np.ones((side, side), bool))
-        street = _Street(maps.origin[scene], clear, maps.ground[scene], pavement, robot.planner_radius)
+        street = _Street(maps.origin[scene], clear, maps.ground[scene], pavement, robot.planner_radius, stand)
         own, rows = street.furnish(options, np.random.default_rng(np.frombuffer(name, np.uint32)))
         if own:
             found.append((int(scene), own))
@@ -123,13 +189,20 @@ class _Street:
       origin: (2,) m. clear: (X, Y) m, distance to hulls and edges, ground: (X, Y) m, height, pavement: (X, Y) bool,
         where a post may stand, in cells of `CELL`.
       radius: m, of the robot.
+      stand: what is to stand there.
     """
 
     def __init__(
-        self, origin: np.ndarray, clear: np.ndarray, ground: np.ndarray, pavement: np.ndarray, radius: float
+        self,
+        origin: np.ndarray,
+        clear: np.ndarray,
+        ground: np.ndarray,
+        pavement: np.ndarray,
+        radius: float,
+        stand: Stand = DOORBELL,
     ) -> None:
         self.grid = Grid(np.asarray(origin, np.float64), CELL, clear.shape)
-        self.clear, self.ground, self.pavement, self.radius = clear, ground, pavement, radius
+        self.clear, self.ground, self.pavement, self.radius, self.post = clear, ground, pavement, radius, stand
 
     def passable(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """(n,) bool, whether the robot drives straight from points (n, 2) m to others with `MARGIN` to everything and
@@ -146,13 +219,13 @@ class _Street:
         self, options: Options, rng: np.random.Generator
     ) -> tuple[list[tuple[list[float], int, float]], list[tuple[list[float], int]]]:
         """Posts (place, heading, height of the button), and starts (x, y, z, yaw) with the number of their post."""
-        cells = np.argwhere((self.clear > POST_CLEARANCE) & self.pavement)
+        cells = np.argwhere((self.clear > self.post.clearance) & self.pavement)
         if not len(cells):
             return [], []
         places = self.grid.centres(cells[rng.integers(len(cells), size=POST_TRIES)])
         heading = rng.integers(HEADINGS, size=POST_TRIES)
         out = _directed(2.0 * np.pi * heading / HEADINGS)
-        before = HALF_SIDE + DEPTH
+        before = self.post.before
         stand, approach = places + (before + STANDOFF) * out, places + (before + APPROACH) * out
         height = self.grid.at(self.ground, places)
         # A robot that turns on a slope slides off its line.
@@ -200,8 +273,11 @@ class _Street:
         free = self.passable(points, ends) & (self.grid.at(self.clear, points) > self.radius + 2.0 * MARGIN)
         # Its own post and the others, which the maps do not have.
         for post in [place, *others]:
-            free &= _apart(points, ends, post) > self.radius + HALF_SIDE + MARGIN
-        if any(_apart(approach[None], stand[None], post)[0] <= self.radius + HALF_SIDE + MARGIN for post in others):
+            free &= _apart(points, ends, post) > self.radius + self.post.half_side + MARGIN
+        if any(
+            _apart(approach[None], stand[None], post)[0] <= self.radius + self.post.half_side + MARGIN
+            for post in others
+        ):
             return np.zeros((0, 4))
         points = points[np.flatnonzero(free)[:STARTS]]
         line = approach - points
@@ -216,7 +292,9 @@ def _apart(start: np.ndarray, end: np.ndarray, point: np.ndarray) -> np.ndarray:
     return np.linalg.norm(start + share[:, None] * span - point, axis=1)
 
 
-def _with_rows(bank: SceneBank, posts: dict[int, list[Post]], start: np.ndarray, of: np.ndarray) -> SceneBank:
+def _with_rows(
+    bank: SceneBank, posts: dict[int, list[Post]], start: np.ndarray, of: np.ndarray, stand: Stand
+) -> SceneBank:
     """The bank with the episodes of the posts in place of its own, in scenes that have posts."""
     tables = {name: np.array(getattr(bank, name)) for name in _TABLES}
     number = np.array(bank.num_episodes)
@@ -226,7 +304,7 @@ def _with_rows(bank: SceneBank, posts: dict[int, list[Post]], start: np.ndarray,
         for row in range(len(tables["episode_length"][scene])):
             at = rows[row % len(rows)]
             post, begin = own[of[at, 1]], start[at]
-            ahead = HALF_SIDE + DEPTH + np.array([APPROACH, STANDOFF])
+            ahead = stand.before + np.array([APPROACH, STANDOFF])
             points = np.array(post.place)[:2] + ahead[:, None] * _directed(np.array(post.yaw))
             # Level ground: that of the start serves all, as it does for other episodes' waypoints.
             places = np.column_stack([points, np.full(2, begin[2])])
