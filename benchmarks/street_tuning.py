@@ -66,7 +66,7 @@ RESULT, PREPARED, ASKED, BANK = "result.json", "prepared.json", "options.json", 
 #: Result of an episode -> its letter in the rows.
 LETTERS = {
     "goal": "g", "hit": "h", "off_traversable": "o", "timeout": "t", "fall": "f", "non_finite": "n", "hit_agent": "a",
-    "lost": "l", "stopped": "s",
+    "lost": "l", "stopped": "s", "dropped": "d",
 }  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from .hashing import content_hash
 from .label_prior import LabelPrior
 from .recording import Camera, Detection, Frame, Recording
 from .recording_writer import RecordingWriter
-from .robot import Arm, Response, RobotSpec
+from .robot import Arm, Parcel, Response, RobotSpec
 from .scene_bank import SPLITS, SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
@@ -45,6 +45,7 @@ __all__ = [
     "GroundRegion",
     "HullSet",
     "LabelPrior",
+    "Parcel",
     "PlacedGround",
     "PlacedObject",
     "Recording",

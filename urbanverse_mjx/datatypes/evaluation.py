@@ -7,7 +7,7 @@ from . import validation as v
 from .json_datatype import JsonDatatype
 
 SCHEMA = "urbanverse.benchmark_report/1"
-RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent", "lost", "stopped")
+RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent", "lost", "stopped", "dropped")
 #: A `hit` of the ground by a part of the robot other than a foot, which has other causes than that of an object.
 HIT_GROUND = "hit_ground"
 OUTCOMES = (*RESULTS, HIT_GROUND)

@@ -65,6 +65,28 @@ class Arm:
 
 
 @dataclasses.dataclass(frozen=True)
+class Parcel:
+    """A parcel at the hand of an arm, which falls when it is released.
+
+    Attributes:
+      body: name of its body.
+      spheres: names of its collision spheres, of `RobotSpec.foot_geoms`.
+      actuators: places in the robot's command of the values that hold it: 1, and 0 from the release on.
+      half_side: m, of the cube.
+      ahead: m from the fingertip's centre to its middle, along the hand.
+    """
+
+    body: str
+    spheres: tuple[str, ...]
+    actuators: tuple[int, ...]
+    half_side: float
+    ahead: float
+
+    def __post_init__(self) -> None:
+        v.number(self.half_side, "parcel.half_side", above=0.0)
+
+
+@dataclasses.dataclass(frozen=True)
 class RobotSpec:
     """A robot and how a body velocity becomes actuator commands.
 
@@ -85,6 +107,7 @@ class RobotSpec:
       response: how it answers to velocity commands; None where that was not described.
       arm: its arm; None where it has none.
       drive: one of `DRIVES`.
+      parcel: what its hand holds; None where it holds nothing.
     """
 
     name: str
@@ -105,6 +128,7 @@ class RobotSpec:
     response: Response | None = None
     arm: Arm | None = None
     drive: str = "differential"
+    parcel: Parcel | None = None
 
     def __post_init__(self) -> None:
         v.text(self.name, "robot.name")
@@ -116,3 +140,6 @@ class RobotSpec:
         v.number(self.step_height, f"{where}.step_height", minimum=0.0)
         if self.arm is not None and self.arm.tip not in self.foot_geoms:
             raise v.fail(f"{where}.arm.tip", v.show(self.arm.tip), "one of its foot_geoms")
+        if self.parcel is not None:
+            for name in set(self.parcel.spheres) - set(self.foot_geoms):
+                raise v.fail(f"{where}.parcel.spheres", v.show(name), "names of its foot_geoms")

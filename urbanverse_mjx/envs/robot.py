@@ -6,8 +6,8 @@ from ..datatypes import RobotSpec
 
 
 def make_robot(config: ConfigDict) -> RobotSpec:
-    """Loads the robot of a config: "coco", "coco_arm", "go2", "wheelchair", a name of `robots.catalogue`, or the path
-    of a robot.json (see `robots.load`)."""
+    """Loads the robot of a config: "coco", "coco_arm", "coco_parcel", "go2", "wheelchair", a name of
+    `robots.catalogue`, or the path of a robot.json (see `robots.load`)."""
     from .. import robots
 
     if config.robot == "go2":
@@ -16,4 +16,6 @@ def make_robot(config: ConfigDict) -> RobotSpec:
         return robots.make_coco(drive=config.drive)
     if config.robot == "coco_arm":
         return robots.make_coco_arm()
+    if config.robot == "coco_parcel":
+        return robots.make_coco_parcel()
     return robots.load(config.robot)

@@ -16,7 +16,8 @@ from ..datatypes import SceneBank, SimState
 
 class Result(enum.IntEnum):
     """How an episode ended, or RUNNING. HIT is contact with an object, or of the body with the ground; LOST is a person
-    to follow out of sight; STOPPED is a stop elsewhere than at the object to find."""
+    to follow out of sight; STOPPED is a stop elsewhere than at the object to find; DROPPED is a parcel beside its
+    box."""
 
     RUNNING = 0
     GOAL = 1
@@ -28,6 +29,7 @@ class Result(enum.IntEnum):
     HIT_AGENT = 7
     LOST = 8
     STOPPED = 9
+    DROPPED = 10
 
 
 @jax.tree_util.register_pytree_with_keys_class

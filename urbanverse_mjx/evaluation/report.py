@@ -34,8 +34,9 @@ def to_markdown(report: BenchmarkReport) -> str:
     """Formats the tables: all scenes, results of episodes, and each scene."""
     lines = [f"# {report.title}", "", _INTERVALS, ""]
     metrics = ("SR", "CT", "RC", "DTG", "hit_episodes", "SPL")
-    # Point goals have nobody to lose and no stop elsewhere.
-    ends = [r for r in RESULTS if r not in ("lost", "stopped") or any(e.result == r for e in report.episodes)]
+    # Point goals have nobody to lose, no stop elsewhere and nothing to drop.
+    others = ("lost", "stopped", "dropped")
+    ends = [r for r in RESULTS if r not in others or any(e.result == r for e in report.episodes)]
     lines += ["| agent | " + " | ".join(metrics) + " | episodes | scenes |", "|---" * (len(metrics) + 3) + "|"]
     for agent, values in report.summary.items():
         cells = " | ".join(_cell(values[m]) for m in metrics)

@@ -18,7 +18,7 @@ import numpy as np
 _TO_WAIST, _TO_SHOULDER = (0.0, 0.0, 0.079), (0.0, 0.0, 0.04805)
 _TO_ELBOW, _TO_WRIST, _TO_ROTATE = (0.05955, 0.0, 0.3), (0.3, 0.0, 0.0), (0.069744, 0.0, 0.0)
 #: The frame `ee_gripper_link` of the description, between the fingertips.
-_TO_TIP = (0.042825 + 0.025875 + 0.0385, 0.0, 0.0)
+TO_TIP = (0.042825 + 0.025875 + 0.0385, 0.0, 0.0)
 #: m, radius of the fingertip, which is chosen here.
 TIP_RADIUS = 0.012
 TIP = "fingertip"
@@ -139,7 +139,7 @@ JOINTS = (
             Part(0.034796, (0.086044, -0.021, 0.0), (0.00001255, 0.00002433, 0.00001417)),
         ),
         ((0.02, 0.0, 0.0, 0.045), (0.07, 0.0, 0.0, 0.025)),
-        ((0.02, 0.0, 0.0, 0.035, 0.0, 0.0, 0.038), (0.06, 0.0, 0.0, _TO_TIP[0], 0.0, 0.0, TIP_RADIUS)),
+        ((0.02, 0.0, 0.0, 0.035, 0.0, 0.0, 0.038), (0.06, 0.0, 0.0, TO_TIP[0], 0.0, 0.0, TIP_RADIUS)),
     ),
 )
 
@@ -211,7 +211,7 @@ def add_arm(spec: mujoco.MjSpec, body: str, place: tuple[float, float, float], r
             forcerange=(-joint.torque, joint.torque),
             forcelimited=True,
         )
-    _sphere(link, TIP, _TO_TIP, TIP_RADIUS)
+    _sphere(link, TIP, TO_TIP, TIP_RADIUS)
 
 
 def _weigh(body: mujoco.MjsBody, parts: tuple[Part, ...]) -> None:

@@ -52,6 +52,7 @@ class ArmReach:
 
     Args:
       robot: with an `Arm`, each of whose links has one joint at its origin.
+      beyond: m along the hand from the fingertip's centre to the point that is meant by the fingertip.
 
     Attributes:
       low, high: (J,) rad, ends of the ranges.
@@ -64,7 +65,7 @@ class ArmReach:
       ValidationError: the robot has no arm.
     """
 
-    def __init__(self, robot: RobotSpec) -> None:
+    def __init__(self, robot: RobotSpec, beyond: float = 0.0) -> None:
         if robot.arm is None:
             raise ValidationError(f"robot {robot.name!r}: found no arm, needed one, such as that of 'coco_arm'.")
         model = mujoco.MjModel.from_xml_string(robot.mjcf)
@@ -81,7 +82,9 @@ class ArmReach:
         self._axis = jnp.asarray(model.jnt_axis[joints], jnp.float32)
         self._centre, self._mass = (jnp.asarray(x[links], jnp.float32) for x in (model.body_ipos, model.body_mass))
         geom = model.geom(robot.arm.tip).id
-        self.tip, self.hand = jnp.asarray(model.geom_pos[geom], jnp.float32), int(links[-1])
+        tip = model.geom_pos[geom]
+        self.tip = jnp.asarray(tip + beyond * tip / np.linalg.norm(tip), jnp.float32)
+        self.hand = int(links[-1])
         self.low, self.high = jnp.asarray(model.jnt_range[joints].T, jnp.float32)
         self.gain = jnp.asarray(model.actuator_gainprm[list(robot.arm.actuators), 0], jnp.float32)
         self.addresses, self.speeds = np.array(model.jnt_qposadr[joints]), np.array(model.jnt_dofadr[joints])

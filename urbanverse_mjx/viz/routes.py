@@ -23,6 +23,7 @@ ENDS = {
     "fall": (110, 60, 20),
     "lost": (0, 150, 160),
     "stopped": (120, 120, 120),
+    "dropped": (190, 150, 60),
     "non_finite": (0, 0, 0),
 }
 #: m above the ground; a hull that begins below is an obstacle.

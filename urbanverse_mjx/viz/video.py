@@ -43,6 +43,7 @@ CAPTIONS = {
     "hit_agent": "hit an agent",
     "lost": "lost the person",
     "stopped": "stopped elsewhere",
+    "dropped": "dropped the parcel",
     "off_traversable": "left the walkable ground",
     "fall": "fell",
     "non_finite": "not finite",

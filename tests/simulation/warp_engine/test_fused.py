@@ -16,7 +16,7 @@ import pytest
 from tests.support.box_bank import box_bank
 from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
-from urbanverse_mjx.robots import make_coco, make_go2
+from urbanverse_mjx.robots import make_coco, make_coco_parcel, make_go2
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.physics_model import make_physics_model
 from urbanverse_mjx.simulation.warp_engine import WarpEngine
@@ -123,7 +123,7 @@ def test_iterations_of_a_loop_are_independent(
 
 @pytest.mark.extended
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
-@pytest.mark.parametrize("make", [make_coco, make_go2])
+@pytest.mark.parametrize("make", [make_coco, make_go2, make_coco_parcel])
 def test_lanes_do_not_race(make: Any, tmp_path: pathlib.Path) -> None:
     """Four lanes as threads under ThreadSanitizer: no race, and what one lane computes."""
     robot = make()
@@ -164,8 +164,10 @@ def edited(robot: RobotSpec, **options: float) -> RobotModel:
     [
         ({"dof_frictionloss": 1.0}, "dry friction of joints"),
         ({"jnt_stiffness": 3.0}, "joint springs"),
-        ({"actuator_gaintype": 1}, "other actuators"),
-        ({"jnt_type": 1}, "other joints"),
+        ({"actuator_gaintype": 2}, "other actuators"),
+        ({"jnt_type": 9}, "other joints"),
+        ({"jnt_type": 1, "actuator_gear": 1.0}, "turns a ball joint aslant"),
+        ({"body_jntnum": 2}, "other joints"),
     ],
 )
 def test_forces_that_it_does_not_know_are_refused(options: dict[str, float], message: str) -> None:

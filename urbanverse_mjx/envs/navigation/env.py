@@ -151,7 +151,9 @@ class NavEnv(StagedBase[NavState]):
     def action_size(self) -> int:
         if self._joint_range is not None:
             return len(self._joint_range)
-        return 2 if self._arm is None else 2 + len(self._arm.addresses)
+        if self._arm is None:
+            return 2
+        return 2 + len(self._arm.addresses) + (self.robot.parcel is not None)
 
     @property
     def mj_model(self) -> mujoco.MjModel:
@@ -399,10 +401,11 @@ class NavEnv(StagedBase[NavState]):
         return share * self._control(nav, nav.last_action) + (1.0 - share) * command
 
     def _still(self) -> jax.Array:
-        """(action_size,) the action before the first one: no speed, and the arm where it is."""
+        """(action_size,) the action before the first one: no speed, the arm where it is, and a closed hand."""
         if self._arm is None or self.robot.arm is None:
             return jnp.zeros(self.action_size)
-        return jnp.concatenate([jnp.zeros(2), self._arm.shares(jnp.array(self.robot.arm.folded))])
+        still = jnp.concatenate([jnp.zeros(2), self._arm.shares(jnp.array(self.robot.arm.folded))])
+        return still if self.robot.parcel is None else jnp.append(still, -1.0)
 
     def _control(self, nav: NavState, action: jax.Array) -> jax.Array:
         robot = self.robot
@@ -417,8 +420,11 @@ class NavEnv(StagedBase[NavState]):
         if self._arm is None or robot.arm is None:
             return command
         now, most = nav.sim.qpos[self._arm.addresses], robot.arm.speed * self.dt
-        targets = jnp.clip(self._arm.angles(action[2:]), now - most, now + most)
-        return command.at[np.array(robot.arm.actuators)].set(targets)
+        wanted = self._arm.angles(action[2 : 2 + len(robot.arm.actuators)])
+        command = command.at[np.array(robot.arm.actuators)].set(jnp.clip(wanted, now - most, now + most))
+        if robot.parcel is None:
+            return command
+        return command.at[np.array(robot.parcel.actuators)].set(self.task.holds(nav))
 
     def _rewards(self, old: NavState, new: NavState, velocity: jax.Array, hit: jax.Array) -> dict[str, jax.Array]:
         p_xy = new.sim.xpos[self._root, :2]

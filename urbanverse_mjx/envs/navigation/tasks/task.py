@@ -8,6 +8,7 @@ When: inside jit, per env, at reset and in every control step.
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import mujoco
 import numpy as np
 from jaxtyping import Array, Float, Int, Int32, Key
@@ -161,6 +162,11 @@ class Task:
         """Values of `SCORES` of an episode that ended in this state."""
         del nav
         return {}
+
+    def holds(self, nav: NavState) -> Float[Array, ""]:
+        """() 1 while the hand of a robot with a parcel holds it in the step after a state, else 0."""
+        del nav
+        return jnp.float32(1.0)
 
     def observed_goal(self, nav: NavState) -> Float[Array, "3"]:
         """(3,) m, the goal as a policy knows it."""
