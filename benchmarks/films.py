@@ -47,6 +47,7 @@ TASKS = {
     "object_goal": "CocoObjectGoal",
     "multi_robot": "CocoMultiRobot",
     "deliver": "CocoDeliver",
+    "drop_off": "CocoDropOff",
 }
 #: Film -> street of a task. On the narrow pavement of construction_narrow, robots that meet stand until the end.
 STREETS = {
@@ -57,9 +58,10 @@ STREETS = {
     "object_goal": "park_edge",
     "multi_robot": "commercial_bike_lane",
     "deliver": "commercial_cafes",
+    "drop_off": "commercial_cafes",
 }
-#: Film -> another camera, as in `PlayOptions`: from behind, the robot hides the button that it presses.
-_CAMERAS = {"deliver": {"azimuth": 60.0, "nearness": 0.55}}
+#: Film -> another camera, as in `PlayOptions`: from behind, the robot hides what its arm does.
+_CAMERAS = {name: {"azimuth": 60.0, "nearness": 0.55} for name in ("deliver", "drop_off")}
 #: Episodes that are driven of a task or of a benchmark's scene, of which one is shown. Four robots of a street are
 #: driven together.
 _DRIVEN = 4

@@ -88,6 +88,16 @@ TASKS: dict[str, tuple[str, dict[str, tuple[str, int]]]] = {
             "hit_episodes": ("episodes with contact %", 1),
         },
     ),
+    "CocoDropOff": (
+        "drop_off.md",
+        {
+            "task/score": ("score (SPL)", 3),
+            "SR": ("SR %", 1),
+            "task/parcel_distance": ("parcel from the box's middle m", 3),
+            "task/release_height": ("height of the release m", 3),
+            "hit_episodes": ("episodes with contact %", 1),
+        },
+    ),
     "CocoFollowPerson": (
         "follow_person.md",
         {

@@ -238,6 +238,12 @@ TASKS: dict[str, tuple[dict[str, Any], dict[str, float], tuple[int, ...] | None,
         None,
         {"robot": "coco_arm", "ctrl_dt": 0.1, "episode_length": 300, "scenario": "static", "success_radius": 0.0},
     ),
+    "DropOff": (
+        {"posts": 8, "height": [0.5, 0.85], "distance": [2.0, 6.0], "release_time": 0.4, "lie_time": 0.5},
+        {"near_object": 0.0, "carry": 2.0, "open": 4.0, "spilt": -0.1, "dropped": -5.0},
+        None,
+        {"robot": "coco_parcel", "ctrl_dt": 0.1, "episode_length": 300, "scenario": "static", "success_radius": 0.0},
+    ),
     "MultiRobot": (
         {"robots": 4, "route_length": [8.0, 30.0], "arrival_distance": 1.0, "deliveries": 1},
         {"arrived": 0.0, "progress": 0.0, "approach": 1.0, "delivered": 10.0},

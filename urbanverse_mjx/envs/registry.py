@@ -25,6 +25,7 @@ from .navigation.ppo import deliver_ppo_config, ppo_config
 from .navigation.tasks.config import (
     cross_street_config,
     deliver_config,
+    drop_off_config,
     follow_person_config,
     follow_route_config,
     multi_robot_config,
@@ -405,6 +406,14 @@ register_environment(
     presets=tuple(name for name in PRESETS if name != "quick"),
     make_ppo_config=deliver_ppo_config,
     about="COCO with an arm drives up to a post and presses its doorbell",
+)
+register_environment(
+    "CocoDropOff",
+    make_wheeled_env,
+    drop_off_config,
+    presets=tuple(name for name in PRESETS if name != "quick"),
+    make_ppo_config=deliver_ppo_config,
+    about="COCO with an arm drives up to a box and drops a parcel into it",
 )
 register_environment(
     "Go2Joystick",

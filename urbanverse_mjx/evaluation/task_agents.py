@@ -13,13 +13,14 @@ from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..envs.navigation.tasks.cross import CrossStreet
 from ..envs.navigation.tasks.deliver import Deliver
+from ..envs.navigation.tasks.drop_off import DropOff
 from ..envs.navigation.tasks.follow import LEADER, FollowPerson
 from ..envs.navigation.tasks.multi_robot import MultiRobot
 from ..envs.navigation.tasks.object_goal import ObjectGoal
 from ..envs.navigation.tasks.route import FollowRoute, RouteState
 from ..envs.navigation.tasks.social import SocialNav
 from .agents import Agent, Privileged, go_to_goal, keep_distance
-from .doorbell_agent import DoorbellPresser
+from .doorbell_agent import DoorbellPresser, ParcelDropper
 from .gap_agent import GapAcceptor
 from .planner import GOAL_DISTANCE, Planner, RouteField, bilinear
 from .route_fields import NODE, build_route_fields
@@ -344,6 +345,8 @@ def planner_of(env: NavEnv) -> Privileged:
         return DeliveryPlanner(env)
     if isinstance(env.task, Deliver):
         return DoorbellPresser(env)
+    if isinstance(env.task, DropOff):
+        return ParcelDropper(env)
     return Planner(env)
 
 
@@ -352,6 +355,8 @@ def baseline_of(env: NavEnv) -> tuple[str, Agent | Privileged]:
     phrase see `ObjectWanderer`."""
     if isinstance(env.task, Deliver):
         return "fixed_height", DoorbellPresser(env, float(np.mean(env.config.task.height)))
+    if isinstance(env.task, DropOff):
+        return "straight_ahead", ParcelDropper(env, straight=True)
     if isinstance(env.task, ObjectGoal):
         return "wander", ObjectWanderer(env)
     if isinstance(env.task, FollowPerson):

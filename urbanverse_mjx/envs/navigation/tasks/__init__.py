@@ -5,6 +5,7 @@ from ml_collections import ConfigDict
 from ....datatypes import ValidationError
 from .cross import CrossStreet
 from .deliver import Deliver
+from .drop_off import DropOff
 from .follow import FollowPerson
 from .multi_robot import MultiRobot
 from .object_goal import ObjectGoal
@@ -23,6 +24,7 @@ TASKS: dict[str, type[Task]] = {
     "object_goal": ObjectGoal,
     "multi_robot": MultiRobot,
     "deliver": Deliver,
+    "drop_off": DropOff,
 }
 
 

@@ -10,7 +10,7 @@ from ..config import default_config
 #: Terms of reward with which a policy learns in few steps, whatever the preset: those of the preset `fast`.
 _DENSE = "fast"
 
-#: s, time limits of `FollowRoute`, `CrossStreet` and `Deliver`.
+#: s, time limits of `FollowRoute`, `CrossStreet`, and `Deliver` and `DropOff`.
 FOLLOW_ROUTE_TIME, CROSS_STREET_TIME, DELIVER_TIME = 360.0, 60.0, 30.0
 
 
@@ -78,14 +78,37 @@ def deliver_config(preset: str = "paper") -> ConfigDict:
         "hold_time": 0.2,  # s
     }
     # The post is always near in the end.
-    config = _without_people(preset, "deliver", options, {"near_object": 0.0, "reach": 2.0, "press": 0.2})
+    scales = {"near_object": 0.0, "reach": 2.0, "press": 0.2}
+    return _with_arm(_without_people(preset, "deliver", options, scales), "coco_arm").lock()
+
+
+def drop_off_config(preset: str = "paper") -> ConfigDict:
+    """The configuration of `DropOff` (`drop_off.DropOff`) for COCO with a parcel at its arm: that of a preset at 10 Hz.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    options = {
+        "posts": 8,
+        "height": (0.5, 0.85),  # m
+        "distance": (2.0, 6.0),  # m
+        "release_time": 0.4,  # s
+        "lie_time": 0.5,  # s
+    }
+    # The box is always near in the end.
+    scales = {"near_object": 0.0, "carry": 2.0, "open": 4.0, "spilt": -0.1, "dropped": -5.0}
+    return _with_arm(_without_people(preset, "drop_off", options, scales), "coco_parcel").lock()
+
+
+def _with_arm(config: ConfigDict, robot: str) -> ConfigDict:
+    """The configuration for a robot with an arm."""
     del config.drive
-    config.robot = "coco_arm"
-    # A press is a matter of tenths of a second.
+    config.robot = robot
+    # A press and a release are matters of tenths of a second.
     config.ctrl_dt = 0.1
     config.episode_length = round(DELIVER_TIME / config.ctrl_dt)
     config.randomization.latency = tuple(min(x, config.ctrl_dt) for x in config.randomization.latency)
-    return config.lock()
+    return config
 
 
 def multi_robot_config(preset: str = "paper") -> ConfigDict:
