@@ -188,11 +188,12 @@ def test_a_released_parcel_is_a_free_body() -> None:
 
 @pytest.mark.extended
 def test_the_servos_hold_it_and_their_release_drops_it() -> None:
-    """In C MuJoCo: within 1 cm and 0.1 rad of its place at the hand while held, also in a swinging arm; and what is
-    released in the middle of a box lies in it, on its floor, with its weight."""
+    """In C MuJoCo: within 1 cm and 0.1 rad of its place at the hand while held, also in a swinging arm, as long as it
+    touches nothing; and what is released in the middle of a box lies in it, on its floor, with its weight."""
     robot, _, ctrl = planned()
     run = expected()
-    held = ctrl[:, :, 9:].min(-1) > 0.0
+    held = (ctrl[:, :, 9:].min(-1) > 0.0) & (np.cumsum(run.force, 0) == 0.0)
+    assert held.sum() > 0.6 * held.size
     assert np.abs(run.qpos[..., -7:-4])[held].max() < 0.01
     assert 2.0 * np.linalg.norm(run.qpos[..., -3:], axis=-1)[held].max() < 0.1
     assert robot.parcel.half_side == pytest.approx(0.06)
@@ -221,12 +222,13 @@ def test_a_parcel_is_held_and_falls_as_in_c_mujoco(impl: str) -> None:
 
 @pytest.mark.parametrize("impl", ENGINES)
 def test_a_parcel_touches_boxes_and_ground_as_in_c_mujoco_and_hits_nothing(impl: str) -> None:
-    """The force of every control step in a box to 0.05 N, what it does on a rim or the road to 2 cm for a second after;
-    and no touch is a hit, in any engine."""
+    """The force of every control step in a box to 0.05 N; what it does on a rim or the road, where it tumbles, to 1 cm
+    for a second after its release and to 5 cm at the end; and no touch is a hit, in any engine."""
     run, reference = found(impl), expected()
     np.testing.assert_array_equal((run.force > 0.0).argmax(0), (reference.force > 0.0).argmax(0))
     np.testing.assert_allclose(run.force[:, :2], reference.force[:, :2], atol=0.05)
     away = np.linalg.norm(run.place - reference.place, axis=-1)
-    assert away.max() < 0.02
+    assert away[: RELEASE + 11].max() < 0.01
+    assert away.max() < 0.05
     assert not run.hit.any()
     assert not reference.hit.any()
