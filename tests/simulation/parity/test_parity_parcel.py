@@ -42,6 +42,7 @@ def planned() -> tuple[Any, np.ndarray, np.ndarray]:
     """The robot, starts (N, nq) and commands (T, N, nu)."""
     robot = make_coco_parcel()
     assert robot.parcel is not None
+    assert robot.arm is not None
     model, reach = mujoco.MjModel.from_xml_string(robot.mjcf), ArmReach(robot, robot.parcel.ahead)
     solve = jax.jit(reach.solve)
     number = len(PLACES) + DRIVES
