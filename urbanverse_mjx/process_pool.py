@@ -11,7 +11,6 @@ import contextlib
 import multiprocessing
 import multiprocessing.connection
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -94,12 +93,19 @@ def results_as_completed(
             yield jobs[job], job.result()
 
 
-def results_in_order(function: Callable[..., Any], tasks: Iterable[tuple[Any, ...]], workers: int) -> Iterator[Any]:
-    """Calls `function(*task)` for every task, in `workers` processes in which JAX has the processor alone: on a GPU it
-    would take memory in each of them.
+def results_in_order(
+    function: Callable[..., Any],
+    tasks: Iterable[tuple[Any, ...]],
+    workers: int,
+    initializer: Callable[[], object] | None = None,
+) -> Iterator[Any]:
+    """Calls `function(*task)` for every task, in `workers` processes.
 
     With one worker the work runs in this process. Tasks are made while others run, two for each worker at most, so that
     many large ones take little memory.
+
+    Args:
+      initializer: called in each process before its first task.
 
     Yields:
       the result of each task, in their order.
@@ -111,7 +117,7 @@ def results_in_order(function: Callable[..., Any], tasks: Iterable[tuple[Any, ..
         for task in tasks:
             yield function(*task)
         return
-    with _work(workers, worker_pool(workers, initializer=_on_the_processor)) as pool:
+    with _work(workers, worker_pool(workers, initializer=initializer)) as pool:
         jobs: collections.deque[concurrent.futures.Future[Any]] = collections.deque()
         for task in tasks:
             jobs.append(pool.submit(function, *task))
@@ -124,12 +130,6 @@ def results_in_order(function: Callable[..., Any], tasks: Iterable[tuple[Any, ..
 def workers_for(streets: int, cores: int) -> int:
     """The number of processes for work that takes seconds of a core for each of some streets; 0 or 1: this one."""
     return min(cores, streets // _STREETS_EACH)
-
-
-def _on_the_processor() -> None:
-    os.environ["JAX_PLATFORMS"] = "cpu"
-    if "jax" in sys.modules:  # it reads the variable when it is imported
-        sys.modules["jax"].config.update("jax_platforms", "cpu")
 
 
 @contextlib.contextmanager

@@ -18,6 +18,7 @@ import hashlib
 import json
 import os
 import pathlib
+import sys
 from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
@@ -232,6 +233,14 @@ def _version(package: str) -> str:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
         return "none"
+
+
+def use_processor_alone() -> None:
+    """Keeps JAX to the processor in this process, before it has used a device: for workers, in each of which it would
+    else take memory of a GPU."""
+    os.environ["JAX_PLATFORMS"] = "cpu"
+    if "jax" in sys.modules:  # it reads the variable when it is imported
+        sys.modules["jax"].config.update("jax_platforms", "cpu")
 
 
 def num_threads() -> int:

@@ -14,6 +14,7 @@ import psutil
 import pytest
 
 from tests.support.pool_tasks import platform_and_square, square
+from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.pipeline.generation.run_folder import RunFolder
 from urbanverse_mjx.process_pool import results_as_completed, results_in_order
@@ -299,7 +300,7 @@ def test_a_run_gets_back_the_stage_that_was_put_aside(tmp_path: pathlib.Path) ->
 
 @pytest.mark.extended
 def test_results_in_order_make_tasks_as_they_are_needed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two for each worker; JAX has the processor alone there, whatever it may use here."""
+    """Two for each worker; JAX has the processor alone there, whatever the variable says."""
     monkeypatch.setenv("JAX_PLATFORMS", "cuda")
     made: list[int] = []
 
@@ -309,7 +310,9 @@ def test_results_in_order_make_tasks_as_they_are_needed(monkeypatch: pytest.Monk
             yield (number,)
 
     found = []
-    for number, (platform, result) in enumerate(results_in_order(platform_and_square, tasks(), 2)):
+    for number, (platform, result) in enumerate(
+        results_in_order(platform_and_square, tasks(), 2, settings.use_processor_alone)
+    ):
         assert len(made) <= number + 4
         assert platform == "cpu"
         found.append(result)

@@ -91,7 +91,11 @@ def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTa
     in several processes where there are many scenes."""
     numbers = range(bank.num_scenes) if scenes is None else scenes
     workers = workers_for(len(numbers), settings.num_threads())
-    made = list(results_in_order(_spaces_and_fields, ((bank.geometry_of(z),) for z in numbers), workers))
+    made = list(
+        results_in_order(
+            _spaces_and_fields, ((bank.geometry_of(z),) for z in numbers), workers, settings.use_processor_alone
+        )
+    )
     by_surface = {name: [spaces[name] for spaces, _ in made] for name in SURFACES}
     return CrowdTables(
         flats={name: flats.make_flats(by_surface[name], flats.REACH[name]) for name in SURFACES},

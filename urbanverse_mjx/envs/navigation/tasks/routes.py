@@ -300,7 +300,7 @@ def with_routes(
     missing = [z for z, kept in arrays.items() if kept is None]
     tasks = ((bank.geometry_of(z), 0, z) for z in missing)
     workers = workers_for(len(missing), settings.num_threads())
-    for z, routes in zip(missing, results_in_order(make, tasks, workers), strict=True):
+    for z, routes in zip(missing, results_in_order(make, tasks, workers, settings.use_processor_alone), strict=True):
         # A scene without any has a table without rows.
         made = routes or Routes(np.zeros((0, 4)), np.zeros((0, 1, 3)), np.zeros(0, np.int32), np.zeros(0))
         own = dict(made._asdict())
