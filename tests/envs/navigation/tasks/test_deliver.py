@@ -103,7 +103,7 @@ def test_an_episode_leads_from_a_start_within_the_distances_to_the_standoff(env:
     low, high = env.config.task.distance
     for scene in range(3):
         for row in range(int(env.bank.num_episodes[scene])):
-            x, y, _, yaw = np.asarray(task.buttons[scene, task._which[scene, row]])
+            x, y, _, yaw = np.asarray(task.buttons.places[scene, task.buttons.nearest[scene, row]])
             facing = np.array([np.cos(yaw), np.sin(yaw)])
             start, goal = env.bank.episode_start[scene, row], env.bank.episode_goal[scene, row, :2]
             np.testing.assert_allclose(goal, [x, y] + STANDOFF * facing, atol=1e-4)

@@ -100,7 +100,7 @@ def test_an_episode_leads_to_the_standoff_with_a_parcel_at_the_hand(env: NavEnv,
     low, high = env.config.task.distance
     for scene in range(3):
         for row in range(int(env.bank.num_episodes[scene])):
-            x, y, _, yaw = np.asarray(task.boxes[scene, task._which[scene, row]])
+            x, y, _, yaw = np.asarray(task.boxes.places[scene, task.boxes.nearest[scene, row]])
             facing = np.array([np.cos(yaw), np.sin(yaw)])
             np.testing.assert_allclose(
                 env.bank.episode_goal[scene, row, :2], [x, y] + (HALF_SIDE + STANDOFF) * facing, atol=1e-4

@@ -20,7 +20,7 @@ from ....robots.arm_reach import ArmReach
 from ...types import NavState, Result
 from .. import terms
 from ..scenarios import select_scenes
-from .doorbells import checked_options, with_doorbells
+from .doorbells import Fixtures, checked_options, with_doorbells
 from .task import Parts, Task
 
 #: m from the button within which the fingertip can touch nothing but its cap without a hit. Wide, because a force is
@@ -91,18 +91,7 @@ class Deliver(Task):
         assert parts.robot.arm is not None
         self._finger = parts.robot.foot_geoms.index(parts.robot.arm.tip)
         radius = float(parts.model.geom(parts.robot.arm.tip).size[0])
-        buttons = parts.bank.meta["buttons"]
-        most = max(map(len, buttons))
-        table = np.zeros((len(buttons), most, 4), np.float32)
-        which = np.zeros(parts.bank.episode_length.shape, np.int32)
-        for z, own in enumerate(buttons):
-            if own:
-                table[z] = [own[k % len(own)] for k in range(most)]
-                away = np.linalg.norm(parts.bank.episode_goal[z, :, None, :2] - table[z, None, :, :2], axis=-1)
-                which[z] = away.argmin(1)
-        #: (Z, P, 4) x, y, z (m) of the middle of each button's surface and the yaw (rad) in which it faces.
-        self.buttons, self._which = jnp.asarray(table), jnp.asarray(which)
-        self.radius = radius
+        self.buttons, self.radius = Fixtures.of(parts.bank, "buttons"), radius
 
     @classmethod
     def furnished(cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec) -> SceneBank:
@@ -126,8 +115,7 @@ class Deliver(Task):
 
     def button(self, nav: NavState) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
         """(3,) m, the middle of the surface of an episode's button, and the direction (3,) in which it faces."""
-        row = self.buttons[nav.sim.scene, self._which[nav.sim.scene, nav.episode]]
-        return row[:3], jnp.stack([jnp.cos(row[3]), jnp.sin(row[3]), jnp.zeros_like(row[3])])
+        return self.buttons.of_episode(nav.sim.scene, nav.episode)
 
     def begin(self, key: Any, nav: NavState) -> NavState:
         """The first state of an episode."""

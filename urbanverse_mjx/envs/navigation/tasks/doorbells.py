@@ -13,7 +13,9 @@ import pathlib
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float, Int, Int32
 
 from .... import settings, versions
 from ....datatypes import RobotSpec, SceneBank, ValidationError, array_file
@@ -52,6 +54,37 @@ _USED = (
 
 #: Largest number of posts in a scene, each of which costs slots of collision and of the image.
 MOST_POSTS = 32
+
+
+class Fixtures(NamedTuple):
+    """What the episodes of a bank lead to, as a table on the device.
+
+    Attributes:
+      places: (Z, P, 4) f32 x, y, z (m) and yaw (rad): of the middle of each button's surface and the direction in which
+        it faces, or of the middle between a box's rims and that of the side to stand at.
+      nearest: (Z, E) i32, the row of the one nearest to the goal of each episode.
+    """
+
+    places: Float[Array, "Z P 4"]
+    nearest: Int32[Array, "Z E"]
+
+    @staticmethod
+    def of(bank: SceneBank, name: str) -> "Fixtures":
+        """Those of a bank with posts ("buttons") or parcel boxes ("boxes"), by their name in its meta."""
+        listed = bank.meta[name]
+        most = max(map(len, listed))
+        places, nearest = np.zeros((len(listed), most, 4), np.float32), np.zeros(bank.episode_length.shape, np.int32)
+        for z, own in enumerate(listed):
+            if own:
+                places[z] = [own[k % len(own)] for k in range(most)]
+                away = np.linalg.norm(bank.episode_goal[z, :, None, :2] - places[z, None, :, :2], axis=-1)
+                nearest[z] = away.argmin(1)
+        return Fixtures(jnp.asarray(places), jnp.asarray(nearest))
+
+    def of_episode(self, scene: Int[Array, ""], episode: Int[Array, ""]) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
+        """(3,) m, the place of an episode's, and (3,) the direction of its yaw."""
+        row = self.places[scene, self.nearest[scene, episode]]
+        return row[:3], jnp.stack([jnp.cos(row[3]), jnp.sin(row[3]), jnp.zeros_like(row[3])])
 
 
 class Options(NamedTuple):

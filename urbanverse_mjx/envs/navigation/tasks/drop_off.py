@@ -20,7 +20,7 @@ from .. import terms
 from ..scenarios import select_scenes
 from .boxes import DEPTH, HALF_SIDE, INNER
 from .deliver import HAND_UNIT, LEAST_FORCE, SPEED_UNIT
-from .doorbells import checked_options, with_parcel_boxes
+from .doorbells import Fixtures, checked_options, with_parcel_boxes
 from .task import Parts, Task
 
 #: m between the rim of a box and the parcel's lower side at the place of its release.
@@ -114,17 +114,7 @@ class DropOff(Task):
         self.half_side, self.body = robot.parcel.half_side, parts.model.body(robot.parcel.body).id
         self._finger = robot.foot_geoms.index(robot.arm.tip)
         self._spheres = np.array([robot.foot_geoms.index(name) for name in robot.parcel.spheres])
-        boxes = parts.bank.meta["boxes"]
-        most = max(map(len, boxes))
-        table = np.zeros((len(boxes), most, 4), np.float32)
-        which = np.zeros(parts.bank.episode_length.shape, np.int32)
-        for z, own in enumerate(boxes):
-            if own:
-                table[z] = [own[k % len(own)] for k in range(most)]
-                away = np.linalg.norm(parts.bank.episode_goal[z, :, None, :2] - table[z, None, :, :2], axis=-1)
-                which[z] = away.argmin(1)
-        #: (Z, P, 4) x, y, z (m) of the middle between each box's rims and the yaw (rad) of the side to stand at.
-        self.boxes, self._which = jnp.asarray(table), jnp.asarray(which)
+        self.boxes = Fixtures.of(parts.bank, "boxes")
 
     @classmethod
     def furnished(cls, config: ConfigDict, bank: SceneBank, robot: RobotSpec) -> SceneBank:
@@ -150,8 +140,7 @@ class DropOff(Task):
 
     def box(self, nav: NavState) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
         """(3,) m, the middle between the rims of an episode's box, and the direction (3,) from which it is reached."""
-        row = self.boxes[nav.sim.scene, self._which[nav.sim.scene, nav.episode]]
-        return row[:3], jnp.stack([jnp.cos(row[3]), jnp.sin(row[3]), jnp.zeros_like(row[3])])
+        return self.boxes.of_episode(nav.sim.scene, nav.episode)
 
     def drop(self, nav: NavState) -> Float[Array, "3"]:
         """(3,) m, where the parcel's middle is to be at its release."""
