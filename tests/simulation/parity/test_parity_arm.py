@@ -2,7 +2,7 @@
 what counts as a hit beside it."""
 
 import functools
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import mujoco
@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from tests.support.doorbells import POSTS, bell_spec, bell_street
+from tests.support.foot_drives import Run, in_c_mujoco, in_engine
 from urbanverse_mjx.robots import make_coco_arm
 from urbanverse_mjx.robots.arm_reach import ArmReach
-from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.parity import c_mujoco
 
 CONTROL_DT, STEPS = 0.1, 34
 #: The control step in which the arm begins to press, and the force (N) that its servos are told.
@@ -22,14 +21,6 @@ PRESS, FORCE = 24, 12.0
 #: with a moving arm. m from the button, m to the left, rad, m above the button.
 PLACES = ((0, 0.62, 0.0, 0.0, 0.0), (1, 0.60, 0.08, 0.2, 0.0), (2, 0.66, -0.05, -0.1, 0.0), (0, 0.62, 0.0, 0.0, 0.1))
 ENGINES = (pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused")
-
-
-class Run(NamedTuple):
-    """qpos (T, N, nq) and force (T, N) N of the fingertip, the mean of each control step; hit (T, N) bool."""
-
-    qpos: np.ndarray
-    force: np.ndarray
-    hit: np.ndarray
 
 
 @functools.cache
@@ -69,48 +60,16 @@ def planned() -> tuple[Any, np.ndarray, np.ndarray]:
 
 @functools.cache
 def expected() -> Run:
-    """The drives in C MuJoCo."""
+    """The drives in C MuJoCo, with the force on the fingertip."""
     robot, start, ctrl = planned()
-    model = c_mujoco.reference_model(bell_spec(), robot)
-    names = [model.geom(g).name for g in range(model.ngeom)]
-    tip = model.geom("robot/fingertip").id
-    feet = {model.geom(f"robot/{name}").id for name in robot.foot_geoms}
-    substeps = round(CONTROL_DT / model.opt.timestep)
-    qpos, force = np.zeros((STEPS, len(start), start.shape[1])), np.zeros((STEPS, len(start)))
-    hit, wrench = np.zeros((STEPS, len(start)), bool), np.zeros(6)
-    for i in range(len(start)):
-        data = mujoco.MjData(model)
-        data.qpos[:] = start[i]
-        for step in range(STEPS):
-            data.ctrl[:] = ctrl[step, i]
-            for _ in range(substeps):
-                mujoco.mj_step(model, data)
-                for k, contact in enumerate(data.contact[: data.ncon]):
-                    pair = {int(g) for g in contact.geom}
-                    ground = any(names[g].startswith("ground") for g in pair)
-                    if contact.dist < 0 and not (ground and pair & feet):
-                        hit[step, i] = True
-                    if tip in pair:
-                        mujoco.mj_contactForce(model, data, k, wrench)
-                        force[step, i] += wrench[0] / substeps
-            qpos[step, i] = data.qpos
-    return Run(qpos, force, hit)
+    return in_c_mujoco(bell_spec(), robot, start, ctrl, CONTROL_DT, (robot.arm.tip,), robot.root_body)
 
 
 @functools.cache
 def found(impl: str) -> Run:
     """The drives in an engine."""
     robot, start, ctrl = planned()
-    engine = make_engine(bell_street(), robot, impl=impl, control_dt=CONTROL_DT)
-    step = jax.jit(jax.vmap(engine.step))
-    scene, speed = np.zeros(len(start), np.int32), np.zeros((len(start), engine.physics.model.nv), np.float32)
-    state = jax.jit(jax.vmap(engine.init))(scene, start, speed)
-    rows = []
-    for now in ctrl:
-        state = step(state, now)
-        rows.append((np.array(state.qpos), np.array(state.contacts.foot_force)[:, -1], np.array(state.contacts.hit)))
-        assert not np.array(state.slot_overflow).any()
-    return Run(*(np.stack(x) for x in zip(*rows, strict=True)))
+    return in_engine(impl, bell_street(), robot, start, ctrl, CONTROL_DT, (robot.arm.tip,), robot.root_body)
 
 
 @pytest.mark.extended

@@ -2,17 +2,18 @@
 against a body that was never held."""
 
 import functools
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import mujoco
 import numpy as np
 import pytest
 
+from tests.support.foot_drives import Run, in_c_mujoco, in_engine
 from tests.support.parcel_boxes import BOXES, box_spec, box_street
 from urbanverse_mjx.robots import make_coco_parcel
 from urbanverse_mjx.robots.arm_reach import ArmReach
-from urbanverse_mjx.simulation.engines import make_engine, with_timestep
+from urbanverse_mjx.simulation.engines import with_timestep
 from urbanverse_mjx.simulation.parity import c_mujoco
 
 CONTROL_DT, STEPS = 0.1, 42
@@ -24,17 +25,6 @@ RELEASE = 28
 PLACES = ((0, 0.65, 0.0, 0.0, 0.0), (1, 0.62, 0.05, 0.15, 0.0), (2, 0.65, 0.0, 0.0, 0.19))
 DRIVES = 2
 ENGINES = (pytest.param("jax", marks=pytest.mark.slow), "warp", "warp-fused")
-
-
-class Run(NamedTuple):
-    """place (T, N, 3) m and turn (T, N, 4) of the parcel; qpos (T, N, nq); force (T, N) N on its spheres, the mean of
-    each control step; hit (T, N) bool."""
-
-    place: np.ndarray
-    turn: np.ndarray
-    qpos: np.ndarray
-    force: np.ndarray
-    hit: np.ndarray
 
 
 @functools.cache
@@ -57,7 +47,9 @@ def planned() -> tuple[Any, np.ndarray, np.ndarray]:
         qpos[i, 2], qpos[i, 3], qpos[i, 6] = 0.15 + robot.spawn_height, np.cos(yaw / 2), np.sin(yaw / 2)
         into = np.array([[np.cos(yaw), np.sin(yaw), 0.0], [-np.sin(yaw), np.cos(yaw), 0.0], [0.0, 0.0, 1.0]])
         place = into @ (box.at(out) + [0.0, 0.0, 0.15] - qpos[i, :3])
-        low, _ = solve(np.array([0.0, -0.3, 0.0, 0.3, 0.0], np.float32), place.astype(np.float32), np.eye(3)[0])
+        low, _ = solve(
+            np.array([0.0, -0.3, 0.0, 0.3, 0.0], np.float32), place.astype(np.float32), np.array([1.0, 0.0, 0.0])
+        )
         held = reach.holding(reach.pose(low), np.array([0.0, 0.0, 0.5 * 9.81]))
         ctrl[:, i, 4:9] = np.clip(low + held / reach.gain, reach.low, reach.high)
         # By way of a pose above all boxes.
@@ -77,61 +69,16 @@ def planned() -> tuple[Any, np.ndarray, np.ndarray]:
 
 @functools.cache
 def expected() -> Run:
-    """The drives in C MuJoCo."""
+    """The drives in C MuJoCo, with the parcel's poses and the forces on its spheres."""
     robot, start, ctrl = planned()
-    model = c_mujoco.reference_model(box_spec(), robot)
-    names = [model.geom(g).name for g in range(model.ngeom)]
-    spheres = {model.geom(f"robot/{name}").id for name in robot.parcel.spheres}
-    feet = {model.geom(f"robot/{name}").id for name in robot.foot_geoms}
-    parcel = model.body("robot/parcel").id
-    substeps = round(CONTROL_DT / model.opt.timestep)
-    shape = STEPS, len(start)
-    out = Run(
-        np.zeros((*shape, 3)),
-        np.zeros((*shape, 4)),
-        np.zeros((*shape, model.nq)),
-        np.zeros(shape),
-        np.zeros(shape, bool),
-    )
-    wrench = np.zeros(6)
-    for i in range(len(start)):
-        data = mujoco.MjData(model)
-        data.qpos[:] = start[i]
-        for step in range(STEPS):
-            data.ctrl[:] = ctrl[step, i]
-            for _ in range(substeps):
-                mujoco.mj_step(model, data)
-                for k, contact in enumerate(data.contact[: data.ncon]):
-                    pair = {int(g) for g in contact.geom}
-                    ground = any(names[g].startswith("ground") for g in pair)
-                    if contact.dist < 0 and not (ground and pair & feet):
-                        out.hit[step, i] = True
-                    if pair & spheres:
-                        mujoco.mj_contactForce(model, data, k, wrench)
-                        out.force[step, i] += wrench[0] / substeps
-            out.qpos[step, i] = data.qpos
-            mujoco.mj_kinematics(model, data)
-            out.place[step, i], out.turn[step, i] = data.xpos[parcel], data.xquat[parcel]
-    return out
+    return in_c_mujoco(box_spec(), robot, start, ctrl, CONTROL_DT, robot.parcel.spheres, robot.parcel.body)
 
 
 @functools.cache
 def found(impl: str) -> Run:
     """The drives in an engine."""
     robot, start, ctrl = planned()
-    engine = make_engine(box_street(), robot, impl=impl, control_dt=CONTROL_DT)
-    body = engine.physics.model.body("parcel").id
-    own = [robot.foot_geoms.index(name) for name in robot.parcel.spheres]
-    step = jax.jit(jax.vmap(engine.step))
-    scene, speed = np.zeros(len(start), np.int32), np.zeros((len(start), engine.physics.model.nv), np.float32)
-    state = jax.jit(jax.vmap(engine.init))(scene, start, speed)
-    rows = []
-    for now in ctrl:
-        state = step(state, now)
-        force = np.array(state.contacts.foot_force)[:, own].sum(1)
-        rows.append((state.xpos[:, body], state.xquat[:, body], state.qpos, force, state.contacts.hit))
-        assert not np.array(state.slot_overflow).any()
-    return Run(*(np.stack([np.array(y) for y in x]) for x in zip(*rows, strict=True)))
+    return in_engine(impl, box_street(), robot, start, ctrl, CONTROL_DT, robot.parcel.spheres, robot.parcel.body)
 
 
 def apart(timestep: float, drives: tuple[int, ...], steps: int) -> np.ndarray:

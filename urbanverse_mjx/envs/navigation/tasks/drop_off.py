@@ -163,9 +163,8 @@ class DropOff(Task):
         del crowd
         old: DropState = nav.task
         parcel, held = sim.xpos[self.body], ~old.released
-        (across, along), above = self._within(nav, parcel)
+        away, above = self._within(nav, parcel)
         force, touch = sim.contacts.foot_force[self._spheres].sum(), sim.contacts.foot_force[self._finger]
-        away = jnp.maximum(jnp.abs(across), jnp.abs(along))
         lies = old.released & (away < INNER) & (above < -self.half_side) & (above > -DEPTH)
         down = (force > LEAST_FORCE) | (parcel[2] < nav.start[2] - BELOW)
         told = nav.last_action[-1] > OPENING
@@ -189,11 +188,12 @@ class DropOff(Task):
         )
         return {"task": state}
 
-    def _within(self, nav: NavState, place: Any) -> tuple[tuple[Any, Any], Any]:
-        """m of a place (3,) across and along the box from its middle, and above its rim."""
+    def _within(self, nav: NavState, place: Any) -> tuple[Any, Any]:
+        """m of a place (3,) from the middle of the box, the larger of across and along it, and above its rim."""
         middle, facing = self.box(nav)
-        away = place - middle
-        return (-away[0] * facing[1] + away[1] * facing[0], away @ facing), away[2]
+        offset = place - middle
+        across, along = offset[0] * facing[1] - offset[1] * facing[0], offset @ facing
+        return jnp.maximum(jnp.abs(across), jnp.abs(along)), offset[2]
 
     def result(self, nav: NavState, result: Int[Array, ""]) -> Int[Array, ""]:
         """See `Task.result`."""
