@@ -631,11 +631,29 @@ def chosen(args: argparse.Namespace) -> list[Job]:
     return builds + halves + prepares + wanted
 
 
+def visible_gpus(number: int) -> list[str]:
+    """Names of the GPUs to use, as in CUDA_VISIBLE_DEVICES: the first ones of that variable where it is set.
+
+    Raises:
+      SystemExit: it names fewer.
+    """
+    named = [name for name in os.environ.get("CUDA_VISIBLE_DEVICES", "").split(",") if name]
+    if not named:
+        return [str(k) for k in range(number)]
+    if len(named) < number:
+        raise SystemExit(
+            f"error: --gpus: found {number}, and {','.join(named)} in CUDA_VISIBLE_DEVICES, needed at most "
+            f"{len(named)}; unset that variable to use all GPUs."
+        )
+    return named[:number]
+
+
 class Campaign:
     """Runs jobs; a GPU takes as many as its memory holds, the first that can begin before the others."""
 
     def __init__(self, args: argparse.Namespace, jobs: Sequence[Job]) -> None:
         self.args, self.begin = args, time.monotonic()
+        self.devices = visible_gpus(args.gpus)
         self.waiting = [job for job in jobs if not job.gives.exists()]
         self.running: dict[Job, tuple[subprocess.Popen[bytes], tuple[int, ...]]] = {}
         self.failed: list[Job] = []
@@ -667,7 +685,7 @@ class Campaign:
         gpus = self.free_gpus(job)
         if gpus is None:
             return False
-        visible = ",".join(str(g) for g in gpus)
+        visible = ",".join(self.devices[g] for g in gpus)
         # Building scenes needs no GPU, and a context of CUDA in every worker costs half a GiB there.
         device = (
             {"CUDA_VISIBLE_DEVICES": visible} if job.memory else {"CUDA_VISIBLE_DEVICES": "", "JAX_PLATFORMS": "cpu"}
@@ -749,7 +767,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--rows", nargs="+", default=["*"], help="patterns of rows; default: all")
     cli.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
     cli.add_argument("--ship", type=int, default=1, help="seed of the Go2's rows and of one street")
-    cli.add_argument("--gpus", type=int, default=1)
+    cli.add_argument("--gpus", type=int, default=1, help="number, of those in CUDA_VISIBLE_DEVICES where it is set")
     cli.add_argument("--gpu-memory", type=int, default=80, help="GiB of each GPU")
     cli.add_argument("--until", type=float, help="s from now after which no job begins")
     cli.add_argument("--teacher-steps", type=int, default=12_000_000, help="env-steps")

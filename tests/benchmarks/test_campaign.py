@@ -176,6 +176,19 @@ def test_a_job_of_two_gpus_waits_until_both_are_free(
     assert "not begun: both, for want of 2 GPUs" in capsys.readouterr().err
 
 
+def test_a_campaign_uses_the_gpus_that_the_environment_names(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = CODE.replace('f"begin {name}', "f\"begin {name} {os.environ['CUDA_VISIBLE_DEVICES']}")
+    code = "import os\n" + code
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "3,GPU-5d")
+    jobs = [_job(tmp_path, name, 50, seconds=2.5, code=code) for name in ("a", "b")]
+    assert Campaign(_args(tmp_path, "--gpus", "2"), jobs).run() == 0
+    assert set(_events(tmp_path)[:2]) == {"begin a 3", "begin b GPU-5d"}
+    with pytest.raises(SystemExit, match="--gpus: found 3, and 3,GPU-5d in CUDA_VISIBLE_DEVICES, needed at most 2"):
+        Campaign(_args(tmp_path, "--gpus", "3"), jobs)
+
+
 def test_a_campaign_continues_and_names_what_failed(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     jobs = [_job(tmp_path, "a", 0), _job(tmp_path, "b", 0, code="raise SystemExit(3)"), _job(tmp_path, "c", 0, "b")]
     args = _args(tmp_path)
