@@ -119,4 +119,4 @@ def test_no_other_score_or_speed_stands_in_the_readme() -> None:
 
 def test_the_readme_stays_short() -> None:
     assert len(TEXT.splitlines()) <= 150
-    assert (ROOT / "docs" / "coco_street.gif").stat().st_size < 3 * 10**6
+    assert (ROOT / "docs" / "coco_street.webp").stat().st_size < 10**6
