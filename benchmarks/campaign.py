@@ -22,7 +22,8 @@ Rows, of which `--rows` names patterns:
     go2-paper-SET, go2-one-street  the same on the Go2
     streets-SET-SEED        teachers that differ in their training streets alone: procedural, urbanverse160, both
     long-streets-SET-SEED   the same on procedural and urbanverse160 with twice the env-steps
-    teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability
+    teacher-arm-ARM-SEED    teachers as they are, with clutter, starts anywhere, episodes drawn by learnability, told
+                            which arcs are free of objects
     student-arm-ARM-SEED    students of teacher-arm-base-0 (`--seeds`' first) as they are, and without one part
     goes-on-BENCHMARK-POLICY  contact does not end an episode
     scaling-STUDY-SIZE-SEED preset `fast` on so many layouts, cousins or streets (see benchmarks.scaling), and the
@@ -100,6 +101,7 @@ TEACHER_ARMS = {
     "clutter": ("8 objects of clutter", ("randomization.clutter=8",)),
     "starts": ("half of the starts anywhere", ("randomization.starts=0.5",)),
     "learnable": ("half of the episodes by p (1 - p)", ("schedule.learnable=0.5",)),
+    "arcs": ("told which arcs are free", ("observations.clear_arcs=true",)),
 }
 CAMERA = ("camera_position=0.03", "camera_angle=3.0", "camera_fovy=0.1")
 #: The same, and options of the student.

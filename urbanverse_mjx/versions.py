@@ -144,6 +144,8 @@ CODE: Mapping[str, Code] = {
     # Walkable and drivable cells of agents, and distance fields around the robot.
     "crowds": Code(1, ("crowds", "envs.navigation.dynamic_tables"), ("datatypes",)),
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),
+    # Distances to outlines for the arcs that a teacher is told.
+    "clear_arcs": Code(1, _below("envs.navigation", "clear_arcs", "clearance_maps"), ("crowds",)),
     # Episode tables of tasks.
     "routes": Code(
         1,

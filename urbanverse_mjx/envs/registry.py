@@ -21,7 +21,7 @@ from .navigation import NavEnv
 from .navigation.config import PRESETS, catalogue_config, default_config, go2_nav_config, legged_nav_config
 from .navigation.draws import CAMERA_NOISE, OFF
 from .navigation.make import make_walking_env, make_wheeled_env
-from .navigation.ppo import deliver_ppo_config, ppo_config
+from .navigation.ppo import deliver_ppo_config, follow_route_ppo_config, ppo_config
 from .navigation.tasks.config import (
     cross_street_config,
     deliver_config,
@@ -379,6 +379,7 @@ register_environment(
     "CocoFollowRoute",
     make_wheeled_env,
     follow_route_config,
+    make_ppo_config=follow_route_ppo_config,
     about="COCO follows pavements and crosswalks with signals over 200 m",
 )
 register_environment(

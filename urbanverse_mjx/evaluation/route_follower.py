@@ -17,7 +17,8 @@ from ..datatypes import ValidationError
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..geometry import rotations
-from .planner import footprint, motion_of, placed, waypoint_of
+from ..robots.footprint import footprint
+from .planner import motion_of, placed, waypoint_of
 
 #: Shares of the top speed and of the top yaw rate that commands combine.
 SPEEDS = (0.0, 0.2, 0.4, 0.7, 1.0)

@@ -80,7 +80,7 @@ def _paper() -> ConfigDict:
                 "light": "baked",
             },
             # Additional observations for a policy, a teacher or an auxiliary loss (`NavEnv`).
-            "observations": {"proprio": False, "privileged_map": False, "robot": False},
+            "observations": {"proprio": False, "privileged_map": False, "clear_arcs": False, "robot": False},
             "reward_config": {
                 "multiply_by_dt": False,
                 "scales": {

@@ -13,11 +13,13 @@ from ...geometry import rotations
 from ...precision import full_precision
 from ...robots.arm_reach import ArmReach
 from ...robots.embodiment import describe
+from ...robots.footprint import footprint
 from .. import finite
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
 from . import terms
 from .camera_noise import through_camera
+from .clear_arcs import ClearArcs
 from .clutter import Clutter
 from .draws import Randomization
 from .dynamic import PEOPLE_METRICS, DynamicStreet, slot_appearances
@@ -68,7 +70,8 @@ class NavEnv(StagedBase[NavState]):
     privileged_map: (640,) u8 cm, the two distances of `privileged` at the (20, 16) `MAP_PROBES` around the robot, for
     teachers and auxiliary losses only; with `config.observations.privileged_map`. robot: (18,) f32, size and dynamics
     of the robot (`robots.embodiment.FIELDS`), the same at every step; with `config.observations.robot`. A task may add
-    values to the ends of privileged and of proprio's speeds, see its class. Flat, because Brax keeps statistics of
+    values to the ends of privileged and of proprio's speeds, see its class; with `config.observations.clear_arcs` the
+    22 of `ClearArcs.observe` follow those of privileged. Flat, because Brax keeps statistics of
     every observation except images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`: waypoint:
     (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,), ((a0 + 1) / 2 *
     max_speed, a1 * max_yaw_rate); joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it
@@ -119,6 +122,10 @@ class NavEnv(StagedBase[NavState]):
         self._walkable = open_ground.pack(map(traversable, bank.map_kind), bank.map_origin)
         self._map_resolution = float(bank.map_resolution)
         self._surroundings = Surroundings(bank, robot.planner_height)
+        #: Free motions that teachers are told; None if they are not.
+        self._arcs: ClearArcs | None = None
+        if chosen.get("clear_arcs", False):
+            self._arcs = ClearArcs(bank, footprint(robot).discs, robot.planner_height)
         share = self._randomization.starts
         self._starts = RandomStarts(share, self._surroundings, robot) if share else None
         #: The crowd of the scenario dynamic, or other robots; None where nobody moves.
@@ -327,6 +334,8 @@ class NavEnv(StagedBase[NavState]):
         probes = position[:2] + terms.to_world(jnp.asarray(PROBES), yaw)
         around = self.distances(nav, probes).reshape(-1)
         own = self.task.privileged(nav)
+        if self._arcs is not None:
+            own = (*own, self._arcs.observe(nav.sim.scene, position[:2], yaw))
         privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action, *own])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
         if self._sees_proprio:

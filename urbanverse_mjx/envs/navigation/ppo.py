@@ -226,3 +226,15 @@ def deliver_ppo_config(preset: str = "paper") -> ConfigDict:
         if part is not None and "mirror" in part:
             part.mirror = False
     return config.lock()
+
+
+def follow_route_ppo_config(preset: str = "paper") -> ConfigDict:
+    """`ppo_config` with a teacher that looks ahead as far as a signal's cycle lasts.
+
+    Raises:
+      ValidationError: the preset is unknown.
+    """
+    config = ppo_config(preset).copy_and_resolve_references().unlock()
+    if "teacher" in config:
+        config.teacher.discounting = 0.995  # a mean of 40 s at 5 Hz
+    return config.lock()

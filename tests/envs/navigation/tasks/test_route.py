@@ -15,13 +15,16 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.crowds.crossings import CLEAR, STOP, UNSIGNALLED, WALK
 from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env
+from urbanverse_mjx.envs.navigation.clear_arcs import ARCS, ClearArcs
 from urbanverse_mjx.envs.navigation.tasks import routes
 from urbanverse_mjx.envs.navigation.tasks.config import follow_route_config
 from urbanverse_mjx.envs.navigation.tasks.crosswalks import rectangles
 from urbanverse_mjx.envs.navigation.tasks.route import FollowRoute, RouteState
 from urbanverse_mjx.evaluation.agents import go_to_goal
 from urbanverse_mjx.evaluation.task_agents import SignalPlanner, baseline_of, planner_of
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.robots.footprint import footprint
 
 FEW = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "cyclist")}
 FEW |= {"crowd.slots.pedestrian": 2, "crowd.slots.car": 1, "task.length": 60.0, "episode_length": 400}
@@ -160,6 +163,24 @@ def test_the_light_of_the_next_crosswalk_is_observed(env: NavEnv, task: FollowRo
     done = begun._replace(route_done=begun.route_length)
     assert int(task.light(done).phase) == UNSIGNALLED
     np.testing.assert_allclose(env._proprio(done)[3:8], [1.0, 0.0, 1.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize(("preset", "told"), [("paper", False), ("cpu", False), ("quick", True), ("best", True)])
+def test_teachers_are_told_which_arcs_are_free(preset: str, told: bool) -> None:
+    assert follow_route_config(preset).observations.clear_arcs is told
+
+
+@pytest.mark.extended
+def test_free_arcs_follow_the_other_values(small_bank: SceneBank, env: NavEnv, begun: Any) -> None:
+    options = {**FEW, "scenes": small_bank.scene_ids[0], "observations.clear_arcs": True}
+    with optimized():
+        other = unicycle_env(small_bank, options, config=follow_route_config())
+    without, with_them = env.observe(begun)["privileged"], other.observe(begun)["privileged"]
+    arcs = ClearArcs(small_bank, footprint(env.robot).discs, env.robot.planner_height)
+    place, yaw = begun.sim.xpos[1, :2], rotations.yaw_of(begun.sim.xquat[1])
+    np.testing.assert_allclose(with_them[: len(without)], without)
+    np.testing.assert_allclose(with_them[len(without) :], arcs.observe(begun.sim.scene, place, yaw))
+    assert len(with_them) - len(without) == 2 * ARCS
 
 
 def test_progress_counts_on_the_way_to_the_next_waypoint_only(env: NavEnv, task: FollowRoute, begun: Any) -> None:
@@ -356,7 +377,8 @@ def test_the_planner_leaves_a_crosswalk_by_the_shorter_way(
 
 @pytest.mark.slow
 def test_check_env_accepts_it(env: NavEnv) -> None:
-    check_env(env, num_envs=4, num_steps=6)
+    # No env comes onto a crosswalk in this time.
+    check_env(env, num_envs=4, num_steps=6, constants=dict.fromkeys(("privileged", "privileged_state", "state"), 1))
 
 
 @pytest.mark.parametrize(
