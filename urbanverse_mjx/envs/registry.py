@@ -172,6 +172,7 @@ _ADDED: dict[str, Any] = {
     "vision_config.light": "direct",
     "friction": "uniform",
     "observations.robot": False,
+    "observations.clear_arcs": False,
     **{f"randomization.{name}": OFF[name] for name in ("wet", "latency", *CAMERA_NOISE)},
 }
 
