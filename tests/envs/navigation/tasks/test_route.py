@@ -19,7 +19,8 @@ from urbanverse_mjx.envs.navigation.clear_arcs import ARCS, ClearArcs
 from urbanverse_mjx.envs.navigation.tasks import routes
 from urbanverse_mjx.envs.navigation.tasks.config import follow_route_config
 from urbanverse_mjx.envs.navigation.tasks.crosswalks import rectangles
-from urbanverse_mjx.envs.navigation.tasks.route import FollowRoute, RouteState
+from urbanverse_mjx.envs.navigation.tasks.people import UNIT
+from urbanverse_mjx.envs.navigation.tasks.route import OBSERVED, FollowRoute, RouteState
 from urbanverse_mjx.evaluation.agents import go_to_goal
 from urbanverse_mjx.evaluation.task_agents import SignalPlanner, baseline_of, planner_of
 from urbanverse_mjx.geometry import rotations
@@ -157,12 +158,30 @@ def test_the_light_of_the_next_crosswalk_is_observed(env: NavEnv, task: FollowRo
     assert float(light.distance) >= 6.0 - 1e-3
     values = np.asarray(env._proprio(nav))[3:8]
     np.testing.assert_allclose(values, [float(light.distance) / 20.0, 0.0, 0.0, 0.5, 0.0], atol=1e-4)
-    np.testing.assert_allclose(env.observe(nav)["privileged"][-5:], values, atol=1e-6)
+    np.testing.assert_allclose(env.observe(nav)["privileged"][43:48], values, atol=1e-6)
     on = after(env, with_time(at(nav, (30.0, -4.2)), 4.8), (30.0, 0.0))
     np.testing.assert_allclose(env._proprio(on)[3:8], [0.0, 1.0, 1.0, 0.0, 15.0 / 30.0], atol=1e-4)
     done = begun._replace(route_done=begun.route_length)
     assert int(task.light(done).phase) == UNSIGNALLED
     np.testing.assert_allclose(env._proprio(done)[3:8], [1.0, 0.0, 1.0, 0.0, 1.0])
+
+
+def test_the_nearest_agents_are_observed_in_the_heading_frame(env: NavEnv, begun: Any) -> None:
+    assert env.dynamic is not None
+    robot, bodies = env.task.pose(begun.sim), begun.crowd.bodies
+    rows = np.asarray(env.observe(begun)["privileged"][48:]).reshape(-1, 5)
+    gaps = np.asarray(env.dynamic.gaps(begun.crowd, robot.xy))
+    here = np.isfinite(np.sort(gaps))
+    assert len(rows) == min(OBSERVED, len(gaps)) == 3
+    assert 0 < here.sum() < 3, "agents in this street, and one that waits for its turn"
+    np.testing.assert_array_equal(rows[:, 4], here)
+    assert np.all(rows[~here] == 0.0)
+    turn = np.array([[np.cos(robot.yaw), np.sin(robot.yaw)], [-np.sin(robot.yaw), np.cos(robot.yaw)]])
+    away = (np.stack([bodies.x, bodies.y], -1) - robot.xy) @ turn.T
+    speed = (np.stack([bodies.vx, bodies.vy], -1) - robot.velocity) @ turn.T
+    order = np.argsort(gaps)[here]
+    np.testing.assert_allclose(rows[here, :2], np.clip(away[order] / UNIT, -2.0, 2.0), atol=1e-5)
+    np.testing.assert_allclose(rows[here, 2:4], speed[order], atol=1e-5)
 
 
 @pytest.mark.parametrize(("preset", "told"), [("paper", False), ("cpu", False), ("quick", True), ("best", True)])
@@ -377,8 +396,9 @@ def test_the_planner_leaves_a_crosswalk_by_the_shorter_way(
 
 @pytest.mark.slow
 def test_check_env_accepts_it(env: NavEnv) -> None:
-    # No env comes onto a crosswalk in this time.
-    check_env(env, num_envs=4, num_steps=6, constants=dict.fromkeys(("privileged", "privileged_state", "state"), 1))
+    # No env comes onto a crosswalk in this time, and no agent comes or goes.
+    constants = {"privileged": 3, "privileged_state": 3, "state": 1}
+    check_env(env, num_envs=4, num_steps=6, constants=constants)
 
 
 @pytest.mark.parametrize(

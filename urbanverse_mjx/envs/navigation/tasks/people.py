@@ -6,10 +6,13 @@ from jaxtyping import Array, Bool, Float
 from ....crowds.crowd import Crowd
 from ....datatypes import ValidationError
 from .. import terms
+from ..dynamic import DynamicStreet
 from .task import Parts, RobotPose, Task
 
 #: s, largest reported time to a collision.
 MAX_TIME_TO_COLLISION = 10.0
+#: m by which observed distances of agents are divided.
+UNIT = 5.0
 
 
 def time_to_collision(
@@ -28,6 +31,21 @@ def time_to_collision(
     meets = (b < 0.0) & (root > 0.0) & (a > 1e-9)
     time = c / jnp.maximum(-b + jnp.sqrt(jnp.maximum(root, 0.0)), 1e-9)
     return jnp.where(c <= 0.0, 0.0, jnp.where(meets, jnp.minimum(time, MAX_TIME_TO_COLLISION), MAX_TIME_TO_COLLISION))
+
+
+def nearest_agents(dynamic: DynamicStreet, crowd: Crowd, robot: RobotPose, number: int) -> Float[Array, " n"]:
+    """(5 number,) f32: of the nearest agents their position in the heading frame (in units of `UNIT`, at most 2), the
+    velocity relative to the robot's in that frame (m/s), and whether there is such an agent."""
+    gap = dynamic.gaps(crowd, robot.xy)
+    nearest = jnp.argsort(gap)[:number]
+    body = crowd.bodies
+    away = jnp.stack([body.x, body.y], -1)[nearest] - robot.xy
+    speed = jnp.stack([body.vx, body.vy], -1)[nearest] - robot.velocity
+    here = jnp.isfinite(gap[nearest])[:, None]
+    back = -robot.yaw
+    place = jnp.clip(terms.to_world(away, back) / UNIT, -2.0, 2.0)
+    values = jnp.concatenate([place, terms.to_world(speed, back), jnp.ones((len(nearest), 1))], -1)
+    return jnp.where(here, values, 0.0).reshape(-1)
 
 
 class PeopleTask(Task):
@@ -59,16 +77,6 @@ class PeopleTask(Task):
         time = time_to_collision(away + along[:, None] * axis, relative, reach)
         return jnp.where(which, time, MAX_TIME_TO_COLLISION).min()
 
-    def people_observed(self, crowd: Crowd, robot: RobotPose, number: int, unit: float = 5.0) -> Float[Array, " n"]:
-        """(5 number,) f32: of the nearest agents their position in the heading frame (in units of `unit` m, at most 2),
-        the velocity relative to the robot's in that frame (m/s), and whether there is such an agent."""
-        gap = self.dynamic.gaps(crowd, robot.xy)
-        nearest = jnp.argsort(gap)[:number]
-        body = crowd.bodies
-        away = jnp.stack([body.x, body.y], -1)[nearest] - robot.xy
-        speed = jnp.stack([body.vx, body.vy], -1)[nearest] - robot.velocity
-        here = jnp.isfinite(gap[nearest])[:, None]
-        back = -robot.yaw
-        place = jnp.clip(terms.to_world(away, back) / unit, -2.0, 2.0)
-        values = jnp.concatenate([place, terms.to_world(speed, back), jnp.ones((len(nearest), 1))], -1)
-        return jnp.where(here, values, 0.0).reshape(-1)
+    def people_observed(self, crowd: Crowd, robot: RobotPose, number: int) -> Float[Array, " n"]:
+        """See `nearest_agents`."""
+        return nearest_agents(self.dynamic, crowd, robot, number)

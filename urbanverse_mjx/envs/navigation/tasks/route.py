@@ -20,6 +20,7 @@ from ....datatypes import RobotSpec, SceneBank, SimState, ValidationError
 from ...types import NavState, Result
 from . import routes
 from .crosswalks import Crosswalks, Rectangle, rectangles
+from .people import nearest_agents
 from .signals import Cycle
 from .task import Parts, RobotPose, Task
 
@@ -31,6 +32,8 @@ VEHICLES = ("car", "cyclist")
 DISTANCE_UNIT, TIME_UNIT = 20.0, 30.0
 #: Words for phases in captions; the time beside the first is what is left of it, beside the others until it begins.
 PHASES = {WALK: "walk", CLEAR: "clearance, walk in", STOP: "don't walk, walk in"}
+#: Number of agents that teachers and critics observe.
+OBSERVED = 4
 #: m/s below which the robot stands.
 STANDING = 0.1
 #: m, range of the length of routes.
@@ -118,7 +121,7 @@ class FollowRoute(Task):
     (`signals`); people and vehicles obey it as well. The observation `goal` is the next waypoint. `proprio` has after
     the speeds, and `privileged` at its end, the `Light` as a signal's message tells it: distance (units of 20 m, at
     most 1), whether the robot is on it, whether people may begin, time until they may and time for which they still may
-    (units of 30 s).
+    (units of 30 s). Where there is a crowd, `privileged` ends with its `OBSERVED` nearest agents (`nearest_agents`).
 
     Ends: as point goals; at the goal only after all waypoints. Scores of an episode: score: completed share of the
     route, times 0.70 for each violation, times 0.50, 0.60 or 0.65 if it ends by contact with a person, a vehicle or
@@ -298,7 +301,9 @@ class FollowRoute(Task):
 
     def privileged(self, nav: NavState) -> tuple[Float[Array, " n"], ...]:
         """See `Task.privileged`."""
-        return (self.observed(nav),)
+        if self.dynamic is None or nav.crowd is None:
+            return (self.observed(nav),)
+        return self.observed(nav), nearest_agents(self.dynamic, nav.crowd, self.pose(nav.sim), OBSERVED)
 
     def shown(self, nav: NavState) -> dict[str, Array]:
         """See `Task.shown`."""
