@@ -300,7 +300,7 @@ def parsed(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> list[argp
 
 
 def test_commands_have_options_that_their_scripts_know(parsed: list[argparse.Namespace]) -> None:
-    by_seed = 2 + 2 + 3 + 2 + 3 + 4 + (2 * 12 + 2) + 12 + 2 + 2 * len(tasks.TASKS)
+    by_seed = 2 + 2 + 3 + 2 + 3 + len(campaign.TEACHER_ARMS) + (2 * 12 + 2) + 12 + 2 + 2 * len(tasks.TASKS)
     by_seed += 2 + 2 * len(embodiment.TRAINED) + len(embodiment.HELD_OUT) + len(gaits.ROBOTS)
     assert len(parsed) == 3 * by_seed + 4 + 1 + 3 + 2 * 5 + 4 + 2 * 3 + 2 * 2 + 1
     scaled = next(args for args in parsed if args.out.name == "scaling-layouts-8-2")
