@@ -55,3 +55,50 @@ def test_donated_arguments_are_gone_and_the_others_stay() -> None:
         assert given.is_deleted()
         assert not kept.is_deleted()
         assert not TABLE.is_deleted()
+
+
+class Looked:
+    """An object with tables that others replace."""
+
+    def __init__(self) -> None:
+        self.large, self.small = TABLE, {"a": SMALL}
+
+    def __call__(self, x: jax.Array) -> jax.Array:
+        return x + self.large[0, :3] * self.small["a"]
+
+
+def test_other_tables_are_read_at_the_next_call_without_a_new_program() -> None:
+    traced: list[int] = []
+    looked = Looked()
+
+    def function(x: jax.Array) -> jax.Array:
+        traced.append(1)
+        return looked(x)
+
+    held = table_arguments.Held((looked, "large"), (looked, "small"))
+    ours = table_arguments.jit(jax.vmap(function), held=held)
+    compiled = ours.lower(jnp.ones((2, 3))).compile()
+    x = jnp.ones((2, 3))
+    for k in range(3):
+        np.testing.assert_array_equal(ours(x), jax.vmap(looked)(x))
+        np.testing.assert_array_equal(compiled(x), ours(x))
+        other = TABLE + k + 1.0, {"a": SMALL - k}
+        before = held.tables
+        held.replace(other)
+        assert held.tables == other
+        # A program that kept them would fail.
+        if k:
+            jax.tree.map(lambda a: a.delete(), before)
+    assert len(traced) == 2, "once for each of the two programs"
+    assert isinstance(looked.large, jax.Array), "no tracer is left behind"
+
+
+def test_held_tables_and_donated_arguments_are_different_ones() -> None:
+    looked = Looked()
+    held = table_arguments.Held((looked, "large"), (looked, "small"))
+    ours = table_arguments.jit(lambda a, b: (a + looked.large, b + 1.0), donate_argnums=0, held=held)
+    given, kept = TABLE + 1.0, SMALL + 1.0
+    np.testing.assert_array_equal(ours(given, kept)[0], (TABLE + 1.0) + TABLE)
+    assert given.is_deleted()
+    assert not kept.is_deleted()
+    assert not looked.large.is_deleted()

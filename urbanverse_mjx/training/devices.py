@@ -86,21 +86,44 @@ class Devices:
                 "each would count success rates of its own; set it to 0.0, or CUDA_VISIBLE_DEVICES to one GPU."
             )
 
+    def check_places(self, held: table_arguments.Held | None) -> None:
+        """Checks that streets do not come and go on several devices.
+
+        Args:
+          held: of the wrapped env.
+
+        Raises:
+          ValidationError: they do.
+        """
+        if self.count > 1 and held is not None:
+            raise ValidationError(
+                f"config.schedule.places: found it together with {self.count} devices, needed one device, whose "
+                "streets are exchanged; set it to 0, or CUDA_VISIBLE_DEVICES to one GPU."
+            )
+
     @property
     def remedy(self) -> str:
         """The end of an error about a number that does not divide."""
         return "" if self.count == 1 else ", or fewer GPUs by CUDA_VISIBLE_DEVICES"
 
-    def run(self, function: Callable[..., Any], given: Any, made: Any, donate: Any = ()) -> Callable[..., Any]:
+    def run(
+        self,
+        function: Callable[..., Any],
+        given: Any,
+        made: Any,
+        donate: Any = (),
+        held: table_arguments.Held | None = None,
+    ) -> Callable[..., Any]:
         """Compiles a function that runs on each device with its share of the envs.
 
         Args:
           function: of arguments placed as `given`, returns what is placed as `made`.
           given, made: prefix pytrees of `SPREAD` and `EQUAL`.
           donate: numbers of the arguments whose buffers are reused.
+          held: tables that may be replaced by others, on one device; see `check_places`.
         """
         if self.count == 1:
-            return table_arguments.jit(function, donate)
+            return table_arguments.jit(function, donate, held)
         mesh = self._mesh
         alone = jax.shard_map(function, mesh=mesh, in_specs=given, out_specs=made, check_vma=False)
         return jax.jit(
