@@ -103,7 +103,7 @@ CODE: Mapping[str, Code] = {
         ("scene.library",),
     ),
     "bank": Code(1, ("pipeline.banks",), ("scenes",)),
-    "rendering": Code(1, _below("simulation", "rendering", "threads", "warp_bridge"), ("datatypes",)),
+    "rendering": Code(1, _below("simulation", "rendering", "segments", "threads", "warp_bridge"), ("datatypes",)),
     # Images and numbers on the gallery page of scenes.
     "cards": Code(2, _below("viz", "graphs", "images", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.

@@ -7,6 +7,7 @@ from .evaluation import HIT_GROUND, OUTCOMES, RESULTS, BenchmarkReport, EpisodeR
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
 from .label_prior import LabelPrior
+from .placed_bank import PlacedBank
 from .recording import Camera, Detection, Frame, Recording
 from .recording_writer import RecordingWriter
 from .robot import Arm, Parcel, Response, RobotSpec
@@ -46,6 +47,7 @@ __all__ = [
     "HullSet",
     "LabelPrior",
     "Parcel",
+    "PlacedBank",
     "PlacedGround",
     "PlacedObject",
     "Recording",

@@ -200,13 +200,26 @@ class BankShards:
                 raise v.fail(str(self.path), f"no scene {name!r}", f"one of its {self.num_scenes} scenes ({known})")
         return np.array([numbers[name] for name in wanted], np.int32)
 
-    def take(self, rows: Sequence[int] | np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    @property
+    def skies(self) -> np.ndarray:
+        """(S, HS, WS, 3) f32: radiance of all skies, see `SceneBank.sky_radiance`."""
+        return self._skies(np.arange(len(self._tables["sky_piece"])))["sky_radiance"]
+
+    @property
+    def scene_sky(self) -> np.ndarray:
+        """(Z,) i32: row of `skies` of each scene."""
+        return self._tables["scene_sky"]
+
+    def take(
+        self, rows: Sequence[int] | np.ndarray, looks: bool = True
+    ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         """Arrays and meta of a `SceneBank` of some scenes, which has the shared tables' rows that these use.
 
         Arrays of scenes are padded as in the bank of all scenes, so their shapes do not depend on the rows.
 
         Args:
           rows: of the scenes, in this order, each once.
+          looks: whether meshes, textures and skies are read; without them all slots are empty.
 
         Raises:
           ValidationError: there is no such row, or a file is missing or damaged.
@@ -218,7 +231,12 @@ class BankShards:
         scenes = {name: self._scenes(name, rows) for name in PARTS}
         scenes |= {name: self._tables[name][rows] for name in SMALL}
         scenes |= {name: self._tables[name] for name in SCALARS}
-        agents = {key: list(values) for key, values in self.meta["agents"].items()}
+        agents = {key: list(values) if looks else [] for key, values in self.meta["agents"].items()}
+        if not looks:
+            scenes["slot_mesh"], scenes["scene_sky"] = (
+                np.full_like(scenes["slot_mesh"], -1),
+                np.zeros_like(scenes["scene_sky"]),
+            )
         for name, table in (("inst_hull", "hull_piece"), ("prism_hull", "hull_piece"), ("slot_mesh", "mesh_pieces")):
             _check_rows(f"{self.path}: {name}", scenes[name], -1, len(self._tables[table]))
         _check_rows(f"{self.path}: meta.agents.mesh", np.array(agents["mesh"]), 0, len(self._tables["mesh_pieces"]))

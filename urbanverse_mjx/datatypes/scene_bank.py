@@ -217,7 +217,7 @@ class SceneBank:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Every array by its name."""
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "meta"}
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(SceneBank) if f.name != "meta"}
 
     def texture(self, index: int) -> np.ndarray:
         """(H, W, 3) uint8 pixels of one texture, sRGB, row 0 at the top."""
@@ -265,14 +265,15 @@ class SceneBank:
         return SceneBank(meta=meta, **arrays)
 
     @staticmethod
-    def take(shards: BankShards, rows: "Sequence[int] | np.ndarray") -> "SceneBank":
+    def take(shards: BankShards, rows: "Sequence[int] | np.ndarray", looks: bool = True) -> "SceneBank":
         """Reads some scenes of a folder; of hulls, meshes, textures and skies only those that they use.
 
         Args:
           rows: of the scenes, in this order, each once.
+          looks: whether meshes, textures and skies are read, see `BankShards.take`.
 
         Raises:
           ValidationError: there is no such row, a file is missing or damaged, or its arrays are inconsistent.
         """
-        arrays, meta = shards.take(rows)
+        arrays, meta = shards.take(rows, looks)
         return SceneBank(meta={**meta, "schema": SCHEMA}, **arrays)

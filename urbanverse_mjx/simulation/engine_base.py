@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from ..datatypes import AgentMotion, AgentShapes, Bodies, Contacts, RobotSpec, SceneBank, SimState
+from ..datatypes import AgentMotion, AgentShapes, Bodies, Contacts, PlacedBank, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from ..datatypes.reach_count import most_objects_in_reach, most_prisms_in_reach
 from ..precision import full_precision
 from . import kinematics
 from .collision_slots import body_contact, body_slots
 from .physics_model import make_physics_model
+from .place_slots import most_in_reach
 
 #: Coefficients of the ground: one for all of it, or those of its materials; see `engines.make_engine`.
 FRICTIONS = ("uniform", "materials")
@@ -92,6 +93,10 @@ class EngineBase:
 
     def _fit_slots(self, bank: SceneBank) -> None:
         """Adds slots until all hulls within reach of traversable ground have one."""
+        if isinstance(bank, PlacedBank):
+            most = most_in_reach(bank, self.reach, self.num_slots, self.num_prism_slots)
+            self.num_slots, self.num_prism_slots = most
+            return
         for scene in range(bank.num_scenes):
             if self.num_slots:  # 0 means no objects
                 self.num_slots = most_objects_in_reach(bank, scene, self.reach, self.num_slots)

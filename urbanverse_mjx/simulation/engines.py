@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import jax
 
-from ..datatypes import AgentShapes, RobotSpec, SceneBank, ValidationError
+from ..datatypes import AgentShapes, PlacedBank, RobotSpec, SceneBank, ValidationError
 from ..datatypes import validation as v
 from ..datatypes.bank_reach import with_reach
 from .collision_slots.body_slots import Sizes
@@ -56,7 +56,10 @@ def make_engine(
     """
     if impl not in IMPLS:
         raise ValidationError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
-    bank = with_reach(bank, robot.circumradius + robot.max_speed * control_dt)
+    reach = robot.circumradius + robot.max_speed * control_dt
+    if isinstance(bank, PlacedBank):
+        _check_places(bank, robot, reach)
+    bank = with_reach(bank, reach)
     if physics_dt is not None and physics_dt != robot.physics_timestep:
         robot = with_timestep(robot, physics_dt)
     same: dict[str, Any] = {"control_dt": control_dt, "num_slots": num_slots, "agents": agents, "movable": movable}
@@ -68,8 +71,12 @@ def make_engine(
         try:
             return WarpEngine(bank, robot, **same, fused=True, **sizes)
         except NotFusible:
-            if impl != "auto":
+            if impl != "auto" or isinstance(bank, PlacedBank):
                 raise
+    if isinstance(bank, PlacedBank):
+        raise v.fail(
+            "impl", f"{impl!r} with scenes that come and go", "'warp-fused'", "set config.schedule.places to 0"
+        )
     if general_impl(impl) == "warp":
         from .warp_engine import WarpEngine
 
@@ -81,6 +88,18 @@ def make_engine(
         raise v.fail("impl", found, "the package mujoco-mjx for the jax engine", "try impl='warp'") from error
 
     return JaxEngine(bank, robot, **same, **sizes)
+
+
+def _check_places(bank: PlacedBank, robot: RobotSpec, reach: float) -> None:
+    """Refuses a robot for which the grids of scenes that come and go would have to be made anew."""
+    has = float(bank.meta["grid_reach"])
+    if reach > has + 1e-6:
+        raise v.fail(
+            f"config.schedule.places with the robot {robot.name!r}",
+            f"a reach of {reach:.2f} m in a control step",
+            f"at most the {has:.2f} m of the folder's grids",
+            "set it to 0",
+        )
 
 
 def load_kernels(engines: Sequence[Any], threads: int) -> None:

@@ -325,7 +325,11 @@ def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, appearances: Sequence[int]
 
 
 def build_render_model(
-    bank: SceneBank, robot: RobotSpec | None, appearances: Sequence[int] = (), whole: bool = False
+    bank: SceneBank,
+    robot: RobotSpec | None,
+    appearances: Sequence[int] = (),
+    whole: bool = False,
+    streets: bool = True,
 ) -> RenderModel:
     """Builds the render model of a bank and, if given, a robot and agents.
 
@@ -333,12 +337,13 @@ def build_render_model(
       appearances: row of the bank's agents for each agent.
       whole: whether the model itself holds the bank's meshes, materials, textures and slots, as MuJoCo's own renderers
         need them.
+      streets: whether `RenderModel.meshes` are the bank's too, or only those of what moves.
 
     Raises:
       ValidationError: the bank has no visual mesh, the robot has a visual geom without a surface, or the bank has no
         such appearance.
     """
-    if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
+    if streets and (bank.num_meshes == 0 or bank.slot_mesh.size == 0):
         raise ValidationError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
     spec = mujoco.MjSpec()
     spec.stat.extent = 1.0
@@ -369,7 +374,7 @@ def build_render_model(
     rotation = np.concatenate([rotations.matrix_f64(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
     return RenderModel(
         model=model,
-        meshes=RenderMeshes.joined(own if whole else [*_bank_meshes(bank), *own]),
+        meshes=RenderMeshes.joined(own if whole or not streets else [*_bank_meshes(bank), *own]),
         num_slots=bank.slot_mesh.shape[1] if whole else 0,
         robot_body=np.concatenate([body, bodies + np.arange(number)]).astype(np.int32),
         robot_position=np.concatenate([position.reshape(-1, 3), np.zeros((number, 3))]).astype(np.float32),

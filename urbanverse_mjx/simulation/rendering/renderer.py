@@ -6,7 +6,7 @@ and the materials of mujoco-warp-pbr. Other modules use both through this module
 
 import concurrent.futures
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
 import jax
@@ -15,7 +15,7 @@ import numpy as np
 import warp as wp
 
 from ... import settings as process
-from ...datatypes import AgentMotion, Bodies, CameraMount, RobotSpec, SceneBank, ValidationError
+from ...datatypes import AgentMotion, Bodies, CameraMount, PlacedBank, RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
 from ...precision import full_precision
 from .. import host_memory
@@ -24,6 +24,7 @@ from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, 
 from .model import RenderModel, RobotCamera, build_render_model
 from .settings import AGENT_LABEL, COVERAGE, LIGHTS, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Scan, Settings
 from .street_batch import StreetBatch, Streets
+from .street_places import PlacedStreets
 
 #: m, and 1 - cos of half the angle, from which an object counts as moved from its pose in the bank.
 _MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6
@@ -136,7 +137,13 @@ class Renderer:
         self.bank = bank
         self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies, scan, light)
         self.threads = threads or process.num_threads()
-        self._build_model = functools.partial(build_render_model, bank, robot, tuple(agents))
+        placed = isinstance(bank, PlacedBank)
+        if placed and (agents or bodies or scan or COVERAGE in wanted or shadows):
+            raise ValidationError(
+                "renderer: found agents, moved objects, a scan, coverage or traced shadows with scenes that come and "
+                "go; needed a camera in still streets; set config.schedule.places to 0"
+            )
+        self._build_model = functools.partial(build_render_model, bank, robot, tuple(agents), streets=not placed)
         self._model: RenderModel | None = self._build_model()
         host_memory.give_back()
         self._num_agents = self._model.num_agents
@@ -288,9 +295,42 @@ class Renderer:
         return model
 
     def _build_streets(self) -> Streets:
-        streets = Streets(self.bank, self._take_model(), self.settings)
+        bank, model = self.bank, self._take_model()
+        placed = isinstance(bank, PlacedBank)
+        streets = PlacedStreets(bank, model, self.settings) if placed else Streets(bank, model, self.settings)
         host_memory.give_back()
         return streets
+
+    @property
+    def placed_bytes(self) -> tuple[int, int]:
+        """Bytes of the scenes on the device, where they change in places: of tables, and of textures without their
+        smaller copies."""
+        device = wp.device_from_jax(jax.devices()[0])
+        with wp.ScopedDevice(device):
+            streets, _ = self._devices.get_or_make(device, self._build_streets)
+            return (streets.num_bytes, streets.texture_bytes) if isinstance(streets, PlacedStreets) else (0, 0)
+
+    def stage(self, place: int, scene: Mapping[str, Any]) -> Generator[None, None, Callable[[], None]]:
+        """Copies the looks of a scene to the device, a few megabytes at a time, while the others are in use.
+
+        Args:
+          place: row of the bank, of which the scenes change (`PlacedBank`).
+          scene: of `street_places.scene_looks`.
+
+        Returns:
+          A function that puts the scene in its place, to be called while no program runs.
+        """
+        device = wp.device_from_jax(jax.devices()[0])
+        with wp.ScopedDevice(device):
+            streets, _ = self._devices.get_or_make(device, self._build_streets)
+            assert isinstance(streets, PlacedStreets), "scenes change in places"
+            commit = yield from streets.stage(place, scene)
+
+        def exchange() -> None:
+            with wp.ScopedDevice(device):
+                commit()
+
+        return exchange
 
 
 def _find_camera(model: RenderModel, name: str) -> RobotCamera:

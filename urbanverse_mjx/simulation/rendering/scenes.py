@@ -41,24 +41,43 @@ def upload_textures(images: Sequence[np.ndarray]) -> tuple[list[wp.Texture2D], n
     Equal ones are one object: joined banks hold the textures of the same assets again, two fifths of all in five sets.
     """
     on_host = wp.get_device().is_cpu
-    textures, sizes = [], np.ones((len(images), 2), np.float32)
+    textures: list[wp.Texture2D] = []
     known: dict[tuple[tuple[int, ...], bytes], wp.Texture2D] = {}
-    to_linear = srgb_to_linear(np.arange(256) / 255.0).astype(np.float32 if on_host else np.float16)
-    for i, image in enumerate(images):
-        key = image.shape, hashlib.sha256(np.ascontiguousarray(image)).digest()
+    for image in images:
+        key = image.shape, digest_of(image)
         if key not in known:
-            texels = np.ones((*image.shape[:2], 4), to_linear.dtype)
-            texels[..., :3] = to_linear[image[..., :3]]
-            known[key] = wp.Texture2D(
-                texels,
-                filter_mode=_LINEAR,
-                address_mode=wp.TextureAddressMode.WRAP,
-                num_mip_levels=0,
-                mip_filter_mode=_NEAREST if on_host else _LINEAR,
-            )
+            known[key] = make_texture(linear_texels(image, on_host))
         textures.append(known[key])
-        sizes[i] = image.shape[1], image.shape[0]
-    return textures, sizes
+    return textures, texture_sizes(images)
+
+
+def texture_sizes(images: Sequence[np.ndarray]) -> np.ndarray:
+    """(number, 2) f32: widths and heights of images (H, W, channels)."""
+    return np.array([(image.shape[1], image.shape[0]) for image in images], np.float32).reshape(-1, 2)
+
+
+def digest_of(image: np.ndarray) -> bytes:
+    """A hash of an image's bytes."""
+    return hashlib.sha256(np.ascontiguousarray(image)).digest()
+
+
+def linear_texels(image: np.ndarray, on_host: bool) -> np.ndarray:
+    """(H, W, 4) of an image (H, W, channels) u8 in linear light: f32 for a texture on the host, else f16."""
+    to_linear = srgb_to_linear(np.arange(256) / 255.0).astype(np.float32 if on_host else np.float16)
+    texels = np.ones((*image.shape[:2], 4), to_linear.dtype)
+    texels[..., :3] = to_linear[image[..., :3]]
+    return texels
+
+
+def make_texture(texels: np.ndarray) -> wp.Texture2D:
+    """The texture of `linear_texels` with mip levels, on Warp's current device."""
+    return wp.Texture2D(
+        texels,
+        filter_mode=_LINEAR,
+        address_mode=wp.TextureAddressMode.WRAP,
+        num_mip_levels=0,
+        mip_filter_mode=_NEAREST if wp.get_device().is_cpu else _LINEAR,
+    )
 
 
 def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:

@@ -120,24 +120,14 @@ class Streets:
     """Everything that does not move: triangles, search trees, materials, skies, the kernel."""
 
     def __init__(self, bank: SceneBank, model: RenderModel, settings: Settings) -> None:
-        self.settings = settings
-        mjm = model.model
-        geoms = np.arange(mjm.ngeom)
-        self.num_parts = len(geoms) + settings.bodies
-        self.street, self._tables = Street(), []
-        self.street.num_parts, self.street.num_bodies = self.num_parts, settings.bodies
-        self._add_objects(bank, model, self._add_meshes(model.meshes), geoms)
-        self._add_parts(model, geoms)
-        self._add_light(bank)
-        self.num_shades = 0
-        if settings.light == "baked" and "rgb" in settings.outputs:
-            self._add_baked_light(bank, model)
+        self._begin(model, settings)
+        self._add_tables(bank, model)
         #: Finds the first hits of a camera's rays on a CPU, before the image is drawn with them; else None.
         self.cast = None
         if wp.get_device().is_cpu and settings.scan is None:
             self.cast = street_packets.build_cast_kernel(settings.bodies > 0)
         self.draw = street_draw.build_draw_kernel(
-            settings, FAR_PLANE, bank.sky_radiance.shape[2], self.cast is not None
+            settings, FAR_PLANE, self._sky_width, self.cast is not None, self.objects_of_place
         )
         if COVERAGE in settings.outputs:
             ground = self._is_ground[: self.street.num_objects]
@@ -148,13 +138,48 @@ class Streets:
             self.count = street_coverage.build_count_kernel(settings, FAR_PLANE)
         self.ready = False
 
-    def _keep(self, rows: np.ndarray) -> int:
-        """Puts rows on the device, to stay as long as this does; returns where they stand."""
-        self._tables.append(_table(rows))
-        return self._tables[-1].ptr or 0
+    def _begin(self, model: RenderModel, settings: Settings) -> None:
+        self.settings = settings
+        self.num_parts = model.model.ngeom + settings.bodies
+        self.street, self._tables = Street(), []
+        self.street.num_parts, self.street.num_bodies = self.num_parts, settings.bodies
+        self.num_shades = 0
+        #: Objects that a place has room for, where scenes change in places; else 0.
+        self.objects_of_place = 0
 
-    def _add_meshes(self, meshes: RenderMeshes) -> Trees:
-        """Triangles and faces in the order of the leaves of the meshes' trees."""
+    @property
+    def is_baked(self) -> bool:
+        """Whether the streets hide light from one another."""
+        return self.settings.light == "baked" and "rgb" in self.settings.outputs
+
+    def _add_tables(self, bank: SceneBank, model: RenderModel) -> None:
+        geoms = np.arange(model.model.ngeom)
+        self._add_objects(bank, model, self.mesh_tables(model.meshes, self._keep), geoms)
+        self._add_parts(model, geoms)
+        self._add_light(bank)
+        if self.is_baked:
+            self._add_baked_light(bank, model)
+
+    def _keep(self, name: str, rows: np.ndarray) -> None:
+        """Puts the rows of a table of `Street` on the device, to stay as long as this does."""
+        self._tables.append(_table(rows))
+        setattr(self.street, name, self._tables[-1].ptr or 0)
+
+    def _keep_bytes(self, name: str, values: np.ndarray) -> None:
+        """As `_keep`, for a table of bytes."""
+        self._tables.append(wp.array(values, dtype=wp.uint8))
+        setattr(self.street, name, self._tables[-1].ptr or 0)
+
+    def _upload(self, texture_images: Sequence[np.ndarray]) -> np.ndarray:
+        """Puts textures on the device; returns their (number, 2) widths and heights."""
+        textures, sizes = upload_textures(texture_images)
+        self._textures: list[object] = [textures]
+        self.textures = wp.array(textures, dtype=wp.Texture2D)
+        return sizes
+
+    @staticmethod
+    def mesh_tables(meshes: RenderMeshes, keep: Callable[[str, np.ndarray], None]) -> Trees:
+        """Gives `keep` triangles and faces in the order of the leaves of the meshes' trees; returns the trees."""
         mesh = np.repeat(np.arange(len(meshes.count), dtype=np.int32), meshes.count)
         lower, upper = (np.empty((len(mesh), 3), np.float32) for _ in range(2))
 
@@ -166,9 +191,9 @@ class Streets:
         trees = build_trees(lower, upper, mesh, len(meshes.count), _LEAF_SIZE)
         rows = _rows_in_parts(functools.partial(_triangle_rows, meshes), trees.order, (3, 4))
         rows[:, 0, 3] = trees.last
-        self.street.triangles = self._keep(rows)
+        keep("triangles", rows)
         del rows
-        self.street.faces = self._keep(_rows_in_parts(functools.partial(_face_rows, meshes), trees.order, (4, 4)))
+        keep("faces", _rows_in_parts(functools.partial(_face_rows, meshes), trees.order, (4, 4)))
         return trees
 
     def _add_objects(self, bank: SceneBank, model: RenderModel, meshes: Trees, geoms: np.ndarray) -> None:
@@ -185,14 +210,10 @@ class Streets:
         poses = inverse_rows(rotation, bank.slot_position[scene, number])
         poses = np.concatenate([poses, np.zeros((len(geoms), 3, 4))])
         bank_images = (bank.texture(i) for i in range(len(bank.texture_shape)))
-        textures, sizes = upload_textures((*bank_images, *images(mjm)))
-        self._textures: list[object] = [textures]
-        role, material = int(mujoco.mjtTextureRole.mjTEXROLE_RGB), bank.mesh_material[mesh]
+        sizes = self._upload((*bank_images, *images(mjm)))
+        material, part = bank.mesh_material[mesh], mjm.geom_dataid[geoms]
         colour = np.concatenate([bank.material_rgba[material, :3], effective_geom_rgba(mjm)[geoms, :3]])
-        own, part = mjm.geom_matid[geoms], mjm.geom_dataid[geoms]
-        # Meshes without UV have no texture.
-        texture = np.where((own >= 0) & (mjm.mesh_texcoordadr[part] >= 0), mjm.mat_texid[own, role], -1)
-        texture = np.where(texture >= 0, texture + len(bank.texture_shape), -1)
+        texture = part_textures(mjm, len(bank.texture_shape))
         texture = np.concatenate([bank.material_texture[material], texture])
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
         grounds = np.array([name.startswith("ground:") for name in bank.meta["categories"]])
@@ -217,16 +238,17 @@ class Streets:
         parts = poses, meshes.roots[np.concatenate([mesh, bank.num_meshes + part])]
         nodes, roots = self._add_entries(items, scene[items.owner], bank.num_scenes, *parts)
         nodes, roots = joined(meshes.nodes, nodes, roots)
-        self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
+        self._keep("nodes", nodes)
+        self.roots, self._num_mesh_nodes = wp.array(roots, dtype=int), len(meshes.nodes)
         self._mesh_of_object = mesh
-        self.street.object_rows, self.street.num_objects = self._keep(rows), len(mesh)
-        self.street.balls = self._keep(_mesh_balls(bank)[mesh])
+        self._keep("object_rows", rows)
+        self.street.num_objects = len(mesh)
+        self._keep("balls", _mesh_balls(bank)[mesh])
         object_of_slot = np.full(bank.slot_mesh.shape, -1, np.int32)
         object_of_slot[scene, number] = np.arange(len(mesh))
         self.object_of_slot = wp.array(object_of_slot, dtype=int)
         label = np.stack([number, bank.slot_category[scene, number]], -1)
         self.labels = wp.array(np.concatenate([label, model.labels]), dtype=wp.vec2i)
-        self.textures = wp.array(textures, dtype=wp.Texture2D)
 
     def _add_entries(
         self, items: Items, scene: np.ndarray, num_scenes: int, poses: np.ndarray, roots: np.ndarray
@@ -242,7 +264,7 @@ class Streets:
         owner = np.concatenate([np.arange(len(roots)), items.owner[part]])
         reference = np.concatenate([roots, items.root[part]])
         ends = _rows(as_floats(reference), as_floats(LEAF + owner), np.zeros((len(owner), 2)))
-        self.street.entries = self._keep(np.concatenate([poses[owner].astype(np.float32), ends[:, None]], axis=1))
+        self._keep("entries", np.concatenate([poses[owner].astype(np.float32), ends[:, None]], axis=1))
         return build_over(items, leaf, scene, num_scenes)
 
     def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
@@ -257,40 +279,48 @@ class Streets:
         parts[:count, 1, 0] = resolve_geom_materials(mjm)[2][geoms]
         parts[:count, 1, 1] = np.where(material >= 0, mjm.mat_emission[material], 0.0)
         parts[count:, 1, 0] = 0.5  # of what belongs to the street
-        self.street.parts = self._keep(parts)
+        self._keep("parts", parts)
         turns = np.concatenate([model.robot_rotation, np.tile(np.eye(3), (bodies, 1, 1))])
         places = np.concatenate([model.robot_position, np.zeros((bodies, 3))])
         self.shapes = _table(inverse_rows(turns, places))
         self.bodies = wp.array(np.concatenate([model.robot_body, model.num_bodies + np.arange(bodies)]), dtype=int)
 
-    def _add_light(self, bank: SceneBank) -> None:
-        """Light tables; see `street_kernels.LIGHT`."""
-        sun, irradiance = scene_sun(bank)
+    def _add_skies(self, radiance: np.ndarray) -> np.ndarray:
+        """Puts skies (S, H, W, 3) on the device; returns their spherical harmonics (S, 9, 3)."""
         gloss = self.settings.shading == "pbr"
-        skies = build_skies(bank.sky_radiance, glossy=gloss)
+        skies = build_skies(radiance, glossy=gloss)
         self._textures.append(skies.owners)
+        self._sky_width = radiance.shape[2]
         self.skies = Skies()
         self.skies.radiance = skies.radiance
         if gloss:
             assert skies.prefiltered is not None, "skies for gloss are prefiltered"
             self.skies.blurred, self.skies.lobes = skies.prefiltered, build_dfg_lut()
+        return skies.sh.numpy()
+
+    def _add_light(self, bank: SceneBank) -> None:
+        """Light tables; see `street_kernels.LIGHT`."""
+        sun, irradiance = scene_sun(bank)
+        harmonics = self._add_skies(bank.sky_radiance)
         lights = np.zeros((bank.num_scenes, 9, 4))
         if self.settings.sky:
-            lights[..., :3] = sky_polynomials(skies.sh.numpy()[bank.scene_sky], bank.scene_sky_yaw)
+            lights[..., :3] = sky_polynomials(harmonics[bank.scene_sky], bank.scene_sky_yaw)
         else:
             lights[:, 0, :3] = sky_ambient(bank)
         lights[:, :3, 3], lights[:, 3:6, 3] = sun, irradiance / np.pi
         lights[:, 6, 3], lights[:, 7, 3] = bank.scene_sky, bank.scene_sky_yaw
-        self.street.lights = self._keep(lights)
+        self._keep("lights", lights)
 
     def _add_baked_light(self, bank: SceneBank, model: RenderModel) -> None:
         """Light that the streets hide, and the boxes of what moves; see `street_light`."""
         baker = Baker(bank, self.street, self.roots.numpy(), self._baked_ground)
         sheets, texels, cells = light_tables(baker.lights())
-        self.street.sheets = self._keep(sheets)
-        for name, table in (("texels", texels), ("cells", cells)):
-            self._tables.append(wp.array(table, dtype=wp.uint8))
-            setattr(self.street, name, self._tables[-1].ptr or 0)
+        self._keep("sheets", sheets)
+        self._keep_bytes("texels", texels)
+        self._keep_bytes("cells", cells)
+        self._add_shades(bank, model)
+
+    def _add_shades(self, bank: SceneBank, model: RenderModel) -> None:
         bodies = self.settings.bodies
         numbers = [*model.shade_body, *(model.num_bodies + np.arange(bodies))]
         boxes = np.concatenate([model.shade_box, np.ones((bodies, 2, 3))])
@@ -298,6 +328,15 @@ class Streets:
         self.shade_body, self.shade_box = wp.array(numbers, dtype=int), wp.array(_rounded(boxes), dtype=wp.vec3)
         objects = _mesh_boxes(bank)[self._mesh_of_object] if bodies else np.zeros((0, 2, 3))
         self.object_boxes = wp.array(_rounded(objects), dtype=wp.vec3)
+
+
+def part_textures(model: mujoco.MjModel, first: int) -> np.ndarray:
+    """(R,) texture of each geom of a render model, whose own stand behind `first` others; -1 = none."""
+    geoms, role = np.arange(model.ngeom), int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
+    own, part = model.geom_matid[geoms], model.geom_dataid[geoms]
+    # Meshes without UV have no texture.
+    texture = np.where((own >= 0) & (model.mesh_texcoordadr[part] >= 0), model.mat_texid[own, role], -1)
+    return np.where(texture >= 0, texture + first, -1)
 
 
 def _rounded(boxes: np.ndarray) -> np.ndarray:

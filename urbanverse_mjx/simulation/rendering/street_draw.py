@@ -25,10 +25,14 @@ _BAND = 8
 BLOCK = (64, 14)
 
 
-def build_draw_kernel(settings: Settings, far: float, sky_width: int, packets: bool) -> wp.Kernel:
+def build_draw_kernel(
+    settings: Settings, far: float, sky_width: int, packets: bool, objects_of_place: int = 0
+) -> wp.Kernel:
     """The kernel for images of one size; dim (worlds, pixels).
 
-    far: m, end of all rays; sky_width: texels around a sky; packets: the rays' first hits are already in `hits`.
+    far: m, end of all rays; sky_width: texels around a sky; packets: the rays' first hits are already in `hits`;
+    objects_of_place: rows of the object table of each scene, whose objects' appearances do not depend on the other
+    scenes then; 0 = the rows of all scenes stand together.
     """
     height, width, samples = settings.height, settings.width, settings.samples
     want_rgb, want_depth, want_category, want_object, want_normal = (name in settings.outputs for name in OUTPUTS)
@@ -131,7 +135,10 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int, packets: b
                 if wp.static(want_rgb):
                     if wp.static(appearance > 0.0):
                         if obj < street.num_objects:
-                            tint = k.factors(appearance_seeds[world], obj, wp.static(appearance))
+                            number = obj
+                            if wp.static(objects_of_place > 0):
+                                number = obj - scene * wp.static(objects_of_place)
+                            tint = k.factors(appearance_seeds[world], number, wp.static(appearance))
                             seen.colour = wp.min(wp.cw_mul(seen.colour, tint), wp.vec3(1.0))
                     point = origin + direction * hit.distance
                     radiance = shade(street, views, skies, root, world, scene, point, direction, seen)

@@ -9,7 +9,7 @@ on the Warp device, and an env's scene is data, so changing it needs no compilat
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
 import jax
@@ -158,6 +158,33 @@ class WarpEngine(EngineBase):
         """Whether all physics steps of a control step are one launch."""
         return self._program is not None
 
+    def stage(self, place: int, scene: Mapping[str, Any]) -> Generator[None, None, Callable[[], None]]:
+        """Copies the hulls of a scene to the device, a few megabytes at a time, while the others are in use.
+
+        Args:
+          place: row of the bank, of which the scenes change (`PlacedBank`).
+          scene: of `places.scene_tables`.
+
+        Returns:
+          A function that puts the scene in its place, to be called while no program runs.
+        """
+        shared, _ = self._shared(wp.device_from_jax(jax.devices()[0]))
+        assert shared.placed is not None, "scenes change in places"
+        with wp.ScopedDevice(shared.device):
+            commit = yield from shared.placed.stage(place, scene)
+
+        def exchange() -> None:
+            with wp.ScopedDevice(shared.device):
+                commit(shared.tables)
+
+        return exchange
+
+    @property
+    def placed_bytes(self) -> int:
+        """Bytes of the scenes on the device, where they change in places."""
+        shared, _ = self._shared(wp.device_from_jax(jax.devices()[0]))
+        return 0 if shared.placed is None else shared.placed.num_bytes(shared.tables)
+
     @property
     def num_contexts(self) -> int:
         """Batches for which data is kept; made when a batch of a new size is first stepped."""
@@ -226,10 +253,17 @@ class WarpEngine(EngineBase):
             batch = self._batch(scene.device, scene.shape[0], outputs[9].shape[1])
             batch.control_step(inputs, outputs, self.num_substeps)
 
+    def _shared(self, device: Any) -> tuple[DeviceModel, Any]:
+        """The tables on a device, and the batches there."""
+
+        def make() -> DeviceModel:
+            with wp.ScopedDevice(device):
+                return DeviceModel(self.bank, self._robot_model, self.reach, self.materials)
+
+        return self._devices.get_or_make(device, make)
+
     def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch | FusedBatch:
-        shared, batches = self._devices.get_or_make(
-            device, lambda: DeviceModel(self.bank, self._robot_model, self.reach, self.materials)
-        )
+        shared, batches = self._shared(device)
         program = self._program
         if program is not None:
             slots = (self.num_slots, self.num_prism_slots)

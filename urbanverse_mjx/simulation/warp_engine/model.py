@@ -14,7 +14,7 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
-from ...datatypes import SceneBank
+from ...datatypes import PlacedBank, SceneBank
 from ...datatypes import validation as v
 from ..collision_slots import static_slots
 from ..collision_slots.body_table import BodyTable
@@ -22,6 +22,7 @@ from ..collision_slots.hull_contact import planes_and_edges
 from ..physics_model import PhysicsModel, bare_robot
 from . import body_types, contact, kernels
 from .mujoco_warp_private import vec5  # pyright: ignore[reportAttributeAccessIssue] (its package is untyped)
+from .places import PlacedHulls, empty_instances
 
 #: Largest number of velocities of MuJoCo Warp's dense solver; up to 32 it factorises in one block, which is faster.
 MAX_VELOCITIES = 60
@@ -137,12 +138,24 @@ class DeviceModel:
         self.masses.inertia = wp.array(robot.model.body_inertia, dtype=wp.vec3)
         self.masses.subtree = wp.array(robot.model.body_subtreemass, dtype=float)
         self.spheres = _spheres(robot)
-        self.hulls = _kept_hulls(bank, str(self.device))
+        #: Hulls of places whose scenes change; None where those of the bank stay.
+        self.placed: PlacedHulls | None = None
         self.tables = kernels.Tables()
-        self.tables.objects, self.tables.prisms = (_instances(t) for t in static_slots.instance_tables(bank, materials))
+        instances = static_slots.instance_tables(bank, materials)
+        if isinstance(bank, PlacedBank):
+            self.placed = PlacedHulls(bank)
+            instances = tuple(map(empty_instances, instances))
+        else:
+            self._own_hulls = _kept_hulls(bank, str(self.device))
+        self.tables.objects, self.tables.prisms = map(_instances, instances)
         self.tables.origin = wp.array(bank.grid_origin, dtype=wp.vec2)
         self.tables.cell, self.tables.reach = float(bank.grid_cell), reach
         self.body_table = None if robot.bodies is None else _body_table(robot.bodies.table)
+
+    @property
+    def hulls(self) -> Any:
+        """`contact.Hulls` of all scenes."""
+        return self._own_hulls if self.placed is None else self.placed.hulls
 
 
 def _spheres(robot: RobotModel) -> Any:
