@@ -236,9 +236,9 @@ def _version(package: str) -> str:
 
 
 def use_processor_alone() -> None:
-    """Keeps JAX to the processor in this process, before it has used a device: for workers, in each of which it would
-    else take memory of a GPU."""
-    os.environ["JAX_PLATFORMS"] = "cpu"
+    """Keeps JAX and Warp to the processor in this process, before they have used a device: for workers, in each of
+    which they would else take memory of a GPU."""
+    os.environ["JAX_PLATFORMS"], os.environ["CUDA_VISIBLE_DEVICES"] = "cpu", ""
     if "jax" in sys.modules:  # it reads the variable when it is imported
         sys.modules["jax"].config.update("jax_platforms", "cpu")
 

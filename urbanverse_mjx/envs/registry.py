@@ -173,6 +173,8 @@ _ADDED: dict[str, Any] = {
     "friction": "uniform",
     "observations.robot": False,
     "observations.clear_arcs": False,
+    "schedule.places": 0,
+    "schedule.exchange_steps": 0,
     **{f"randomization.{name}": OFF[name] for name in ("wet", "latency", *CAMERA_NOISE)},
 }
 

@@ -10,9 +10,10 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Key, PRNGKeyArray, UInt32
+from jaxtyping import Array, Bool, Float, Key, PRNGKeyArray, UInt32
 
 from ..datatypes import ValidationError
+from ..table_arguments import Held
 from .navigation import NavEnv
 from .staged import observed_size
 from .types import StagedEnv, State
@@ -76,6 +77,41 @@ class AutoResetEnv[C]:
         if self._learnability is None:
             return state
         return dataclasses.replace(state, info={**state.info, SUCCESS: self._learnability.first()})
+
+    @property
+    def held(self) -> Held | None:
+        """Tables of the env that other scenes replace (`NavEnv.held`); None where its scenes stay."""
+        return self.env.held if isinstance(self.env, NavEnv) else None
+
+    def reset_gone(self, state: State[C], gone: Bool[Array, " Z"]) -> tuple[State[C], Bool[Array, " n"]]:
+        """Begins new episodes in the envs whose scene has gone, and observes them; the episodes that end are truncated.
+        All of the other envs' states stays as it is.
+
+        Args:
+          gone: whether the scene of each row of the bank is another one than in `state`.
+
+        Returns:
+          the state, and which of the n envs begin.
+        """
+
+        def fresh(state: State[C]) -> tuple[State[C], jax.Array]:
+            begins = gone[self.env.info_of(state.data)["scene"]]
+
+            def chosen(new: Any, old: Any) -> Any:
+                return jax.tree.map(lambda a, b: jnp.where(begins, a, b), new, old)
+
+            nav = self.env.reset_episode(state.data)
+            ended = {name: jnp.ones_like(state.info[name]) for name in ("truncation", "time_out", "episode_done")}
+            new = dataclasses.replace(
+                state,
+                data=nav,
+                obs=self.env.observe(nav),
+                done=jnp.ones_like(state.done),
+                info={**state.info, **ended},
+            )
+            return chosen(new, state), begins
+
+        return jax.vmap(fresh)(state)
 
     def step(self, state: State[C], action: Float[Array, "n nu"]) -> State[C]:
         """One control step of every env."""

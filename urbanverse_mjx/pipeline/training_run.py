@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..terminal import announce
 
 if TYPE_CHECKING:
-    from ..datatypes import SceneBank
+    from ..datatypes import PlacedBank, SceneBank
     from ..training.record import RunRequest
     from ..training.run import TrainingResult
 
@@ -146,12 +146,12 @@ def _train(
     if options.start_from is not None and options.resume is not None:
         raise ValidationError("--start-from: found it together with --resume, needed one of them.")
     announce(f"run folder: {folder}", quiet)
-    bank = bank_of(name, quiet, config.get("preset"), options.bank, config.get("scenes", "all"))
-    env = registry.load(name, config=config, bank=bank)
+    own, bank = _banks(name, config, ppo, options, quiet)
+    env = registry.load(name, config=config, bank=own)
     if source is None:
         Devices.every().check_draws(wrap_for_training(env, config.episode_length).learns_episodes)
-    if options.num_episodes and isinstance(env, NavEnv) and "test" not in bank.meta["splits"]:
-        known = ", ".join(sorted(set(bank.meta["splits"])))
+    if options.num_episodes and isinstance(env, NavEnv) and (bank is None or "test" not in bank.meta["splits"]):
+        known = ", ".join(sorted({"train"} if bank is None else set(bank.meta["splits"])))
         raise ValidationError(
             f"--num-episodes: found {options.num_episodes} and a bank with scenes of the split {known} alone, needed "
             "some of the split test for the evaluation at the end; take --num-episodes 0, or add such scenes by "
@@ -161,11 +161,13 @@ def _train(
     if in_stages:
         result = _teach_and_imitate(name, env, ppo, folder, options, quiet)
     elif tunes:
-        result = _tune(name, env, ppo, folder, options, quiet)
+        with _places(env):
+            result = _tune(name, env, bank, ppo, folder, options, quiet)
     elif source is not None:
         result = _clone(name, env, ppo, folder, pathlib.Path(source), options.resume is not None, quiet)
     elif imitates:
-        result = _imitate(name, env, ppo, folder, options.resume is not None, quiet)
+        with _places(env):
+            result = _imitate(name, env, ppo, folder, options.resume is not None, quiet)
     else:
         from ..training.run import train as run
 
@@ -174,7 +176,7 @@ def _train(
     announce(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
     summary: dict[str, Any] = {}
     # Other tasks have separate evaluations: gaits are evaluated in C MuJoCo by python -m benchmarks.go2_gait.
-    if options.num_episodes and result.policy is not None and isinstance(env, NavEnv):
+    if options.num_episodes and result.policy is not None and isinstance(env, NavEnv) and bank is not None:
         summary = evaluate_policy(
             result.policy, bank, folder / "evaluation", options.num_episodes, ppo.seed, options.video, quiet
         )
@@ -192,6 +194,49 @@ def _train(
         },
         "folder": str(folder),
     }
+
+
+def _banks(
+    name: str, config: Any, ppo: Any, options: TrainOptions, quiet: bool
+) -> "tuple[SceneBank, SceneBank | None]":
+    """The bank of a training, and the one of validation and evaluation, which is another one where scenes come and go;
+    then `config.schedule.exchange_steps` gets its number.
+
+    Raises:
+      ValidationError: scenes are to come and go in a training that has no place for it; see also `bank_of` and
+        `placed_banks`.
+    """
+    from ..datatypes import ValidationError
+    from ..datatypes import validation as v
+    from ..envs.navigation.places import spread_steps
+
+    number = int(config.get("schedule", {}).get("places", 0))
+    if not number:
+        bank = bank_of(name, quiet, config.get("preset"), options.bank, config.get("scenes", "all"))
+        return bank, bank
+    what = f"preset {config.get('preset')!r}" if ppo.get("demonstrations") is None else "--demonstrations"
+    if ppo.get("algorithm") != "dagger" or "teacher" in ppo or ppo.get("demonstrations") is not None:
+        raise ValidationError(
+            f"config.schedule.places: found {number} with {what}, needed 0: scenes come and go in trainings of the "
+            "presets 'quick' and 'tune'; take one of them, or keep all scenes on the device."
+        )
+    own, bank = placed_banks(options.bank, config, number)
+    if not config.schedule.exchange_steps:
+        each = int(ppo.num_envs) * int(ppo.get("finetune", ppo).unroll_length)
+        config.schedule.exchange_steps = spread_steps(own, int(ppo.num_timesteps), each)
+    ids = v.counted(len(own.rows), "scenes")
+    announce(f"{ids} in {number} places, another one every {config.schedule.exchange_steps:,} env-steps", quiet)
+    return own, bank
+
+
+def _places(env: Any) -> "contextlib.AbstractContextManager[object]":
+    """What exchanges the scenes of an environment where they come and go."""
+    from ..datatypes import PlacedBank
+    from ..envs.navigation.places import ScenePlaces
+
+    if not isinstance(env.bank, PlacedBank):
+        return contextlib.nullcontext()
+    return ScenePlaces(env, int(env.config.schedule.exchange_steps))
 
 
 def _cloning_config(config: Any, request: "RunRequest", options: TrainOptions) -> Any:
@@ -269,13 +314,23 @@ def _teach_and_imitate(
 
 
 def _tune(
-    name: str, env: Any, config: Any, folder: pathlib.Path, options: TrainOptions, quiet: bool
+    name: str,
+    env: Any,
+    bank: "SceneBank | None",
+    config: Any,
+    folder: pathlib.Path,
+    options: TrainOptions,
+    quiet: bool,
 ) -> "TrainingResult":
-    """Continues a student's training by PPO on the bank's streets."""
+    """Continues a student's training by PPO on the bank's streets; validates it on those of `bank`."""
+    from ..envs import registry
     from ..training.tuning import tune
 
-    resume = options.resume is not None
-    validator = _validator(env, config, quiet)
+    resume, judge = options.resume is not None, env
+    if bank is not None and bank is not env.bank and env.places is not None:
+        # Streets that stay, with an engine and a renderer of their own.
+        judge = registry.load(name, config=env.config, config_overrides={"scenes": "all"}, bank=bank)
+    validator = _validator(judge, config, quiet)
     result = tune(name, env, config, folder.absolute(), options.start_from, resume, quiet, validator)
     if result.policy is not None and folder.absolute() not in result.policy.parents:
         announce(f"no checkpoint is as good as the initial policy, which is kept: {result.policy}", quiet)
@@ -324,6 +379,38 @@ def bank_of(
     if load is registry.load_default_bank:
         return ensure_quick_bank(quiet) if preset in ("quick", "best") else ensure_default_bank(quiet=quiet)
     return ensure_terrain_bank() if load is registry.load_terrain_bank else load()
+
+
+def placed_banks(path: pathlib.Path | None, config: Any, places: int) -> "tuple[PlacedBank, SceneBank | None]":
+    """Opens a folder for a training whose scenes come and go.
+
+    Args:
+      config: of the environment: `scenes` and `schedule`.
+      places: number of scenes on the device at a time.
+
+    Returns:
+      the places, and the scenes of the splits validation and test, which stay; None where there are none.
+
+    Raises:
+      ValidationError: there is no folder, or it has no more such scenes than places.
+    """
+    import numpy as np
+
+    from .. import settings
+    from ..datatypes import SPLITS, BankShards, PlacedBank, SceneBank, ValidationError
+    from ..envs.navigation.scenarios import select_scenes
+
+    path = path or settings.chosen_bank_path()
+    if path is None or not path.is_dir():
+        found = "no bank" if path is None else f"the bank {path}"
+        raise ValidationError(
+            f"config.schedule.places: found {found}, needed a folder of scenes (--bank streets.bank); write one by "
+            "`urbanverse scene join`."
+        )
+    shards = BankShards(path)
+    own = PlacedBank.open(shards, select_scenes(shards, config.scenes), places, int(config.schedule.seed))
+    held = np.unique(np.concatenate([shards.scenes_of(split) for split in SPLITS[1:]]))
+    return own, SceneBank.take(shards, held) if len(held) else None
 
 
 def _chosen_scenes(path: pathlib.Path, scenes: "str | Sequence[str]") -> "SceneBank":

@@ -7,7 +7,7 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
-from ..datatypes import ValidationError
+from ..datatypes import PlacedBank, ValidationError
 from ..envs import wrap_for_training
 from .dagger import Dagger
 from .iterative import Iterations, Validate
@@ -67,7 +67,15 @@ def fit(
       begin: function that returns its state before the first iteration; default: its own, from random parameters.
       validate: see `iterative.Iterations`.
       start_from: policy with the initial parameters, for the record.
+
+    Where the scenes of `env` come and go, `env.places` exchanges them between iterations.
     """
+    places = getattr(env, "places", None)
+    if places is None and isinstance(env.bank, PlacedBank):
+        raise ValidationError(
+            "training: found an environment whose scenes come and go without anything that exchanges them, needed "
+            "`ScenePlaces` as a context around the training."
+        )
     folder = folder.absolute()
     each, total = learner.steps_per_iteration, int(config.num_timesteps)
 
@@ -85,6 +93,7 @@ def fit(
         num_checkpoints=int(config.num_checkpoints),
         validate=validate,
         quiet=quiet,
+        places=places,
     )
     if resume:
         # A run that was killed at its first checkpoint has a state, and no policy yet.
@@ -94,8 +103,12 @@ def fit(
         check_new(folder)
         if jax.process_index() == 0:
             folder.mkdir(parents=True, exist_ok=True)
+    if places is not None and not resume:
+        places.begin(0, each)
     state = run.first_state(resume)
     done = int(state.steps)
+    if places is not None and resume:
+        places.begin(done * each, each)
     if resume and run.replace_missing_policy(state) and done == iterations:
         return run.run(state)  # only the last policy was missing
     if done >= iterations:

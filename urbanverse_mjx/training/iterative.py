@@ -15,6 +15,7 @@ from jax.experimental import multihost_utils
 
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
+from ..envs.navigation.places import ScenePlaces
 from . import sequences, snapshot
 from .policy import latest_policy, policy_path
 from .progress import TrainingLog
@@ -46,6 +47,7 @@ class Iterations:
       validate: validation; if given, only checkpoints that are at least as good as all before them are saved as
         policies.
       steps_before: env-steps of earlier stages, for the log.
+      places: whose scenes are exchanged between iterations of a learner with `reset_gone`; None where scenes stay.
     """
 
     learner: Any
@@ -57,6 +59,7 @@ class Iterations:
     validate: Validate | None = None
     steps_before: int = 0
     quiet: bool = False
+    places: ScenePlaces | None = None
 
     def first_state(self, resume: bool) -> Any:
         """The initial state: a new one, or for a resumed run the newest undamaged one in the folder.
@@ -110,7 +113,7 @@ class Iterations:
                 good, rates = self._judge(number, state)
                 reported = {**reported, **{f"validation/{name}": x for name, x in rates.items()}}
             if log is not None:
-                log((number - done) * each, _named(reported))
+                log((number - done) * each, _named(reported | self._of_places()))
             if at_checkpoint:
                 if writes and (self.folder / STATE).is_file():
                     (self.folder / STATE).replace(self.folder / STATE_BEFORE)
@@ -119,7 +122,7 @@ class Iterations:
                     last.append(self.save(self.learner.actor(state), number * each))
 
         try:
-            sequences.run(self.learner, self.iterations, float("inf"), on_iteration, state)
+            sequences.run(self.learner, self.iterations, float("inf"), on_iteration, state, self._exchanged)
         finally:
             if log is not None:
                 log.close()
@@ -132,6 +135,15 @@ class Iterations:
         steps = before + self.iterations * each
         rate = log.steps_per_second if log is not None else 0.0
         return TrainingResult(last[-1] if last else None, steps, time.monotonic() - begin, rate)
+
+    def _exchanged(self, number: int, state: Any) -> Any:
+        """The state with which an iteration begins, after the exchanges of scenes before it."""
+        if self.places is None:
+            return state
+        return self.places.before((number - 1) * self.learner.steps_per_iteration, state, self.learner.reset_gone)
+
+    def _of_places(self) -> dict[str, float]:
+        return {} if self.places is None else self.places.reported()
 
     def _best(self) -> tuple[float, int]:
         """Success rate and iteration of the best checkpoint so far."""

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import ValidationError
+from ..datatypes import PlacedBank, ValidationError
 from ..datatypes import validation as v
 from ..envs.staged import observed_size
 from ..work_folder import work_folder
@@ -54,7 +54,7 @@ class PolicySpec:
 
     @staticmethod
     def of(environment: str, env: Any, ppo_config: ConfigDict, steps: int) -> "PolicySpec":
-        ids = [env.bank.scene_ids[i] for i in env.scenes]
+        ids = trained_scenes(env)
         return PolicySpec(
             environment=environment,
             env_config=env.config.to_dict(),
@@ -96,6 +96,13 @@ class PolicySpec:
         for name in v.items(m["scene_ids"], f"{where}: scene_ids"):
             v.text(name, f"{where}: scene_ids")
         return PolicySpec(**{name: m[name] for name in fields})
+
+
+def trained_scenes(env: Any) -> list[str]:
+    """Ids of the scenes of an environment, also of those that come and go."""
+    if isinstance(env.bank, PlacedBank):
+        return list(env.bank.all_ids)
+    return [env.bank.scene_ids[i] for i in env.scenes]
 
 
 def package_versions() -> dict[str, str]:

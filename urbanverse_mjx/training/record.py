@@ -14,7 +14,7 @@ from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import registry
 from .config import default_ppo_config
-from .policy import PolicySpec, package_versions
+from .policy import PolicySpec, package_versions, trained_scenes
 
 FILE = "config.json"
 #: PPO fields that a resumed run may change: duration and number of checkpoints.
@@ -172,7 +172,7 @@ def check_scenes(trained: PolicySpec, env: Any) -> None:
     Raises:
       ValidationError: the scenes differ, or the same ids have other layouts.
     """
-    ids = [env.bank.scene_ids[i] for i in env.scenes]
+    ids = trained_scenes(env)
     hashes = env.bank.meta.get("hashes", {})
     other = sorted(set(ids) ^ set(trained.scene_ids))
     other += [s for s in ids if s not in other and trained.bank_hashes.get(s) != hashes.get(s)]

@@ -9,7 +9,7 @@ import jax
 from ml_collections import ConfigDict
 
 from .. import settings
-from ..datatypes import ValidationError
+from ..datatypes import PlacedBank, ValidationError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from .brax_compat import load_ppo
@@ -112,6 +112,11 @@ def train(
       ValidationError: sizes are not divisible as required, the folder is in use, there is no run to resume, a resumed
         run has another configuration, or the initial networks have other shapes.
     """
+    if isinstance(env.bank, PlacedBank):
+        raise ValidationError(
+            "config.schedule.places: found it with Brax's PPO, needed 0: its programs have no place for an exchange of "
+            "scenes; take the preset 'quick' or 'tune', or keep all scenes on the device."
+        )
     ppo = load_ppo()
     folder = folder.absolute()
     writes = jax.process_index() == 0

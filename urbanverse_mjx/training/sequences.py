@@ -132,11 +132,13 @@ def run(
     seconds: float,
     on_iteration: Callable[[int, Any, dict[str, float]], None],
     state: Any,
+    before: Callable[[int, Any], Any] | None = None,
 ) -> Any:
     """Runs iterations until `iterations` are done or `seconds` of wall time have passed, with a callback after each.
 
     Args:
       state: initial state of the learner, whose `steps` count towards `iterations`.
+      before: function (number of the iteration that comes, state) -> state with which it begins; None = that state.
 
     If the time limit is reached, the learning rate depends on the clock, and runs are not reproducible.
     """
@@ -145,6 +147,8 @@ def run(
         progress = max((number - 1) / iterations, (time.monotonic() - begin) / seconds)
         if progress >= 1.0:
             break
+        if before is not None:
+            state = before(number, state)
         state, reported = learner.iterate(state, jnp.float32(progress))
         on_iteration(number, state, {name: float(x) for name, x in reported.items()})
     return state

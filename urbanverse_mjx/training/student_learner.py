@@ -87,13 +87,16 @@ class StudentLearner(abc.ABC):
         self.devices = devices or Devices.every()
         self.devices.check_shares(int(config.num_envs), {f"{self.SECTION}.minibatches": int(config.minibatches)})
         self.devices.check_draws(env.learns_episodes)
+        held = getattr(env, "held", None)
+        self.devices.check_places(held)
         self.teacher_params = teacher_params
         self.student, self._optimizer = student, optimizer
         self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
-        self._reset = self.devices.run(env.reset, (SPREAD,), SPREAD)
+        self._reset = self.devices.run(env.reset, (SPREAD,), SPREAD, held=held)
+        self._gone_reset = self.devices.run(self._reset_gone, (_PLACEMENT, EQUAL), _PLACEMENT, donate=0, held=held)
         # The teacher's parameters are an argument, so that the compiled function does not depend on them.
         self._compiled: Any = self.devices.run(
-            self._iterate, (_PLACEMENT, EQUAL, EQUAL), (_PLACEMENT, EQUAL), donate=0
+            self._iterate, (_PLACEMENT, EQUAL, EQUAL), (_PLACEMENT, EQUAL), donate=0, held=held
         )  # fmt: skip
 
     @property
@@ -117,6 +120,14 @@ class StudentLearner(abc.ABC):
           progress: () in [0, 1], progress of the whole training, which determines the learning rate.
         """
         return self._compiled(state, self.teacher_params, self.devices.place(progress, EQUAL))
+
+    def reset_gone(self, state: LearnerState, gone: jax.Array) -> LearnerState:
+        """The state in which the envs whose scene has gone (Z,) begin new episodes; donates the buffers of `state`."""
+        return self._gone_reset(state, gone)
+
+    def _reset_gone(self, state: LearnerState, gone: jax.Array) -> LearnerState:
+        env, begins = self.env.reset_gone(state.env, gone)
+        return state._replace(env=env, begins=state.begins | begins)
 
     def begin(self, student: Any = None) -> LearnerState:
         """The state before the first iteration; student: parameters of the initial student, by default random ones."""

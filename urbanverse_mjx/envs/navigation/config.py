@@ -36,6 +36,10 @@ def _paper() -> ConfigDict:
                 "start_distance": 0.0,  # m, 0 = no curriculum
                 "ramp_steps": 0,  # control steps of an env
                 "learnable": 0.0,  # share of training episodes drawn by p (1 - p)
+                # Scenes of a folder that are on the device at a time while a training runs (`places.ScenePlaces`), 0 =
+                # all, and env-steps from the coming of one scene to that of the next, 0 = all come once.
+                "places": 0,
+                "exchange_steps": 0,
                 "seed": 0,
             },
             # The paper names textures, friction and mass without ranges; these ranges are chosen here.

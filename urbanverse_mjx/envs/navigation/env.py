@@ -1,5 +1,8 @@
 """`NavEnv`: drive to a goal 10-30 m away on the pavement of a street, with a camera and without collisions."""
 
+import functools
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import mujoco
@@ -8,12 +11,22 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 from ml_collections import ConfigDict
 
 from ...crowds import open_ground
-from ...datatypes import AgentMotion, Renderer, RobotSpec, SceneBank, Simulator, ValidationError, traversable
+from ...datatypes import (
+    AgentMotion,
+    PlacedBank,
+    Renderer,
+    RobotSpec,
+    SceneBank,
+    Simulator,
+    ValidationError,
+    traversable,
+)
 from ...geometry import rotations
 from ...precision import full_precision
 from ...robots.arm_reach import ArmReach
 from ...robots.embodiment import describe
 from ...robots.footprint import footprint
+from ...table_arguments import Held
 from .. import finite
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
@@ -26,7 +39,7 @@ from .dynamic import PEOPLE_METRICS, DynamicStreet, slot_appearances
 from .fleet import Fleet, fleet_size
 from .learnability import Learnability
 from .movables import MOVABLE_METRICS, Movables
-from .scenarios import scenario_of, select_scenes
+from .scenarios import scenario_of, scenes_in_use
 from .schedule import EpisodeSchedule
 from .starts import RandomStarts
 from .surroundings import Surroundings
@@ -91,7 +104,7 @@ class NavEnv(StagedBase[NavState]):
             raise ValidationError(f"config.action_mode: found {config.action_mode!r}, needed one of {ACTION_MODES}.")
         if config.goal_mode not in ("final", "waypoint"):
             raise ValidationError(f"config.goal_mode: found {config.goal_mode!r}, needed 'final' or 'waypoint'.")
-        named = select_scenes(bank, config.scenes)
+        named = scenes_in_use(config, bank)
         bank, self.scenes, own = task_class(config).episodes(config, bank, robot, named)
         self._config = config
         self.bank = bank
@@ -151,6 +164,16 @@ class NavEnv(StagedBase[NavState]):
         parts = Parts(config, bank, self.scenes, robot, model, self._root, self._surroundings, self.dynamic, own)
         #: What the robot has to do.
         self.task: Task = make_task(parts)
+
+    #: The `places.ScenePlaces` that exchange the scenes, while there are any.
+    places: Any = None
+
+    @functools.cached_property
+    def held(self) -> Held | None:
+        """Tables that those of other scenes replace where scenes come and go (`places`); else None."""
+        if not isinstance(self.bank, PlacedBank):
+            return None
+        return Held((self, "_episodes"), (self, "_walkable"), *self._surroundings.held(), *self._schedule.held())
 
     # Properties in the interface of Playground and Brax.
 

@@ -8,13 +8,13 @@ import jax.numpy as jnp
 import mujoco
 from ml_collections import ConfigDict
 
-from ...datatypes import AgentShapes, Renderer, RobotSpec, SceneBank, Simulator, ValidationError
+from ...datatypes import AgentShapes, PlacedBank, Renderer, RobotSpec, SceneBank, Simulator, ValidationError
 from ..robot import make_robot
 from .dynamic import slot_appearances, slot_kinds, slot_shapes
 from .env import NavEnv
 from .fleet import ROBOT, fleet_middle, fleet_shapes, fleet_size
 from .movables import body_sizes
-from .scenarios import bank_for, scenario_of
+from .scenarios import bank_for, check_places, scenario_of
 from .tasks import task_class
 
 #: Function (config, bank, robot, shapes of moving agents, sizes of body slots) -> engine.
@@ -34,8 +34,13 @@ def make_walking_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     """Makes a `NavEnv` of a legged robot, whose gait follows body velocities; see `make_wheeled_env`.
 
     Raises:
-      ValidationError: see `make_wheeled_env`; or the config has moving agents or joint actions.
+      ValidationError: see `make_wheeled_env`; or the config has moving agents or joint actions, or scenes come and go.
     """
+    if isinstance(bank, PlacedBank):
+        raise ValidationError(
+            "config.schedule.places: found it for a robot that a gait moves, needed 0; take a robot on wheels, or keep "
+            "all scenes on the device."
+        )
     if config.action_mode == "joint":
         raise ValidationError(
             "config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'."
@@ -100,6 +105,8 @@ def _options(config: ConfigDict) -> dict[str, Any]:
 
 
 def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavEnv:
+    if isinstance(bank, PlacedBank):
+        check_places(config)
     scenario = scenario_of(config)
     bank = bank_for(scenario, bank)
     kinds = slot_kinds(config.crowd) if scenario == "dynamic" else ()

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Int32
 from ml_collections import ConfigDict
 
-from ...datatypes import BankShards, SceneBank, ValidationError
+from ...datatypes import BankShards, PlacedBank, SceneBank, ValidationError
 
 SCENARIOS = ("clean", "static", "dynamic")
 
@@ -59,3 +59,40 @@ def select_scenes(bank: SceneBank | BankShards, which: str | Sequence[str]) -> I
             f"ids of its {bank.num_scenes} scenes ({known})."
         )
     return np.array([bank.scene_ids.index(s) for s in ids], np.int32)
+
+
+def scenes_in_use(config: ConfigDict, bank: SceneBank) -> Int32[np.ndarray, " n"]:
+    """(n,) i32, rows of the bank that an environment of a config has its episodes in.
+
+    Raises:
+      ValidationError: they do not exist.
+    """
+    if isinstance(bank, PlacedBank):
+        return np.arange(bank.num_scenes, dtype=np.int32)
+    return select_scenes(bank, config.scenes)
+
+
+def check_places(config: ConfigDict) -> None:
+    """Refuses configs whose tables do not change with the scenes of places (`schedule.places`).
+
+    Raises:
+      ValidationError: there are moving agents or objects, another task than point goals, an observation with tables
+        of its own, or another schedule.
+    """
+    task, schedule = config.get("task", None), config.schedule
+    name = "point_goal" if task is None else task.name
+    known = {
+        "config.task.name": (name, "point_goal"),
+        "config.scenario": (scenario_of(config), "static"),
+        "config.randomization.clutter": (config.randomization.get("clutter", 0), 0),
+        "config.observations.clear_arcs": (config.get("observations", {}).get("clear_arcs", False), False),
+        "config.schedule.resident_scenes": (schedule.resident_scenes, 0),
+        "config.schedule.ramp_steps": (schedule.ramp_steps, 0),
+        "config.schedule.learnable": (schedule.get("learnable", 0.0), 0.0),
+    }
+    for where, (found, needed) in known.items():
+        if found != needed:
+            raise ValidationError(
+                f"{where}: found {found!r} together with schedule.places, needed {needed!r}; change it, or set "
+                "schedule.places to 0, which keeps all scenes on the device."
+            )

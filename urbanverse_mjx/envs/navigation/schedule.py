@@ -13,6 +13,15 @@ from . import learnability
 _SHARE, _PLACE = 106, 107
 
 
+def episode_rows(bank: SceneBank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Numbers of episodes (Z,) i32 of each scene, their rows (Z, E) i32 by length of the route, padding rows last, and
+    their lengths (Z, E) f32 m in this order, infinite for padding."""
+    exists = np.arange(bank.episode_length.shape[1]) < bank.num_episodes[:, None]
+    lengths = np.where(exists, bank.episode_length, np.inf)
+    rows = np.argsort(lengths, axis=1, kind="stable").astype(np.int32)
+    return bank.num_episodes.astype(np.int32), rows, np.sort(lengths, axis=1).astype(np.float32)
+
+
 class EpisodeSchedule:
     """Draws scenes and episodes by an env's progress.
 
@@ -65,13 +74,13 @@ class EpisodeSchedule:
         self._resident = min(int(config.resident_scenes) or len(scenes), len(scenes))
         self._per_swap = int(config.episodes_per_swap)
         self._start, self._ramp = float(config.start_distance), int(config.ramp_steps)
-        self._count = jnp.asarray(bank.num_episodes, jnp.int32)
-        # Rows of each scene sorted by length of the route; padding rows are last.
+        self._count, self._rows, self._lengths = map(jnp.asarray, episode_rows(bank))
         exists = np.arange(bank.episode_length.shape[1]) < bank.num_episodes[:, None]
-        lengths = np.where(exists, bank.episode_length, np.inf)
-        self._rows = jnp.asarray(np.argsort(lengths, axis=1, kind="stable"), jnp.int32)
-        self._lengths = jnp.asarray(np.sort(lengths, axis=1), jnp.float32)
-        self._longest = float(lengths[exists].max())
+        self._longest = float(bank.episode_length[exists].max())
+
+    def held(self) -> tuple[tuple["EpisodeSchedule", str], ...]:
+        """The tables of `episode_rows`, for `table_arguments.Held`."""
+        return (self, "_count"), (self, "_rows"), (self, "_lengths")
 
     def draw(
         self,

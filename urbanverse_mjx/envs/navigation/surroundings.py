@@ -165,6 +165,10 @@ class Surroundings:
         self._fields = jnp.asarray(kept_fields(bank, height, least))
         self._origin = jnp.asarray(bank.map_origin, jnp.float32)
 
+    def held(self) -> tuple[tuple["Surroundings", str], ...]:
+        """The fields and the corners of the maps, for `table_arguments.Held`."""
+        return (self, "_fields"), (self, "_origin")
+
     @property
     def fields(self) -> UInt8[np.ndarray, "Z X Y 2"]:
         """See `build_fields`; copied from the device."""
