@@ -6,6 +6,13 @@ For each number of scenes it writes a folder (`NAME.bank`), opens it, takes some
 runs `benchmarks.start` with the first ones in a process of its own. A JSON line each: bytes on disk, seconds and
 processor seconds to open and to take, resident memory, and the stages' sums until the first step.
 
+    python -m benchmarks.shards --banks validation/bank.npz --scenes 64 --num-envs 0 --places 8
+    python -m benchmarks.shards --banks validation/bank.npz --scenes 1024 --num-envs 0 --places 64 \\
+        --train "--num-envs 1024 --steps 20000000"                                                   # on a GPU
+
+With --places it also trains on that many scenes of the folder at a time (`benchmarks.places`, with the options of
+--train).
+
 The scenes are those of the banks, again and again under other ids. A copy differs in every hull, mesh and texture
 (their last bits change), so that nothing is shared between copies: that is what streets without a common asset need,
 while real cousins share most of theirs (--shared: copies share all). Where the pages of the folder are in the system's
@@ -16,6 +23,7 @@ import argparse
 import dataclasses
 import json
 import pathlib
+import shlex
 import shutil
 import subprocess
 import sys
@@ -127,6 +135,19 @@ def first_step(folder: pathlib.Path, take: int, num_envs: int, impl: str) -> dic
     return {**sums, **most}
 
 
+def trained(folder: pathlib.Path, places: int, options: list[str]) -> dict[str, Any]:
+    """What `benchmarks.places` prints, in a process of its own.
+
+    Raises:
+      ValidationError: it failed.
+    """
+    command = [sys.executable, "-m", "benchmarks.places", "--folder", str(folder), "--places", str(places), *options]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode:
+        raise ValidationError(f"benchmarks.places: found exit status {done.returncode}, needed 0; see what it printed.")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
 def main(argv: list[str] | None = None) -> int:
     cli = argparse.ArgumentParser(prog="python -m benchmarks.shards", description=__doc__)
     cli.formatter_class = argparse.RawDescriptionHelpFormatter
@@ -136,6 +157,8 @@ def main(argv: list[str] | None = None) -> int:
     cli.add_argument("--shared", action="store_true", help="copies share hulls, meshes and textures")
     cli.add_argument("--num-envs", type=int, default=64, help="of the first step; 0 leaves it out")
     cli.add_argument("--impl", default="auto")
+    cli.add_argument("--places", type=int, default=0, help="trains on that many scenes at a time; 0 leaves it out")
+    cli.add_argument("--train", type=shlex.split, default=[], help="further options of benchmarks.places")
     cli.add_argument("--work", type=pathlib.Path, default=pathlib.Path(tempfile.gettempdir()), help="for the folders")
     args = cli.parse_args(argv)
     with work_folder("urbanverse-shards-", args.work) as work:
@@ -148,6 +171,8 @@ def main(argv: list[str] | None = None) -> int:
             row = {"write": {"processor": round(time.process_time() - begin, 1)}, **measure(folder, args.take)}
             if args.num_envs:
                 row["first_step"] = first_step(folder, args.take, args.num_envs, args.impl)
+            if args.places:
+                row["places"] = trained(folder, args.places, args.train)
             print(json.dumps(row), flush=True)
             shutil.rmtree(folder)
     return 0

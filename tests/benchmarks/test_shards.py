@@ -6,6 +6,7 @@ import pathlib
 import numpy as np
 import pytest
 
+from benchmarks import places
 from benchmarks import shards as script
 from urbanverse_mjx.datatypes import SceneBank
 
@@ -41,3 +42,19 @@ def test_a_line_for_each_number_of_scenes(path: pathlib.Path, capsys: pytest.Cap
     assert rows[2]["hulls"] == rows[0]["hulls"]
     assert rows[2]["disk_mib"] < rows[1]["disk_mib"]
     assert [entry.name for entry in path.parent.iterdir()] == ["bank.npz"], "the folders are removed"
+
+
+@pytest.mark.extended
+def test_a_training_on_places_says_what_exchanges_cost(
+    path: pathlib.Path, small_bank: SceneBank, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = path.parent / "streets.bank"
+    small_bank.save(folder)
+    options = ["--num-envs", "4", "--height", "16", "--width", "24", "--steps", "512", "--exchange-steps", "64"]
+    assert places.main(["--folder", str(folder), "--places", "2", *options, "--work", str(path.parent)]) == 0
+    row = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert (row["scenes"], row["places"], row["compiled"]) == (3, 2, 0)
+    assert row["exchanges"] > 0
+    assert sum(row["spent"].values()) == pytest.approx(row["stalled"] * row["seconds"], rel=0.05, abs=0.01)
+    assert all(size > 0 for size in row["place_mib"].values())
+    assert sorted(entry.name for entry in path.parent.iterdir()) == ["bank.npz", "streets.bank"]
