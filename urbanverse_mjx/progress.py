@@ -1,5 +1,6 @@
 """Progress reports on standard error: bars in a terminal, a line every few seconds elsewhere."""
 
+import multiprocessing
 import sys
 import threading
 import time
@@ -40,10 +41,12 @@ class Progress:
     without progress; shorter work prints nothing.
 
     Args:
-      quiet: print no progress.
+      quiet: print no progress, as in a process that another one started by `multiprocessing`.
     """
 
     def __init__(self, quiet: bool = False) -> None:
+        # What works for another process would write between its lines.
+        quiet = quiet or multiprocessing.parent_process() is not None
         terminal = sys.stderr.isatty()
         columns = (
             TextColumn("{task.description:<24}"),

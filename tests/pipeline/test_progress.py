@@ -1,6 +1,8 @@
 """`urbanverse_mjx.progress` where standard error is no terminal."""
 
+import multiprocessing
 import re
+import sys
 import threading
 import time
 
@@ -75,3 +77,19 @@ def test_quiet_work_prints_nothing_and_no_thread_is_left(capsys: pytest.CaptureF
     with pytest.raises(ZeroDivisionError), Progress() as progress:
         progress.task("bank", 1)(1 / 0)
     assert not [t for t in threading.enumerate() if t.name == "progress"]
+
+
+def _work() -> None:
+    module.LINE_EVERY = 0.05
+    with Progress() as progress:
+        progress.task("preparing", 3)
+        time.sleep(0.5)
+    print("done", file=sys.stderr, flush=True)
+
+
+def test_a_process_that_works_for_another_one_writes_no_lines(capfd: pytest.CaptureFixture[str]) -> None:
+    process = multiprocessing.get_context("spawn").Process(target=_work)
+    process.start()
+    process.join(60.0)
+    assert capfd.readouterr().err == "done\n"
+    assert process.exitcode == 0
