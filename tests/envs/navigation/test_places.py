@@ -1,6 +1,7 @@
 """Scenes that come and go: a place is, to the bit, an environment that was loaded with its scene."""
 
 import pathlib
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -89,7 +90,10 @@ def test_a_place_is_an_environment_loaded_with_its_scene(placed: tuple[NavEnv, S
             before[place] = found
     assert places.exchanges == 4
     assert places.reported()["places/exchanges"] == 4.0
-    assert list(places._folder.glob("scene-*")), "what comes next is prepared"
+    limit = time.monotonic() + 120.0
+    while not list(places._folder.glob("scene-*")):
+        assert time.monotonic() < limit, "what comes next is prepared"
+        time.sleep(0.05)
 
 
 @pytest.mark.extended
