@@ -10,7 +10,6 @@ of the footprint in a field of distances to the hulls' outlines, in cells of 5 c
 them.
 """
 
-import hashlib
 import itertools
 import pathlib
 
@@ -70,12 +69,8 @@ def build_field(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y"]:
 def path_of(bank: SceneBank, height: float) -> pathlib.Path:
     """The file in the cache of a bank's field for robots of a height (m)."""
     parts = (versions.of("clear_arcs"), CELL, LEAST, MOST, height, float(bank.map_resolution))
-    digest = hashlib.sha256(repr(parts).encode())
-    for name in _READ:
-        array = np.ascontiguousarray(getattr(bank, name))
-        digest.update(f"{name} {array.shape} {array.dtype}".encode())
-        digest.update(array.data)
-    return settings.cache_dir("clear_arcs", f"{digest.hexdigest()[:24]}.npz")
+    key = array_file.key_of(parts, {name: getattr(bank, name) for name in _READ})
+    return settings.cache_dir("clear_arcs", f"{key}.npz")
 
 
 def kept_field(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y"]:

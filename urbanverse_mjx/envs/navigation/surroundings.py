@@ -4,7 +4,6 @@ They are used by critics and rewards, not by policies, and looked up in a grid m
 """
 
 import concurrent.futures
-import hashlib
 import math
 import pathlib
 from typing import NamedTuple
@@ -28,6 +27,8 @@ MAX_DISTANCE = 2.55
 MIN_OBSTACLE_HEIGHT = 0.05
 #: Distances that are computed together: few enough that they stay in a processor's cache.
 _DISTANCES_TOGETHER = 1 << 15
+#: Arrays of a bank on which the fields depend.
+_READ = ("inst_hull", "inst_position", "inst_rotation", "hull_box", "map_kind", "map_origin", "episode_start")
 #: Cells; the windows of hulls have multiples of it as sizes.
 _WINDOW_MULTIPLE = 4
 
@@ -132,12 +133,8 @@ def build_fields(bank: SceneBank, height: float, least: float = MIN_OBSTACLE_HEI
 def path_of(bank: SceneBank, height: float, least: float = MIN_OBSTACLE_HEIGHT) -> pathlib.Path:
     """The file in the cache of a bank's fields for hulls between two heights (m)."""
     parts = (versions.of("surroundings"), CELL, MAX_DISTANCE, least, height, float(bank.map_resolution))
-    digest = hashlib.sha256(repr(parts).encode())
-    for name in ("inst_hull", "inst_position", "inst_rotation", "hull_box", "map_kind", "map_origin", "episode_start"):
-        array = np.ascontiguousarray(getattr(bank, name))
-        digest.update(f"{name} {array.shape} {array.dtype}".encode())
-        digest.update(array.data)
-    return settings.cache_dir("surroundings", f"{digest.hexdigest()[:24]}.npz")
+    key = array_file.key_of(parts, {name: getattr(bank, name) for name in _READ})
+    return settings.cache_dir("surroundings", f"{key}.npz")
 
 
 def kept_fields(bank: SceneBank, height: float, least: float = MIN_OBSTACLE_HEIGHT) -> UInt8[np.ndarray, "Z X Y 2"]:

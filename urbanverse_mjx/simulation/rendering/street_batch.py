@@ -144,7 +144,7 @@ class Streets:
         self.street, self._tables = Street(), []
         self.street.num_parts, self.street.num_bodies = self.num_parts, settings.bodies
         self.num_shades = 0
-        #: Objects that a place has room for, where scenes change in places; else 0.
+        #: Largest number of objects of a scene, where scenes change in places; else 0.
         self.objects_of_place = 0
 
     @property

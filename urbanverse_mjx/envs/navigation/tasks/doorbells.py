@@ -181,12 +181,9 @@ def _furnished(
 
 def _path_of(bank: SceneBank, scenes: Sequence[int], robot: RobotSpec, options: Options, stand: Stand) -> pathlib.Path:
     told = (versions.of("doorbells"), [int(z) for z in scenes], robot.planner_radius, robot.planner_height, options)
-    digest = hashlib.sha256(repr((*told, bank.scene_ids, *(stand if stand != DOORBELL else ()))).encode())
-    for name in _USED:
-        array = np.ascontiguousarray(getattr(bank, name))
-        digest.update(f"{name} {array.shape} {array.dtype}".encode())
-        digest.update(array.data)
-    return settings.cache_dir("doorbells" if stand == DOORBELL else "parcel_boxes", f"{digest.hexdigest()[:24]}.npz")
+    told = (*told, bank.scene_ids, *(stand if stand != DOORBELL else ()))
+    key = array_file.key_of(told, {name: getattr(bank, name) for name in _USED})
+    return settings.cache_dir("doorbells" if stand == DOORBELL else "parcel_boxes", f"{key}.npz")
 
 
 def _build(

@@ -125,12 +125,8 @@ def _path_of(
 ) -> pathlib.Path:
     parts = (versions.of("object_goals"), [int(z) for z in scenes], robot.planner_radius, robot.planner_height)
     told = (*parts, reach, lengths, bank.meta["categories"], bank.scene_ids)
-    digest = hashlib.sha256(repr(told).encode())
-    for name in _USED:
-        array = np.ascontiguousarray(getattr(bank, name))
-        digest.update(f"{name} {array.shape} {array.dtype}".encode())
-        digest.update(array.data)
-    return settings.cache_dir("object_goals", f"{digest.hexdigest()[:24]}.npz")
+    key = array_file.key_of(told, {name: getattr(bank, name) for name in _USED})
+    return settings.cache_dir("object_goals", f"{key}.npz")
 
 
 def _build(
