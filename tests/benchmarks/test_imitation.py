@@ -14,6 +14,7 @@ from ml_collections import ConfigDict
 from benchmarks import imitation
 from benchmarks.lib.unseen import Log, Streets, load
 from tests.support.box_machine import box_env
+from tests.support.cut_runs import killed_at
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.evaluation import BASELINES
@@ -119,22 +120,13 @@ def test_a_row_from_the_recording_to_its_scores(
         *small,
     )
     words = (*words, "minibatches=2")
-    save, states = snapshot.save_state, list[pathlib.Path]()
-
-    def killed(*given: Any) -> pathlib.Path:
-        states.append(save(*given))
-        if len(states) == 1:
-            raise KeyboardInterrupt
-        return states[-1]
-
-    monkeypatch.setattr(snapshot, "save_state", killed)
     out = {role: tmp_path / role for role in ("clone", "ppo")}
     commands = {role: vars(args_of(out[role], role)) for role in out}
     assert commands["clone"]["readers"] == 4
     given = ["--train", "bank.npz", "--num-envs", "4", "--readers", "4", "--record-envs", "2"]
     recording = ["record", *given, "--out", str(tmp_path / "recorded"), "--demonstrations", "3"]
     assert imitation.main(recording) == 0
-    with pytest.raises(KeyboardInterrupt):
+    with killed_at(1, snapshot, "save_state"):
         imitation.main(["clone", *given, "--out", str(out["clone"]), *words])
     assert not (out["clone"] / "result.json").exists()
     assert imitation.main(["clone", *given, "--out", str(out["clone"]), *words]) == 0

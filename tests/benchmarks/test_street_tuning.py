@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks import results, street_tuning
+from tests.support.cut_runs import killed_at
 from tests.training.test_student import seeing_env
 from tests.training.test_tuning import small_config
 from urbanverse_mjx import settings
@@ -183,16 +184,7 @@ def test_a_training_that_was_stopped_goes_on_and_is_scored_on_the_street(
 
     monkeypatch.setattr(street_tuning, "drive", noted)
     words = ("tune", "--policy", str(policy), "--seeds", "5", "--episodes", "3", "--steps", "32", "--num-envs", "4")
-    save, saved = snapshot.save_state, list[pathlib.Path]()
-
-    def killed(*given: Any) -> pathlib.Path:
-        saved.append(save(*given))
-        if len(saved) == 1:
-            raise KeyboardInterrupt
-        return saved[-1]
-
-    monkeypatch.setattr(snapshot, "save_state", killed)
-    with pytest.raises(KeyboardInterrupt):
+    with killed_at(1, snapshot, "save_state"):
         street_tuning.tune_street(STREET, args_of(prepared, *words))
     result = street_tuning.tune_street(STREET, args_of(prepared, *words))
     assert driven == [policy.parent.parent.name, "film-5", "own-5"], "the policy before was not driven again"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
+from tests.support.cut_runs import killed_at
 from tests.training.test_student import LAYERS, seeing_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
@@ -90,26 +91,14 @@ def test_it_learns_from_the_goal_and_what_only_the_first_image_shows_by_memory()
 
 
 @pytest.mark.extended
-def test_a_cut_run_ends_with_the_bytes_of_one_that_was_not(
-    small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_cut_run_ends_with_the_bytes_of_one_that_was_not(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
     env = seeing_env(small_bank)
     config = small_config(num_timesteps=256, num_checkpoints=4)
     config.network.update({"layers": LAYERS, "memory": 8})
     data = demonstrations((5, 6, 7))
     assert fit("CocoNav", env, config, tmp_path / "whole", Cloning(data, config), quiet=True).steps == 256
-    save, saved = imitation.save_student, []
-
-    def killed(*given: Any) -> pathlib.Path:
-        saved.append(save(*given))
-        if len(saved) == 2:
-            raise KeyboardInterrupt
-        return saved[-1]
-
-    monkeypatch.setattr(imitation, "save_student", killed)
-    with pytest.raises(KeyboardInterrupt):
+    with killed_at(2, imitation, "save_student"):
         fit("CocoNav", env, config, tmp_path / "cut", Cloning(data, config), quiet=True)
-    monkeypatch.undo()
     fit("CocoNav", env, config, tmp_path / "cut", Cloning(data, config), resume=True, quiet=True)
     states = [(tmp_path / name / iterative.STATE).read_bytes() for name in ("whole", "cut")]
     assert states[0] == states[1]

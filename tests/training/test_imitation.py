@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import pytest
 from ml_collections import ConfigDict
 
+from tests.support.cut_runs import killed_at
 from tests.training.test_student import LAYERS, seeing_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import State
@@ -36,7 +37,6 @@ def teach(parameters: Any, state: State[Any], key: jax.Array) -> jax.Array:
 def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     small_bank: SceneBank,
     tmp_path: pathlib.Path,
-    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Also where the newest state and an older policy are damaged: it continues from the previous state."""
@@ -54,18 +54,8 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     assert (completed.policy, completed.steps) == (whole.policy, 96)
     assert PolicySpec.load(latest_policy(tmp_path / "whole")).steps == 96
 
-    save, saved = imitation.save_student, []
-
-    def killed(*given: Any) -> pathlib.Path:
-        saved.append(save(*given))
-        if len(saved) == 2:
-            raise KeyboardInterrupt
-        return saved[-1]
-
-    monkeypatch.setattr(imitation, "save_student", killed)
-    with pytest.raises(KeyboardInterrupt):
+    with killed_at(2, imitation, "save_student") as saved:
         distil("CocoNav", env, config, tmp_path / "cut", teach, quiet=True)
-    monkeypatch.undo()
     newest = PolicySpec.load(latest_policy(tmp_path / "cut")).steps
     state, first = tmp_path / "cut" / iterative.STATE, saved[0]
     done = PolicySpec.load(first).steps

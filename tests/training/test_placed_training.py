@@ -11,6 +11,7 @@ import jax
 import pytest
 from ml_collections import ConfigDict
 
+from tests.support.cut_runs import killed_at
 from tests.support.placed import OVERRIDES, placed_env
 from tests.training.test_imitation import small_config, teach
 from tests.training.test_tuning import small_config as small_tuning
@@ -68,18 +69,8 @@ def test_a_run_that_was_cut_has_the_same_scenes_and_ends_with_the_same_bytes(
     assert [row["places/exchanges"] for row in rows] == [0.0, 0.0, 1.0, 2.0, 2.0, 3.0]
     assert all(0.0 <= row["places/stalled"] < 1.0 for row in rows)
 
-    save, saved = imitation.save_student, []
-
-    def killed(*given: Any) -> pathlib.Path:
-        saved.append(save(*given))
-        if len(saved) == 2:
-            raise KeyboardInterrupt
-        return saved[-1]
-
-    monkeypatch.setattr(imitation, "save_student", killed)
-    with pytest.raises(KeyboardInterrupt):
+    with killed_at(2, imitation, "save_student"):
         run("cut", False)
-    monkeypatch.setattr(imitation, "save_student", save)
     done, came[:] = PolicySpec.load(latest_policy(tmp_path / "cut")).steps, []
     assert 0 < done < 96
     run("cut", True)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
+from tests.support.cut_runs import killed_at
 from tests.support.unicycle import unicycle_env
 from tests.training.test_student import LAYERS, OVERRIDES, seeing_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
@@ -50,22 +51,6 @@ def training(bank: SceneBank, folder: pathlib.Path, **options: Any) -> TeacherSt
         quiet=True,
         **options,
     )
-
-
-def interrupted(run: TeacherStudent, resume: bool, at: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A training that is killed after it wrote the state of its `at`-th checkpoint, before the policy of it."""
-    save, saved = snapshot.save_state, []
-
-    def killed(*given: Any) -> pathlib.Path:
-        saved.append(save(*given))
-        if len(saved) == at:
-            raise KeyboardInterrupt
-        return saved[-1]
-
-    monkeypatch.setattr(snapshot, "save_state", killed)
-    with pytest.raises(KeyboardInterrupt):
-        run.train(resume)
-    monkeypatch.undo()
 
 
 @pytest.fixture(scope="module")
@@ -160,15 +145,17 @@ def test_a_stage_counts_on_from_the_steps_before_and_is_validated_if_that_is_ask
 
 @pytest.mark.slow
 def test_a_run_that_was_cut_in_two_stages_ends_with_the_bytes_of_one_that_was_not(
-    small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+    small_bank: SceneBank, tmp_path: pathlib.Path
 ) -> None:
     whole, cut = (training(small_bank, tmp_path / name, validator=by_last_bias) for name in ("whole", "cut"))
     whole.train(False)
-    interrupted(cut, False, 2, monkeypatch)
+    with killed_at(2, snapshot, "save_state"):
+        cut.train(False)
     assert not (tmp_path / "cut" / "state.npz").exists(), "in the second stage"
     teacher = latest_policy(tmp_path / "cut" / "teacher")
     written = (teacher / "policy.json").stat().st_mtime_ns
-    interrupted(cut, True, 3, monkeypatch)
+    with killed_at(3, snapshot, "save_state"):
+        cut.train(True)
     assert (tmp_path / "cut" / "state.npz").exists(), "in the third"
     cut.train(True)
     assert (teacher / "policy.json").stat().st_mtime_ns == written, "a complete teacher is kept"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
+from tests.support.cut_runs import killed_at
 from tests.training.test_student import LAYERS, seeing_env
 from tests.training.test_teacher_student import by_last_bias
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
@@ -69,21 +70,11 @@ def test_it_begins_at_the_parameters_of_the_policy(
 
 @pytest.mark.slow
 def test_a_run_that_was_cut_off_ends_at_the_same_policy(
-    small_bank: SceneBank, student: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+    small_bank: SceneBank, student: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:
     whole = tuned(small_bank, tmp_path / "whole", student)
-    save, saved = snapshot.save_state, []
-
-    def killed(*given: Any) -> pathlib.Path:
-        saved.append(save(*given))
-        if len(saved) == 2:
-            raise KeyboardInterrupt
-        return saved[-1]
-
-    monkeypatch.setattr(snapshot, "save_state", killed)
-    with pytest.raises(KeyboardInterrupt):
+    with killed_at(2, snapshot, "save_state"):
         tuned(small_bank, tmp_path / "cut", student)
-    monkeypatch.undo()
     # The command does not name the policy again, and does not need it.
     shutil.rmtree(student)
     again = tuned(small_bank, tmp_path / "cut", None, resume=True)

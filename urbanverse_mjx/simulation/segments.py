@@ -7,7 +7,7 @@ Rows that nobody reads are filled while kernels may read the others. Tables grow
 are told where a table stands at each launch, and pieces stay at their rows.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -97,6 +97,27 @@ class SegmentTables:
         for begin in range(0, len(flat), at_once):
             put(self.tables[name], first * width + begin, flat[begin : begin + at_once])
             yield
+
+
+def staged(device: Any, parts: Generator[None, None, Callable[[], None]]) -> Generator[None, None, Callable[[], None]]:
+    """Goes through the parts of a copy on a Warp device, and returns the function that ends it, which runs there too.
+
+    Between two parts Warp's current device is the caller's.
+    """
+    while True:
+        with wp.ScopedDevice(device):
+            try:
+                next(parts)
+            except StopIteration as done:
+                commit: Callable[[], None] = done.value
+                break
+        yield
+
+    def exchange() -> None:
+        with wp.ScopedDevice(device):
+            commit()
+
+    return exchange
 
 
 def _shape_of(kind: Any) -> tuple[int, ...]:

@@ -1,6 +1,8 @@
 """The navigation task on a kinematic engine: its arithmetic, its ends, its wrapper."""
 
+import contextlib
 import dataclasses
+import types
 from typing import Any
 
 import jax
@@ -16,6 +18,7 @@ from urbanverse_mjx.envs import (
     NavEnv,
     Result,
     check_env,
+    checks,
     default_config,
     joystick_config,
     registry,
@@ -100,6 +103,16 @@ def test_check_env_finds_a_constant_observation(small_bank: SceneBank) -> None:
     env.observe = lambda nav: {**whole(nav), "goal": jnp.ones(2)}  # type: ignore[method-assign]
     with pytest.raises(EnvCheckError, match=r"different first states|constants"):
         check_env(env, num_envs=2, num_steps=3)
+
+
+@pytest.mark.parametrize(("allowed", "found"), [(2, False), (1, True), (0, True)])
+def test_a_number_of_values_may_stay_the_same(allowed: int, found: bool) -> None:
+    """Two of five in each of three envs; pixels have a share of their own."""
+    steps = np.random.default_rng(0).normal(size=(4, 3, 5))
+    steps[..., [1, 3]] = 2.0
+    states = [types.SimpleNamespace(obs={"goal": x, "pixels/front": x[:, [0, 1, 2, 4]]}) for x in steps]
+    with pytest.raises(EnvCheckError, match="40% constant") if found else contextlib.nullcontext():
+        checks._check_no_constant(states, {"goal": allowed})
 
 
 @pytest.mark.extended

@@ -193,7 +193,7 @@ def test_arrays_of_a_file_are_those_that_were_saved(tmp_path: pathlib.Path) -> N
     tree = {
         "a": np.arange(5, dtype=np.int16),
         "b": [np.zeros((0, 3)), np.float32(2.0), "name"],
-        "c": np.eye(3)[:, ::-1],
+        "c": np.arange(12.0).reshape(3, 4)[:, ::-1],
     }
     place_scenes.save(tmp_path / "file", tree)
     found = place_scenes.load(tmp_path / "file")

@@ -19,6 +19,7 @@ from ...datatypes import AgentMotion, Bodies, CameraMount, PlacedBank, RobotSpec
 from ...geometry import rotations
 from ...precision import full_precision
 from .. import host_memory
+from ..segments import staged
 from ..threads import run_all
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from .model import RenderModel, RobotCamera, build_render_model
@@ -323,14 +324,8 @@ class Renderer:
         device = wp.device_from_jax(jax.devices()[0])
         with wp.ScopedDevice(device):
             streets, _ = self._devices.get_or_make(device, self._build_streets)
-            assert isinstance(streets, PlacedStreets), "scenes change in places"
-            commit = yield from streets.stage(place, scene)
-
-        def exchange() -> None:
-            with wp.ScopedDevice(device):
-                commit()
-
-        return exchange
+        assert isinstance(streets, PlacedStreets), "scenes change in places"
+        return (yield from staged(device, streets.stage(place, scene)))
 
 
 def _find_camera(model: RenderModel, name: str) -> RobotCamera:

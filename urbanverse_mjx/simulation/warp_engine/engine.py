@@ -20,6 +20,7 @@ from ...datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBan
 from ...datatypes import validation as v
 from ..collision_slots import body_slots
 from ..engine_base import EngineBase, Substeps
+from ..segments import staged
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from . import bodies_input
 from .batch import WorldBatch
@@ -170,14 +171,7 @@ class WarpEngine(EngineBase):
         """
         shared, _ = self._shared(wp.device_from_jax(jax.devices()[0]))
         assert shared.placed is not None, "scenes change in places"
-        with wp.ScopedDevice(shared.device):
-            commit = yield from shared.placed.stage(place, scene)
-
-        def exchange() -> None:
-            with wp.ScopedDevice(shared.device):
-                commit(shared.tables)
-
-        return exchange
+        return (yield from staged(shared.device, shared.placed.stage(place, scene, shared.tables)))
 
     @property
     def placed_bytes(self) -> int:

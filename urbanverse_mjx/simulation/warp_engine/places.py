@@ -89,19 +89,19 @@ class PlacedHulls:
             for name, array in tables.tables.items():
                 setattr(self.hulls, name, array)
 
-    def stage(self, place: int, scene: Mapping[str, Any]) -> Generator[None, None, Callable[[Any], None]]:
-        """Copies planes and edges to rows that nobody reads; returns a function that puts the scene in its place, in
-        the `kernels.Tables` given."""
+    def stage(self, place: int, scene: Mapping[str, Any], tables: Any) -> Generator[None, None, Callable[[], None]]:
+        """Copies planes and edges to rows that nobody reads; returns a function that puts the scene in its place, also
+        in the `kernels.Tables` given."""
         planes, edges = self._planes.take(len(scene["offset"])), self._edges.take(len(scene["start"]))
         self._tell()
-        for tables, first, names in (
+        for segments, first, names in (
             (self._planes, planes, ("normal", "offset")),
             (self._edges, edges, ("start", "edge")),
         ):
             for name in names:
-                yield from tables.write(name, first, scene[name])
+                yield from segments.write(name, first, scene[name])
 
-        def commit(tables: Any) -> None:
+        def commit() -> None:
             row = place * self._each
             put(self.hulls.plane_start, row, scene["plane_start"] + np.int32(planes))
             put(self.hulls.edge_start, row, scene["edge_start"] + np.int32(edges))

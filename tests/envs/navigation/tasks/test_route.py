@@ -14,7 +14,7 @@ from tests.support.task_figures import check_task
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.crowds.crossings import CLEAR, STOP, UNSIGNALLED, WALK
 from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
-from urbanverse_mjx.envs import NavEnv, Result, check_env
+from urbanverse_mjx.envs import NavEnv, Result, check_env, registry
 from urbanverse_mjx.envs.navigation.clear_arcs import ARCS, ClearArcs
 from urbanverse_mjx.envs.navigation.tasks import routes
 from urbanverse_mjx.envs.navigation.tasks.config import follow_route_config
@@ -189,16 +189,29 @@ def test_teachers_are_told_which_arcs_are_free(preset: str, told: bool) -> None:
     assert follow_route_config(preset).observations.clear_arcs is told
 
 
+def test_its_teacher_looks_as_far_ahead_as_a_cycle_lasts() -> None:
+    assert registry.get_ppo_config("CocoFollowRoute", "best").teacher.discounting == 0.995
+    assert registry.get_ppo_config("CocoNav", "best").teacher.discounting == 0.99
+    assert registry.get_ppo_config("CocoFollowRoute", "paper") == registry.get_ppo_config("CocoNav", "paper")
+
+
 @pytest.mark.extended
 def test_free_arcs_follow_the_other_values(small_bank: SceneBank, env: NavEnv, begun: Any) -> None:
     options = {**FEW, "scenes": small_bank.scene_ids[0], "observations.clear_arcs": True}
     with optimized():
         other = unicycle_env(small_bank, options, config=follow_route_config())
-    without, with_them = env.observe(begun)["privileged"], other.observe(begun)["privileged"]
+    # Turned by a quarter, beside the edge of the first object.
+    turned = jnp.array([np.cos(np.pi / 4), 0.0, 0.0, np.sin(np.pi / 4)])
+    objects = small_bank.inst_position[0, small_bank.inst_hull[0] >= 0, :2]
+    nav = at(begun, tuple(objects[0] + np.array([0.9, -0.9])))
+    nav = nav._replace(sim=nav.sim._replace(xquat=nav.sim.xquat.at[1].set(turned)))
+    without, with_them = env.observe(nav)["privileged"], other.observe(nav)["privileged"]
     arcs = ClearArcs(small_bank, footprint(env.robot).discs, env.robot.planner_height)
-    place, yaw = begun.sim.xpos[1, :2], rotations.yaw_of(begun.sim.xquat[1])
+    place, yaw = nav.sim.xpos[1, :2], rotations.yaw_of(nav.sim.xquat[1])
+    told = arcs.observe(nav.sim.scene, place, yaw)
     np.testing.assert_allclose(with_them[: len(without)], without)
-    np.testing.assert_allclose(with_them[len(without) :], arcs.observe(begun.sim.scene, place, yaw))
+    np.testing.assert_allclose(with_them[len(without) :], told)
+    assert np.abs(told - arcs.observe(nav.sim.scene, place, -yaw)).max() > 0.1, "a heading that makes a difference"
     assert len(with_them) - len(without) == 2 * ARCS
 
 
