@@ -14,7 +14,8 @@ import pathlib
 import sys
 from typing import Any
 
-from benchmarks.lib.unseen import Streets, begin, brief, load, named_scenes, parsed_options, save_result
+from benchmarks.lib.options import option, parsed_options
+from benchmarks.lib.unseen import Streets, begin, brief, load, named_scenes, save_result
 from urbanverse_mjx.envs import registry
 
 
@@ -31,7 +32,9 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--num-envs", type=int, help="default: the preset's")
     cli.add_argument("--minibatch", type=int, help="steps; default: the preset's")
     cli.add_argument("--episodes", type=int, default=768, help="of a bank to test that has no frozen protocol")
-    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as vision_config.height=54")
+    cli.add_argument(
+        "--env", type=option, nargs="*", default=[], help="environment options, such as vision_config.height=54"
+    )
     cli.add_argument("--seed", type=int, default=0)
     cli.add_argument("--impl", default="auto")
     return cli.parse_args()

@@ -26,6 +26,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from benchmarks import results, robots
+from benchmarks.lib.options import option, parsed_options
 from benchmarks.lib.tables import markdown
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank
@@ -82,7 +83,6 @@ def make_envs(args: argparse.Namespace, log: "Log") -> list["NavEnv"]:
     import concurrent.futures
 
     from benchmarks.lib.banks import first_scenes, joined
-    from benchmarks.lib.unseen import parsed_options
 
     banks = [SceneBank.load(path) for path in args.train]
     if args.train_scenes is not None:
@@ -103,7 +103,7 @@ def make_envs(args: argparse.Namespace, log: "Log") -> list["NavEnv"]:
 
 def train(args: argparse.Namespace, log: "Log") -> dict[str, Any]:
     """Trains, or goes on; returns what result.json says of it."""
-    from benchmarks.lib.unseen import parsed_options, steps_of
+    from benchmarks.lib.unseen import steps_of
     from urbanverse_mjx.training import iterative
     from urbanverse_mjx.training.run_folder import at_work
     from urbanverse_mjx.training.shared_ppo import shared_ppo_config, train_shared
@@ -128,7 +128,6 @@ def train(args: argparse.Namespace, log: "Log") -> dict[str, Any]:
 
 def score(args: argparse.Namespace, log: "Log") -> dict[str, Any]:
     """Drives all agents with a robot; returns what result.json says of it."""
-    from benchmarks.lib.unseen import parsed_options
     from urbanverse_mjx.envs.navigation.draws import OFF
     from urbanverse_mjx.evaluation import BASELINES, result_counts
     from urbanverse_mjx.evaluation.held_out import Suite
@@ -283,8 +282,8 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--episodes", type=int, default=128, help="number of episodes of each agent")
     cli.add_argument("--impl", default="auto")
     cli.add_argument("--seed", type=int, default=0)
-    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
-    cli.add_argument("--set", nargs="*", default=[], help="training options, such as minibatches=4")
+    cli.add_argument("--env", type=option, nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
+    cli.add_argument("--set", type=option, nargs="*", default=[], help="training options, such as minibatches=4")
     cli.add_argument("--add", type=pathlib.Path, metavar="RESULT", help="add a result.json to benchmarks/scores")
     cli.add_argument("--page", action="store_true", help="write the table into docs/robots.md")
     args = cli.parse_args(argv)
@@ -297,9 +296,9 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     named = args.robots if args.role == "train" else [args.robot]
     unknown = [name for name in named if name not in (*catalogue.NAMES, *robots.OTHERS)]
     if unknown:
-        option = "--robots" if args.role == "train" else "--robot"
+        named_by = "--robots" if args.role == "train" else "--robot"
         known = ", ".join((*robots.OTHERS, *catalogue.NAMES))
-        cli.error(f"{option}: found {v.show(unknown[0])}, needed names of {known}.")
+        cli.error(f"{named_by}: found {v.show(unknown[0])}, needed names of {known}.")
     return args
 
 

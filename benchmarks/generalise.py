@@ -21,7 +21,8 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
-from benchmarks.lib.unseen import Log, begin, brief, load, named_scenes, parsed_options, save_result, steps_of
+from benchmarks.lib.options import option, parsed_options
+from benchmarks.lib.unseen import Log, begin, brief, load, named_scenes, save_result, steps_of
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.evaluation import blank_image
 from urbanverse_mjx.evaluation.held_out import Suite
@@ -239,8 +240,8 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--seed", type=int, default=0)
     cli.add_argument("--impl", default="warp")
     cli.add_argument("--size", default="54x96")
-    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
-    cli.add_argument("--set", nargs="*", default=[], help="options of the imitation, such as mirror=false")
+    cli.add_argument("--env", type=option, nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
+    cli.add_argument("--set", type=option, nargs="*", default=[], help="options of the imitation, such as mirror=false")
     cli.add_argument("--set-finetune", nargs="*", default=[], help="options of the PPO after it")
     return cli.parse_args()
 

@@ -23,7 +23,8 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from benchmarks.lib.unseen import Log, Streets, begin, brief, load, parsed_options, save_result, steps_of
+from benchmarks.lib.options import option, parsed_options
+from benchmarks.lib.unseen import Log, Streets, begin, brief, load, save_result, steps_of
 from urbanverse_mjx.datatypes import validation as v
 
 if TYPE_CHECKING:
@@ -198,8 +199,10 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--samples", type=int, default=8_000_000, help="env-steps, with those of the demonstrations")
     cli.add_argument("--num-envs", type=int, default=4096, help="of PPO")
     cli.add_argument("--episodes", type=int, default=256, help="of each set of validation streets")
-    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as num_slots=8")
-    cli.add_argument("--set", nargs="*", default=[], help="options of the cloning, or of PPO, such as noise=0.5")
+    cli.add_argument("--env", type=option, nargs="*", default=[], help="environment options, such as num_slots=8")
+    cli.add_argument(
+        "--set", type=option, nargs="*", default=[], help="options of the cloning, or of PPO, such as noise=0.5"
+    )
     cli.add_argument("--seed", type=int, default=0)
     cli.add_argument("--impl", default="auto")
     args = cli.parse_args(argv)

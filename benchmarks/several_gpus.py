@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import results
+from benchmarks.lib.options import option, parsed_options
 from urbanverse_mjx.datatypes import validation as v
 
 SEEDS, GPUS = (0, 1), (1, 2)
@@ -51,7 +52,7 @@ def train(args: argparse.Namespace) -> dict[str, Any]:
     import jax
     from ml_collections import ConfigDict
 
-    from benchmarks.lib.unseen import begin, brief, load, parsed_options
+    from benchmarks.lib.unseen import begin, brief, load
     from urbanverse_mjx.envs import registry
     from urbanverse_mjx.envs.registry import with_overrides
     from urbanverse_mjx.training.config import default_ppo_config
@@ -147,8 +148,10 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--steps", type=int, default=20_000_000, help="env-steps of all stages")
     cli.add_argument("--num-envs", type=int, default=4096, help="in all, however many devices there are")
     cli.add_argument("--episodes", type=int, default=768, help="of a bank to test that has no frozen protocol")
-    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as num_slots=8")
-    cli.add_argument("--set", nargs="*", default=[], help="options of the training, such as network.memory=0")
+    cli.add_argument("--env", type=option, nargs="*", default=[], help="environment options, such as num_slots=8")
+    cli.add_argument(
+        "--set", type=option, nargs="*", default=[], help="options of the training, such as network.memory=0"
+    )
     cli.add_argument("--seed", type=int, default=0)
     cli.add_argument("--impl", default="auto")
     cli.add_argument("--page", action="store_true", help="write the table of docs/results.md, train nothing")

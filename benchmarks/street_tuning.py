@@ -39,6 +39,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import results
+from benchmarks.lib.options import option, parsed_options
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
@@ -201,7 +202,6 @@ def prepare(street: str, args: argparse.Namespace) -> dict[str, Any]:
 
 def environment(bank: Any, args: argparse.Namespace) -> Any:
     """The environment of the preset `tune` over a bank, in the conditions in which the policy was trained."""
-    from benchmarks.lib.unseen import parsed_options
     from urbanverse_mjx.envs import registry
     from urbanverse_mjx.evaluation.frozen import Protocol
 
@@ -247,7 +247,7 @@ def train(
     compilation, None if it was interrupted."""
     from ml_collections import ConfigDict
 
-    from benchmarks.lib.unseen import parsed_options, steps_of
+    from benchmarks.lib.unseen import steps_of
     from urbanverse_mjx.envs.registry import with_overrides
     from urbanverse_mjx.training import iterative
     from urbanverse_mjx.training.config import default_ppo_config
@@ -444,8 +444,10 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--num-envs", type=int, help="default: the preset's")
     cli.add_argument("--episodes", type=int, default=192, help="routes of a street that are scored")
     cli.add_argument("--impl", default="auto")
-    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as num_slots=8")
-    cli.add_argument("--set", nargs="*", default=[], help="options of the training, such as finetune.epochs=1")
+    cli.add_argument("--env", type=option, nargs="*", default=[], help="environment options, such as num_slots=8")
+    cli.add_argument(
+        "--set", type=option, nargs="*", default=[], help="options of the training, such as finetune.epochs=1"
+    )
     cli.add_argument("--workers", type=int, default=settings.num_threads(), help="processes that compile")
     cli.add_argument("--add", action="store_true", help="write the rows that are there into benchmarks/scores")
     cli.add_argument("--page", action="store_true", help="write the table of docs/results.md")

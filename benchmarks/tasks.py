@@ -26,6 +26,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from benchmarks.lib.options import option, parsed_options
 from benchmarks.lib.tables import markdown
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import EpisodeResult, SceneBank
@@ -148,12 +149,11 @@ def relative(policy: float, baseline: float, ceiling: float) -> float | None:
     return None if ceiling <= baseline else (policy - baseline) / (ceiling - baseline)
 
 
-def overrides(args: argparse.Namespace, scenes: Sequence[str], camera: bool) -> dict[str, Any]:
+def overrides(args: argparse.Namespace, scenes: Sequence[str], camera: bool, trains: bool = False) -> dict[str, Any]:
     """Environment options of the training or scoring in some scenes."""
-    from benchmarks.lib.unseen import parsed_options
 
     found = {"preset": "best", "impl": args.impl, "scenes": ",".join(scenes), "vision": camera}
-    return found | parsed_options(args.env)
+    return found | parsed_options(args.env) | (parsed_options(args.train_env) if trains else {})
 
 
 def scoring_env(args: argparse.Namespace, camera: bool) -> "NavEnv":
@@ -192,7 +192,7 @@ def train(args: argparse.Namespace, log: Callable[..., None]) -> dict[str, Any]:
     folder = args.out / "training"
 
     def env_of(camera: bool) -> NavEnv:
-        options = overrides(args, chosen, camera)
+        options = overrides(args, chosen, camera, True)
         env = registry.load(args.task, config_overrides=options, bank=bank)
         assert isinstance(env, NavEnv)
         return env
@@ -224,7 +224,6 @@ def given(args: argparse.Namespace) -> dict[str, pathlib.Path]:
 def training_config(args: argparse.Namespace) -> "ConfigDict":
     """The preset `best` of the task's training with the sizes of the command line; `--steps` are those of the teacher,
     to which the other stages' are in the preset's proportion."""
-    from benchmarks.lib.unseen import parsed_options
     from urbanverse_mjx.envs import registry
 
     config = registry.get_ppo_config(args.task, "best").copy_and_resolve_references().unlock()
@@ -403,8 +402,11 @@ def arguments(argv: Sequence[str] | None = None) -> argparse.Namespace:
     cli.add_argument("--at-once", type=int, default=256, help="episodes that are driven in parallel")
     cli.add_argument("--impl", default="auto")
     cli.add_argument("--seed", type=int, default=0)
-    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
-    cli.add_argument("--set", nargs="*", default=[], help="training options, such as teacher.learning_rate=0.001")
+    cli.add_argument("--env", type=option, nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
+    cli.add_argument("--train-env", type=option, nargs="*", default=[], help="those of the training alone, after --env")
+    cli.add_argument(
+        "--set", type=option, nargs="*", default=[], help="training options, such as teacher.learning_rate=0.001"
+    )
     cli.add_argument("--add", type=pathlib.Path, metavar="RESULT", help="add a result.json to benchmarks/scores")
     cli.add_argument("--page", action="store_true", help="write the tables into docs/tasks")
     args = cli.parse_args(argv)

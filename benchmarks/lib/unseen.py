@@ -5,7 +5,7 @@ import json
 import pathlib
 import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from benchmarks.lib.banks import first_scenes, joined
@@ -106,11 +106,6 @@ def steps_of(folder: pathlib.Path) -> int:
         return PolicySpec.load(latest_policy(folder / "checkpoints")).steps
     except v.ValidationError:
         return 0
-
-
-def parsed_options(texts: Iterable[str]) -> dict[str, Any]:
-    """Returns options given on the command line as NAME=VALUE, with values in JSON."""
-    return {name: json.loads(value) for name, value in (text.split("=") for text in texts)}
 
 
 def brief(scores: dict[str, Any]) -> dict[str, Any]:

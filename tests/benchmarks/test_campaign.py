@@ -12,7 +12,8 @@ import pytest
 
 from benchmarks import campaign, embodiment, gaits, generalise, scaling, tasks
 from benchmarks.campaign import Campaign, Job
-from benchmarks.lib.unseen import named_scenes, parsed_options
+from benchmarks.lib.options import parsed_options
+from benchmarks.lib.unseen import named_scenes
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.training.config import default_ppo_config
 

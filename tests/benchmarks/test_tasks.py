@@ -147,6 +147,22 @@ def test_steps_are_those_of_the_teacher(tmp_path: pathlib.Path) -> None:
     assert (config.num_envs, config.seed, config.teacher.learning_rate) == (32, 5, 0.001)
 
 
+def test_options_of_the_training_alone_are_not_those_of_the_scoring(tmp_path: pathlib.Path) -> None:
+    words = ["--task", "CocoFollowRoute", "--out", str(tmp_path), "--env", "task.length=100.0", "task.walk=25.0"]
+    args = tasks.arguments([*words, "--train-env", "task.needs_crosswalk=false", "task.walk=30.0"])
+    trained, scored = tasks.overrides(args, ["one"], False, True), tasks.overrides(args, ["one"], False)
+    assert trained == scored | {"task.needs_crosswalk": False, "task.walk": 30.0}
+    assert scored["task.walk"] == 25.0
+    assert "task.needs_crosswalk" not in scored
+
+
+@pytest.mark.parametrize("text", ["task.walk=False", "task.walk", "=1.0", "scenes=all"])
+def test_options_that_are_no_json_are_refused_in_a_sentence(capsys: pytest.CaptureFixture[str], text: str) -> None:
+    with pytest.raises(SystemExit):
+        tasks.arguments(["--task", "CocoFollowRoute", "--out", "somewhere", "--train-env", "task.walk=30.0", text])
+    assert f"argument --train-env: found {text!r}, needed NAME=VALUE with a value in JSON" in capsys.readouterr().err
+
+
 def test_policies_that_are_there_are_scored_as_what_they_are(tmp_path: pathlib.Path) -> None:
     words = ["--task", "CocoSocialNav", "--out", str(tmp_path)]
     both = tasks.arguments([*words, "--student", "seeing", "--teacher", "told"])

@@ -20,7 +20,7 @@ from urbanverse_mjx.envs.navigation.tasks import routes
 from urbanverse_mjx.envs.navigation.tasks.config import follow_route_config
 from urbanverse_mjx.envs.navigation.tasks.crosswalks import rectangles
 from urbanverse_mjx.envs.navigation.tasks.people import UNIT
-from urbanverse_mjx.envs.navigation.tasks.route import OBSERVED, FollowRoute, RouteState
+from urbanverse_mjx.envs.navigation.tasks.route import DISTANCE_UNIT, OBSERVED, FollowRoute, RouteState
 from urbanverse_mjx.evaluation.agents import go_to_goal
 from urbanverse_mjx.evaluation.task_agents import SignalPlanner, baseline_of, planner_of
 from urbanverse_mjx.geometry import rotations
@@ -439,6 +439,37 @@ def test_scenes_without_a_crosswalk_are_refused_in_a_sentence(small_bank: SceneB
         ValidationError, match=r"config.scenes: found none of 1 \(\w+\) with a crosswalk between pavements"
     ):
         unicycle_env(bank, {**FEW, "scenes": bank.scene_ids[0], "scenario": "static"}, config=follow_route_config())
+
+
+def test_streets_without_a_crosswalk_are_used_where_that_is_asked(small_bank: SceneBank) -> None:
+    # The last street has its crosswalk no more.
+    kinds = np.array(small_bank.map_kind)
+    kinds[-1][kinds[-1] == KIND_INDEX["crosswalk"]] = KIND_INDEX["road"]
+    bank = dataclasses.replace(small_bank, map_kind=kinds)
+    scenes, robot, last = np.arange(bank.num_scenes, dtype=np.int32), make_coco(), bank.num_scenes - 1
+    strict, few = routes.with_long_routes(bank, scenes, robot, 60.0)
+    wide, all_ = routes.with_long_routes(bank, scenes, robot, 60.0, needs_crosswalk=False)
+    np.testing.assert_array_equal(few, scenes[:-1])
+    np.testing.assert_array_equal(all_, scenes)
+    # The others have the same routes.
+    most = strict.episode_waypoints.shape[2]
+    for name in ("episode_start", "episode_num_waypoints", "episode_length", "num_episodes"):
+        np.testing.assert_array_equal(getattr(wide, name)[:-1], getattr(strict, name)[:-1])
+    np.testing.assert_array_equal(wide.episode_waypoints[:-1, :, :most], strict.episode_waypoints[:-1])
+    # In the last one the robot stays on its pavement.
+    assert int(wide.num_episodes[last]) == 64
+    assert float(wide.episode_length[last].min()) >= 60.0
+    for row in range(64):
+        points = wide.episode_waypoints[last, row, : int(wide.episode_num_waypoints[last, row]), :2]
+        cells = np.floor((points - bank.map_origin[last]) / float(bank.map_resolution)).astype(int)
+        assert (kinds[last][tuple(cells.T)] == KIND_INDEX["sidewalk"]).all()
+    options = {**FEW, "scenes": bank.scene_ids[last], "scenario": "static", "task.needs_crosswalk": False}
+    env = unicycle_env(bank, options, config=follow_route_config())
+    assert isinstance(env.task, FollowRoute)
+    state = jax.jit(env.step)(jax.jit(env.reset)(jax.random.key(0)), jnp.zeros(2))
+    light = env.task.light(state.data)
+    assert (int(light.row), int(light.phase), float(light.distance)) == (-1, UNSIGNALLED, DISTANCE_UNIT)
+    assert float(state.data.task.violations) == 0.0
 
 
 def _corners_one_by_one(points: np.ndarray) -> list[int]:

@@ -206,6 +206,7 @@ def follow_route_config(preset: str = "paper") -> ConfigDict:
         "length": 200.0,  # m
         "cycle": 60.0,  # s, the shortest that NACTO recommends (`signals`)
         "walk": 20.0,  # s
+        "needs_crosswalk": True,  # False: streets without one as well, to train on
     }
     off = {"arrived": 10.0, "progress": 0.0, "hit": -10.0, "off_traversable": -10.0}
     # A wait of up to 40 s costs as many metres, at 1 m/s.

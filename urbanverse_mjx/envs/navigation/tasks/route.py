@@ -116,12 +116,13 @@ def crossings_of_route(
 class FollowRoute(Task):
     """Following a route of `config.task.length` m over pavements and crosswalks with signals, past its waypoints.
 
-    The route comes from `routes.long_routes`; scenes in which the robot comes over no crosswalk are left out. Each
-    crosswalk has a signal, whose cycle of `config.task.cycle` s has `walk` s to begin to cross and begins anywhere
-    (`signals`); people and vehicles obey it as well. The observation `goal` is the next waypoint. `proprio` has after
-    the speeds, and `privileged` at its end, the `Light` as a signal's message tells it: distance (units of 20 m, at
-    most 1), whether the robot is on it, whether people may begin, time until they may and time for which they still may
-    (units of 30 s). Where there is a crowd, `privileged` ends with its `OBSERVED` nearest agents (`nearest_agents`).
+    The route comes from `routes.long_routes`; scenes in which the robot comes over no crosswalk are left out, those
+    without any only if `config.task.needs_crosswalk`. Each crosswalk has a signal, whose cycle of `config.task.cycle` s
+    has `walk` s to begin to cross and begins anywhere (`signals`); people and vehicles obey it as well. The observation
+    `goal` is the next waypoint. `proprio` has after the speeds, and `privileged` at its end, the `Light` as a signal's
+    message tells it: distance (units of 20 m, at most 1), whether the robot is on it, whether people may begin, time
+    until they may and time for which they still may (units of 30 s). Where there is a crowd, `privileged` ends with its
+    `OBSERVED` nearest agents (`nearest_agents`).
 
     Ends: as point goals; at the goal only after all waypoints. Scores of an episode: score: completed share of the
     route, times 0.70 for each violation, times 0.50, 0.60 or 0.65 if it ends by contact with a person, a vehicle or
@@ -170,7 +171,7 @@ class FollowRoute(Task):
         length = float(config.task.length)
         if not MIN_LENGTH <= length <= MAX_LENGTH:
             raise ValidationError(f"config.task.length: found {length:g} m, needed {MIN_LENGTH:g} to {MAX_LENGTH:g} m.")
-        return (*routes.with_long_routes(bank, scenes, robot, length), None)
+        return (*routes.with_long_routes(bank, scenes, robot, length, bool(config.task.needs_crosswalk)), None)
 
     def _events(self, bank: SceneBank, scene: int) -> tuple[np.ndarray, np.ndarray]:
         """(E, M) m of arc length and i32 rows, where the routes of a scene enter its crosswalks."""

@@ -176,15 +176,22 @@ def _stacked(rows: Sequence[tuple[np.ndarray, np.ndarray, float]]) -> Routes | N
     )
 
 
-def long_routes(bank: SceneBank, scene: int, number: int, robot: RobotSpec, length: float) -> Routes | None:
-    """Routes of at least `length` m over pavements and crosswalks of a scene, drawn from `number`; None if the robot
-    comes over no crosswalk."""
+def long_routes(
+    bank: SceneBank, scene: int, number: int, robot: RobotSpec, length: float, needs_crosswalk: bool
+) -> Routes | None:
+    """Routes of at least `length` m over pavements and crosswalks of a scene, drawn from `number`; None if there are
+    none.
+
+    Args:
+      needs_crosswalk: whether there are none in a scene without a crosswalk. In others each route has one.
+    """
     ground = _Ground(bank, scene, robot)
     cells, graph = ground.graph.cells, ground.graph
     on_foot = np.zeros(ground.kind.shape, bool)
     on_foot[tuple(cells[ground.main].T)] = True
     crosses = on_foot & (ground.kind == KIND_INDEX["crosswalk"])
-    if not crosses.any() or not ground.places.any():
+    has_crosswalk = bool(crosses.any())
+    if (needs_crosswalk and not has_crosswalk) or not ground.places.any():
         return None
     parts, count = ndimage.label(on_foot & ~crosses, np.ones((3, 3)))
     large = [k for k in range(1, count + 1) if (parts == k).sum() * NODE**2 >= _OPTIONS.min_part]
@@ -216,7 +223,7 @@ def long_routes(bank: SceneBank, scene: int, number: int, robot: RobotSpec, leng
     rows = []
     for _ in range(_OPTIONS.tries * _OPTIONS.number):
         nodes = _walk(ground, places, costs, following, side_of, _OPTIONS.shortening * length, rng)
-        if nodes is None or not crosses[tuple(cells[nodes].T)].any():
+        if nodes is None or (has_crosswalk and not crosses[tuple(cells[nodes].T)].any()):
             continue
         route = ground.route(nodes)
         if route[2] >= length:
@@ -265,15 +272,17 @@ def _walk(
 
 
 def with_long_routes(
-    bank: SceneBank, scenes: Int32[np.ndarray, " n"], robot: RobotSpec, length: float
+    bank: SceneBank, scenes: Int32[np.ndarray, " n"], robot: RobotSpec, length: float, needs_crosswalk: bool = True
 ) -> tuple[SceneBank, Int32[np.ndarray, " n"]]:
     """`with_routes` of `long_routes`.
 
     Raises:
       ValidationError: no scene has routes.
     """
-    make = functools.partial(long_routes, robot=robot, length=length)
-    return with_routes(bank, scenes, robot, f"long {length:g}", make, "a crosswalk between pavements")
+    make = functools.partial(long_routes, robot=robot, length=length, needs_crosswalk=needs_crosswalk)
+    name = f"long {length:g}" + ("" if needs_crosswalk else ", crosswalk or not")
+    needed = "a crosswalk between pavements" if needs_crosswalk else f"a way of {length:g} m over pavements"
+    return with_routes(bank, scenes, robot, name, make, needed)
 
 
 def with_routes(
