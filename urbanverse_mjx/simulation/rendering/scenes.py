@@ -46,7 +46,7 @@ def upload_textures(images: Sequence[np.ndarray]) -> tuple[list[wp.Texture2D], n
     for image in images:
         key = image.shape, digest_of(image)
         if key not in known:
-            known[key] = make_texture(linear_texels(image, on_host))
+            known[key] = make_texture(mip_levels(linear_texels(image, on_host)))
         textures.append(known[key])
     return textures, texture_sizes(images)
 
@@ -69,15 +69,46 @@ def linear_texels(image: np.ndarray, on_host: bool) -> np.ndarray:
     return texels
 
 
-def make_texture(texels: np.ndarray) -> wp.Texture2D:
-    """The texture of `linear_texels` with mip levels, on Warp's current device."""
-    return wp.Texture2D(
-        texels,
-        filter_mode=_LINEAR,
-        address_mode=wp.TextureAddressMode.WRAP,
-        num_mip_levels=0,
-        mip_filter_mode=_NEAREST if wp.get_device().is_cpu else _LINEAR,
-    )
+def mip_levels(texels: np.ndarray) -> list[np.ndarray]:
+    """(H, W, 4) texels, and copies of half the size each down to one texel, as Warp makes them: means of pairs in
+    single floats, without the last row or column of an odd number."""
+    levels = [np.ascontiguousarray(texels)]
+    while max(levels[-1].shape[:2]) > 1:
+        found = levels[-1].astype(np.float32, copy=False)
+        for axis in (1, 0):
+            if found.shape[axis] > 1:
+                pairs = found.shape[axis] // 2
+                found = np.moveaxis(found, axis, 0)
+                found = np.moveaxis((found[0 : 2 * pairs : 2] + found[1 : 2 * pairs : 2]) * np.float32(0.5), 0, axis)
+        levels.append(np.ascontiguousarray(found, texels.dtype))
+    return levels
+
+
+class _Texture(wp.Texture2D):
+    """A texture whose mip levels are given; Warp would make them from the first with each upload.
+
+    The method that this replaces is private: where Warp has another, it makes the same levels itself.
+    """
+
+    def __init__(self, levels: Sequence[np.ndarray]) -> None:
+        self._given = list(levels)
+        super().__init__(
+            self._given[0],
+            filter_mode=_LINEAR,
+            address_mode=wp.TextureAddressMode.WRAP,
+            num_mip_levels=0,
+            mip_filter_mode=_NEAREST if wp.get_device().is_cpu else _LINEAR,
+        )
+        self._given.clear()
+
+    def _generate_mipmap_chain(self, data_np: np.ndarray) -> list[np.ndarray]:
+        del data_np
+        return self._given
+
+
+def make_texture(levels: Sequence[np.ndarray]) -> wp.Texture2D:
+    """The texture of `mip_levels` on Warp's current device."""
+    return _Texture(levels)
 
 
 def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:

@@ -20,7 +20,7 @@ from ...datatypes import PlacedBank, SceneBank
 from ..segments import SegmentTables, put, put_row
 from .model import RenderModel, build_render_model, images
 from .pbr_private import effective_geom_rgba, resolve_geom_materials, sky_harmonics
-from .scenes import digest_of, linear_texels, make_texture, texture_sizes
+from .scenes import digest_of, linear_texels, make_texture, mip_levels, texture_sizes
 from .settings import Settings
 from .street_batch import Streets, part_textures
 from .street_kernels import ENTRY, FACE, OBJECT
@@ -39,7 +39,7 @@ class _SceneLooks(Streets):
 
     def __init__(self, bank: SceneBank, settings: Settings, on_host: bool) -> None:
         self.rows: dict[str, np.ndarray] = {}
-        self.texels: list[np.ndarray] = []
+        self.levels: list[list[np.ndarray]] = []
         self.digests: list[bytes] = []
         self._on_host = on_host
         model = build_render_model(bank, None)
@@ -60,12 +60,12 @@ class _SceneLooks(Streets):
         super()._keep_bytes(name, values)
 
     def _upload(self, texture_images: Sequence[np.ndarray]) -> np.ndarray:
-        known: dict[bytes, np.ndarray] = {}
+        known: dict[bytes, list[np.ndarray]] = {}
         self.digests = [digest_of(image) for image in texture_images]
         for digest, image in zip(self.digests, texture_images, strict=True):
             if digest not in known:
-                known[digest] = linear_texels(image, self._on_host)
-            self.texels.append(known[digest])
+                known[digest] = mip_levels(linear_texels(image, self._on_host))
+            self.levels.append(known[digest])
         return texture_sizes(texture_images)
 
     def _add_skies(self, radiance: np.ndarray) -> np.ndarray:
@@ -93,7 +93,7 @@ def scene_looks(bank: SceneBank, settings: Settings, sky: int, on_host: bool) ->
         **found,
         "lights": lights,
         "num_mesh_nodes": looks.num_mesh_nodes,
-        "texels_of_textures": looks.texels,
+        "levels_of_textures": looks.levels,
         "digests": looks.digests,
     }
 
@@ -171,7 +171,9 @@ class PlacedStreets(Streets):
             _run(self._shared["faces"].write(name, first["faces"], rows[name]))
         texture_images = list(images(mjm))
         start = self._shared["textures"].take(len(texture_images))
-        self._put_textures(start, [make_texture(linear_texels(x, wp.get_device().is_cpu)) for x in texture_images], -1)
+        on_host = wp.get_device().is_cpu
+        made = [make_texture(mip_levels(linear_texels(x, on_host))) for x in texture_images]
+        self._put_textures(start, made, -1)
         texture, sizes = part_textures(mjm, 0), texture_sizes(texture_images)
         metallic, roughness, _ = resolve_geom_materials(mjm)
         surfaces = np.zeros((mjm.ngeom, OBJECT, 4), np.float32)
@@ -232,10 +234,10 @@ class PlacedStreets(Streets):
         for name in ("texels", "cells") if self.is_baked else ():
             yield from self._shared[name].write(name, first[name], scene[name])
         textures: list[wp.Texture2D] = []
-        for digest, texels in zip(scene["digests"], scene["texels_of_textures"], strict=True):
+        for digest, levels in zip(scene["digests"], scene["levels_of_textures"], strict=True):
             made = self._known.get(digest)
             if made is None:
-                made = self._known[digest] = make_texture(np.ascontiguousarray(texels))
+                made = self._known[digest] = make_texture(levels)
                 if len(textures) % _TEXTURES == 0:
                     yield
             textures.append(made)
