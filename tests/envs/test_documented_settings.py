@@ -220,7 +220,7 @@ TASKS: dict[str, tuple[dict[str, Any], dict[str, float], tuple[int, ...] | None,
         | {f"crowd.encounters.{n}": 0.0 for n in _ENCOUNTERS},
     ),
     "FollowRoute": (
-        {"length": 200.0, "cycle": 60.0, "walk": 20.0},
+        {"length": 200.0, "cycle": 60.0, "walk": 20.0, "needs_crosswalk": True},
         {"progress": 0.0, "hit": -10.0, "off_traversable": -10.0, "route": 1.0, "violation": -40.0},
         (9, 1, 0, 1, 4),
         {"goal_mode": "waypoint", "goal_observation_limit": 0.0, "episode_length": 1800, "movable.bodies": 0}
