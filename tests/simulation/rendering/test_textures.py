@@ -1,11 +1,14 @@
 """Mip levels of textures: those of Warp to the bit, and what is given is what kernels read."""
 
 # pyright: reportArgumentType=false, reportCallIssue=false, reportIndexIssue=false
+import gc
+
 import numpy as np
 import pytest
 import warp as wp
 
-from urbanverse_mjx.simulation.rendering.scenes import linear_texels, make_texture, mip_levels
+from urbanverse_mjx.simulation.rendering import scenes
+from urbanverse_mjx.simulation.rendering.scenes import linear_texels, make_texture, mip_levels, upload_textures
 
 
 @wp.kernel
@@ -36,3 +39,23 @@ def test_kernels_read_the_levels_that_are_given() -> None:
         for number in range(len(levels)):
             wp.launch(read, 1, inputs=[texture, float(number)], outputs=[found])
             np.testing.assert_array_equal(found.numpy()[0], number + 1.0)
+
+
+def test_equal_images_are_one_texture_as_long_as_somebody_holds_it() -> None:
+    rng = np.random.default_rng(1)
+    images = [rng.integers(0, 256, (4, 4, 3), np.uint8) for _ in range(3)]
+    other_shape = images[0].reshape(2, 8, 3)
+    with wp.ScopedDevice("cpu"):
+        first, sizes = upload_textures([*images, images[0].copy(), other_shape])
+        second, _ = upload_textures(images[1:])
+        assert first[0] is first[3]
+        assert first[4] is not first[0]
+        assert second[0] is first[1]
+        assert second[1] is first[2]
+        np.testing.assert_array_equal(sizes, [[4, 4]] * 4 + [[8, 2]])
+        kept = scenes._uploaded[wp.get_device().alias]
+        keys = [(image.shape, scenes.digest_of(image)) for image in images]
+        assert all(key in kept for key in keys)
+        del first, second
+        gc.collect()
+        assert not any(key in kept for key in keys)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import hashlib
+import weakref
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,6 +19,10 @@ _LINEAR, _NEAREST = wp.TextureFilterMode.LINEAR, wp.TextureFilterMode.CLOSEST
 #: The blurred copies of a sky for reflections of rough surfaces: width, roughness levels, samples a texel. Streets are
 #: rough, so 64 texels around (5.6 degrees) suffice; sharper reflections read the sky itself.
 BLUR_WIDTH, BLUR_LEVELS, BLUR_SAMPLES = 64, 8, 128
+
+
+#: Name of a device -> shape and digest of an image -> its texture, as long as a renderer holds it.
+_uploaded: dict[str, weakref.WeakValueDictionary[tuple[tuple[int, ...], bytes], wp.Texture2D]] = {}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,16 +43,19 @@ class Skies:
 def upload_textures(images: Sequence[np.ndarray]) -> tuple[list[wp.Texture2D], np.ndarray]:
     """Images (H, W, channels) u8 in linear light, with mip levels, and their (number, 2) widths and heights.
 
-    Equal ones are one object: joined banks hold the textures of the same assets again, two fifths of all in five sets.
+    Equal ones are one object, also those of another renderer of this process: joined banks hold the textures of the
+    same assets again, two fifths of all in five sets, and a training, its validation and a recording draw the same
+    streets.
     """
-    on_host = wp.get_device().is_cpu
+    device = wp.get_device()
+    known = _uploaded.setdefault(device.alias, weakref.WeakValueDictionary())
     textures: list[wp.Texture2D] = []
-    known: dict[tuple[tuple[int, ...], bytes], wp.Texture2D] = {}
     for image in images:
         key = image.shape, digest_of(image)
-        if key not in known:
-            known[key] = make_texture(mip_levels(linear_texels(image, on_host)))
-        textures.append(known[key])
+        texture = known.get(key)
+        if texture is None:
+            texture = known[key] = make_texture(mip_levels(linear_texels(image, device.is_cpu)))
+        textures.append(texture)
     return textures, texture_sizes(images)
 
 
