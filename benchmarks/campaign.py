@@ -76,6 +76,7 @@ from benchmarks import (
     tasks,
     transfer,
 )
+from benchmarks.lib.options import option
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.store import store_path
 from urbanverse_mjx.scene import library
@@ -795,7 +796,12 @@ def arguments() -> argparse.Namespace:
     )
     cli.add_argument("--go2", type=int, default=100, help="iterations of the Go2's student")
     cli.add_argument(
-        "--env", nargs="+", default=[], metavar="KEY=VALUE", help="environment options of all trainings, as impl=warp"
+        "--env",
+        type=option,
+        nargs="+",
+        default=[],
+        metavar="KEY=JSON",
+        help="environment options of all trainings, as 'impl=\"warp\"'",
     )
     cli.add_argument("--list", action="store_true", help="print the commands, run nothing")
     cli.add_argument("--add", action="store_true", help="add the rows of all results to benchmarks/scores")

@@ -242,7 +242,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--size", default="54x96")
     cli.add_argument("--env", type=option, nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
     cli.add_argument("--set", type=option, nargs="*", default=[], help="options of the imitation, such as mirror=false")
-    cli.add_argument("--set-finetune", nargs="*", default=[], help="options of the PPO after it")
+    cli.add_argument("--set-finetune", type=option, nargs="*", default=[], help="options of the PPO after it")
     return cli.parse_args()
 
 

@@ -1,14 +1,13 @@
 """The renderer's data of a bank's scenes: textures, skies, boxes and suns."""
 
 import dataclasses
-import hashlib
 import weakref
 from collections.abc import Sequence
 
 import numpy as np
 import warp as wp
 
-from ...datatypes import SceneBank
+from ...datatypes import SceneBank, array_file
 from ...geometry import rotations
 from .pbr_private import prefilter_sky, sky_harmonics, srgb_to_linear
 
@@ -21,8 +20,8 @@ _LINEAR, _NEAREST = wp.TextureFilterMode.LINEAR, wp.TextureFilterMode.CLOSEST
 BLUR_WIDTH, BLUR_LEVELS, BLUR_SAMPLES = 64, 8, 128
 
 
-#: Name of a device -> shape and digest of an image -> its texture, as long as a renderer holds it.
-_uploaded: dict[str, weakref.WeakValueDictionary[tuple[tuple[int, ...], bytes], wp.Texture2D]] = {}
+#: Name of a device -> digest of an image -> its texture, as long as a renderer holds it.
+_uploaded: dict[str, weakref.WeakValueDictionary[str, wp.Texture2D]] = {}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,10 +50,10 @@ def upload_textures(images: Sequence[np.ndarray]) -> tuple[list[wp.Texture2D], n
     known = _uploaded.setdefault(device.alias, weakref.WeakValueDictionary())
     textures: list[wp.Texture2D] = []
     for image in images:
-        key = image.shape, digest_of(image)
-        texture = known.get(key)
+        digest = digest_of(image)
+        texture = known.get(digest)
         if texture is None:
-            texture = known[key] = make_texture(mip_levels(linear_texels(image, device.is_cpu)))
+            texture = known[digest] = make_texture(mip_levels(linear_texels(image, device.is_cpu)))
         textures.append(texture)
     return textures, texture_sizes(images)
 
@@ -64,9 +63,9 @@ def texture_sizes(images: Sequence[np.ndarray]) -> np.ndarray:
     return np.array([(image.shape[1], image.shape[0]) for image in images], np.float32).reshape(-1, 2)
 
 
-def digest_of(image: np.ndarray) -> bytes:
-    """A hash of an image's bytes."""
-    return hashlib.sha256(np.ascontiguousarray(image)).digest()
+def digest_of(image: np.ndarray) -> str:
+    """A hash of an image's shape and numbers."""
+    return array_file.key_of((), {"image": image})
 
 
 def linear_texels(image: np.ndarray, on_host: bool) -> np.ndarray:
@@ -141,11 +140,11 @@ def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:
 def build_skies(radiance: np.ndarray, glossy: bool) -> Skies:
     """Uploads (S, H, W, 3) panoramas in the bank's layout (which is also that of mujoco-warp-pbr), equal ones once."""
     maps, stacks, harmonics = [], [], []
-    known: dict[bytes, int] = {}
+    known: dict[str, int] = {}
     height, width = radiance.shape[1:3]
     on_host = wp.get_device().is_cpu
     for number, image in enumerate(radiance):
-        same = known.setdefault(hashlib.sha256(np.ascontiguousarray(image)).digest(), number)
+        same = known.setdefault(digest_of(image), number)
         if same < number:
             for rows in (maps, stacks if glossy else [], harmonics):
                 rows.extend(rows[same : same + 1])

@@ -20,7 +20,7 @@ from ...datatypes import PlacedBank, SceneBank
 from ..segments import SegmentTables, put, put_row
 from .model import RenderModel, build_render_model, images
 from .pbr_private import effective_geom_rgba, resolve_geom_materials, sky_harmonics
-from .scenes import digest_of, linear_texels, make_texture, mip_levels, texture_sizes
+from .scenes import digest_of, linear_texels, make_texture, mip_levels, texture_sizes, upload_textures
 from .settings import Settings
 from .street_batch import Streets, part_textures
 from .street_kernels import ENTRY, FACE, OBJECT
@@ -40,7 +40,7 @@ class _SceneLooks(Streets):
     def __init__(self, bank: SceneBank, settings: Settings, on_host: bool) -> None:
         self.rows: dict[str, np.ndarray] = {}
         self.levels: list[list[np.ndarray]] = []
-        self.digests: list[bytes] = []
+        self.digests: list[str] = []
         self._on_host = on_host
         model = build_render_model(bank, None)
         self._begin(model, settings)
@@ -60,7 +60,7 @@ class _SceneLooks(Streets):
         super()._keep_bytes(name, values)
 
     def _upload(self, texture_images: Sequence[np.ndarray]) -> np.ndarray:
-        known: dict[bytes, list[np.ndarray]] = {}
+        known: dict[str, list[np.ndarray]] = {}
         self.digests = [digest_of(image) for image in texture_images]
         for digest, image in zip(self.digests, texture_images, strict=True):
             if digest not in known:
@@ -118,7 +118,7 @@ class PlacedStreets(Streets):
         #: Where the segments of each place begin, and its textures.
         self._held: dict[int, dict[str, int]] = {}
         self._own_textures: dict[int, list[wp.Texture2D]] = {}
-        self._known: weakref.WeakValueDictionary[bytes, wp.Texture2D] = weakref.WeakValueDictionary()
+        self._known: weakref.WeakValueDictionary[str, wp.Texture2D] = weakref.WeakValueDictionary()
         super().__init__(bank, model, settings)
 
     @property
@@ -171,10 +171,9 @@ class PlacedStreets(Streets):
             _run(self._shared["faces"].write(name, first["faces"], rows[name]))
         texture_images = list(images(mjm))
         start = self._shared["textures"].take(len(texture_images))
-        on_host = wp.get_device().is_cpu
-        made = [make_texture(mip_levels(linear_texels(x, on_host))) for x in texture_images]
-        self._put_textures(start, made, -1)
-        texture, sizes = part_textures(mjm, 0), texture_sizes(texture_images)
+        textures, sizes = upload_textures(texture_images)
+        self._put_textures(start, textures, -1)
+        texture = part_textures(mjm, 0)
         metallic, roughness, _ = resolve_geom_materials(mjm)
         surfaces = np.zeros((mjm.ngeom, OBJECT, 4), np.float32)
         surfaces[:, 3, :3] = effective_geom_rgba(mjm)[:, :3]
