@@ -101,12 +101,13 @@ def film(street: str, work: pathlib.Path, length: float) -> Any:
 def seen(arm: str, filmed: Any, work: pathlib.Path) -> Recording:
     """What an arm distils: the film itself, or what is perceived in its images."""
     from benchmarks.lib.fidelity_captures import RECORDED, from_images
+    from urbanverse_mjx.citygen.city_blocks.block import CAMERA_HEIGHT
 
     if arm == "exact":
         return filmed.recording
     if not (work / "perceived" / RECORDED / FILE).is_file():
         with replacing_folder(work / "perceived") as fresh:
-            from_images(filmed, fresh)
+            from_images(filmed, fresh, CAMERA_HEIGHT)
     return Recording.load(work / "perceived" / RECORDED)
 
 

@@ -82,9 +82,9 @@ def with_ground_truth(recording: Recording, ground_truth: Any, turnable: dict[st
     return Capture(recording, seen, [t for t in ground_truth if t.id not in ids], turnable, scene)
 
 
-def from_images(filmed: Capture, folder: pathlib.Path) -> Recording:
+def from_images(filmed: Capture, folder: pathlib.Path, camera_height: float = PathOptions.height) -> Recording:
     """Returns a recording from the images alone: COLMAP's poses and the perception model's objects, surfaces and
-    depth."""
+    depth. camera_height: m above the ground, which who films knows."""
     (folder / "frames").mkdir(parents=True)
     names = []
     for k, frame in enumerate(filmed.recording.frames):
@@ -94,7 +94,8 @@ def from_images(filmed: Capture, folder: pathlib.Path) -> Recording:
     times = tuple(f.time_s for f in filmed.recording.frames)
     frames = Frames(folder / "frames", tuple(names), times, camera.width, camera.height)
     source = filmed.recording.source
-    return perceive(frames, folder / RECORDED, Perception(PerceptionModel.load()), source, filmed.recording.id)
+    perception = Perception(PerceptionModel.load(), camera_height=camera_height)
+    return perceive(frames, folder / RECORDED, perception, source, filmed.recording.id)
 
 
 def seen_by_the_model(filmed: Capture, folder: pathlib.Path) -> Recording:

@@ -26,12 +26,21 @@ class MetricOptions:
         at 1.5 m is within.
       trials: random triples of ground points.
       max_tilt: rad; largest angle between the ground's normal and the cameras' mean up direction.
+      drift_length: m of path after which the drift of the scale may take another course.
+      drift_weight: frames with a height that weigh as much as a change of the scale between two such places, both
+        relative; more make the drift stiffer.
+      drift_error: share of the camera's height; heights that differ so much from the drift's count half.
+      min_heights: fewest cameras with a height of a piece whose drift is corrected.
     """
 
     ranges: tuple[float, float] = (2.0, 5.0)
     plane_error: float = 0.12
     trials: int = 400
     max_tilt: float = np.radians(25.0)
+    drift_length: float = 40.0
+    drift_weight: float = 40.0
+    drift_error: float = 0.03
+    min_heights: int = 20
 
 
 _OPTIONS = MetricOptions()
@@ -61,15 +70,20 @@ class Metric:
     pieces: int
 
 
-def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> Metric:
+def to_metric(
+    structure: Structure, codes: np.ndarray, camera_height: float, time_s: np.ndarray | None = None
+) -> Metric:
     """Finds the ground of each piece, rotates the piece so that its ground is level, scales it to the camera height,
-    and joins the pieces.
+    corrects the drift of its scale, and joins the pieces.
 
-    A piece without visible ground is scaled to the speed of the others. A piece that cannot be joined is left out.
+    The camera's height is the same everywhere, so where it changes along a piece, the scale does (Song and Chandraker,
+    "Robust Scale Estimation in Real-Time Monocular SFM for Autonomous Driving", CVPR 2014). A piece without visible
+    ground is scaled to the speed of the others. A piece that cannot be joined is left out.
 
     Args:
       codes: (o,) u8 surface code that each observation's pixel shows, see `Frame.surfaces`.
       camera_height: m above the ground that the camera's carrier walks on.
+      time_s: (n,) s of all frames, which tell where frames were left out; None if none were.
 
     Raises:
       ValidationError: too little ground among the points.
@@ -84,13 +98,18 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
     owner = _owner(structure, rows)
     stands = [_stand(structure, own, structure.points[(ground > 0) & (owner == n)]) for n, own in enumerate(rows)]
     scales = _scales(structure, rows, [heights for _, heights in stands], camera_height)
-    pieces = [_upright(structure, own, up, scale) for own, (up, _), scale in zip(rows, stands, scales, strict=True)]
+    at = _intervals(structure, time_s)
+    made = [
+        _upright(structure, own, at[own], up, scale, camera_height / (scale * heights))
+        for own, (up, heights), scale in zip(rows, stands, scales, strict=True)
+    ]
+    pieces = [piece for piece, _, _ in made]
     places = join(pieces)
     joined = {n: place for n, place in enumerate(places) if place is not None}
     kept = np.concatenate([rows[n] for n in joined])
     poses = np.concatenate([place @ pieces[n].poses for n, place in joined.items()])
-    heights = np.concatenate([scales[n] * stands[n][1] for n in joined])
-    scale = np.concatenate([np.full(len(rows[n]), scales[n]) for n in joined])
+    scale = np.concatenate([scales[n] * made[n][2] for n in joined])
+    heights = scale * np.concatenate([stands[n][1] for n in joined])
     order = np.argsort(kept)
     kept, poses, heights, scale = kept[order], poses[order], heights[order], scale[order]
     world = np.eye(4)
@@ -98,10 +117,17 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
     world[:3, 3] = -world[:3, :3] @ (poses[0, :3, 3] - [0.0, 0.0, heights[np.isfinite(heights)][0]])
     points = np.zeros((len(structure.points), 3))
     for n, place in joined.items():
-        T = world @ place @ pieces[n].T_unit
-        points[owner == n] = structure.points[owner == n] @ T[:3, :3].T + T[:3, 3]
+        T = world @ place
+        points[owner == n] = made[n][1][owner == n] @ T[:3, :3].T + T[:3, 3]
     ground = np.where(np.isin(owner, list(joined)), ground, 0).astype(np.uint8)
     return Metric(kept, scale, world @ poses, points, ground, heights, len(joined))
+
+
+def _intervals(structure: Structure, time_s: np.ndarray | None) -> np.ndarray:
+    """(m,) times of the registered frames in usual intervals between frames."""
+    if time_s is None or len(time_s) < 2:
+        return structure.registered.astype(np.float64)
+    return time_s[structure.registered] / max(float(np.median(np.diff(time_s))), 1e-9)
 
 
 def _owner(structure: Structure, rows: list[np.ndarray]) -> np.ndarray:
@@ -147,21 +173,61 @@ def _scales(
     return [speed / max(float(u), 1e-12) if np.isnan(s) else s for s, u in zip(scales, steps, strict=True)]
 
 
-def _upright(structure: Structure, rows: np.ndarray, up: np.ndarray, scale: float) -> Piece:
-    """A piece in metres with its first camera at the origin; pieces of one model share the x direction."""
+def _upright(
+    structure: Structure, rows: np.ndarray, at: np.ndarray, up: np.ndarray, scale: float, corrections: np.ndarray
+) -> tuple[Piece, np.ndarray, np.ndarray]:
+    """A piece in metres with its first camera at the origin; pieces of one model share the x direction. Also all points
+    (p, 3) m of the structure in the piece's axes, and the factor (k,) by which the scale at each frame was corrected.
+
+    Args:
+      at: (k,) of `Piece`.
+      corrections: (k,) factors that each camera's height asks for, NaN without a height.
+    """
     model = int(structure.model[rows[0]])
     turn = _axes(up, structure.poses[structure.model == model][0, :3, 0])
     first = structure.poses[rows[0], :3, 3]
-    T = np.eye(4)
-    T[:3, :3], T[:3, 3] = scale * turn, -scale * turn @ first
+    centres = scale * (structure.poses[rows, :3, 3] - first) @ turn.T
+    points = scale * (structure.points - first) @ turn.T
+    factors = _drift(centres, corrections)
+    moved = np.zeros_like(centres)
+    np.cumsum(np.diff(centres, axis=0) * (factors[1:] + factors[:-1])[:, None] / 2, axis=0, out=moved[1:])
+    # A point moves with the frames that see it.
+    row = np.full(len(structure.registered), -1)
+    row[rows] = np.arange(len(rows))
+    own = row[structure.frame]
+    point, own = structure.point[own >= 0], own[own >= 0]
+    times = np.bincount(point, minlength=len(points))
+    goal = moved[own] + factors[own, None] * (points[point] - centres[own])
+    for axis in range(3):
+        total = np.bincount(point, goal[:, axis], minlength=len(points))
+        points[times > 0, axis] = total[times > 0] / times[times > 0]
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
     poses[:, :3, :3] = turn @ structure.poses[rows, :3, :3]
-    poses[:, :3, 3] = structure.poses[rows, :3, 3] @ T[:3, :3].T + T[:3, 3]
+    poses[:, :3, 3] = moved
     # Points that other pieces see more often are included too, because they determine the rotation between overlapping
     # pieces.
-    seen = np.bincount(structure.point[np.isin(structure.frame, rows)], minlength=len(structure.points)) >= 2
-    points = structure.points[seen] @ T[:3, :3].T + T[:3, 3]
-    return Piece(rows, structure.registered[rows], model, poses, points, T)
+    return Piece(rows, structure.registered[rows], at, model, poses, points[times >= 2]), points, factors
+
+
+def _drift(centres: np.ndarray, corrections: np.ndarray) -> np.ndarray:
+    """(k,) factors of the scale along a path of centres (k, 3) m: their logarithm is linear between places
+    `drift_length` apart and fits the corrections that are known, except outliers (kerbs, wrong ground)."""
+    known = np.isfinite(corrections)
+    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centres, axis=0), axis=1))]
+    if known.sum() < _OPTIONS.min_heights or along[-1] <= 0.0:
+        return np.ones(len(centres))
+    count = int(np.ceil(along[-1] / _OPTIONS.drift_length)) + 1
+    place = along / along[-1] * (count - 1)
+    weights = np.maximum(1.0 - np.abs(place[:, None] - np.arange(count)), 0.0)
+    stiff = np.sqrt(_OPTIONS.drift_weight) * np.diff(np.eye(count), axis=0)
+    asked = np.log(corrections[known])
+    drift = np.full(count, np.median(asked))
+    # From errors that no height exceeds: with small ones from the start, a large drift looks like outliers.
+    for error in _OPTIONS.drift_error * np.geomspace(10.0, 1.0, 12):
+        trust = 1.0 / np.hypot(1.0, (asked - weights[known] @ drift) / error)
+        lines, values = trust[:, None] * weights[known], trust * asked
+        drift = np.linalg.lstsq(np.concatenate([lines, stiff]), np.r_[values, np.zeros(count - 1)], rcond=None)[0]
+    return np.exp(weights @ drift)
 
 
 def _vote(structure: Structure, codes: np.ndarray) -> np.ndarray:

@@ -75,7 +75,8 @@ def perceive(
         rgb = structure.straighten(frames.rgb(int(number)))
         observations.append(_without(body, perception.predictor(rgb, structure.camera.fx)))
         say(3 * count + k + 1, 5 * count)
-    metric = to_metric(structure, _codes(structure, observations), perception.camera_height)
+    codes = _codes(structure, observations)
+    metric = to_metric(structure, codes, perception.camera_height, np.array(frames.time_s))
     structure, observations = structure.only(metric.kept), [observations[k] for k in metric.kept]
     writer = RecordingWriter(folder, identifier(name), source, structure.camera)
     ground = densify.levels(metric)
@@ -142,6 +143,7 @@ def _record(
         "points": len(structure.points),
         "ground_points": int((metric.ground > 0).sum()),
         "reprojection_error_pixels": round(structure.error, 3),
+        "bridges": structure.bridges,
         "pieces": metric.pieces,
         "way_m": round(float(length), 2),
         "detections": sum(len(s.detections) for s in observations),

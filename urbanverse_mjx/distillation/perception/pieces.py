@@ -67,6 +67,8 @@ class JoinOptions:
       model_turn_ratio: least ratio of the best rotation's score to that of the model's own rotation within
         `model_turn`.
       model_turn: rad.
+      turn_error: rad, how far off the rotation may be from that of a camera that keeps turning.
+      turn_error_frame: rad, more of it for every usual interval from one piece to the next.
     """
 
     min_share: float = 0.25
@@ -74,6 +76,8 @@ class JoinOptions:
     other_turn: float = float(np.radians(35.0))
     model_turn_ratio: float = 1.5
     model_turn: float = float(np.radians(10.0))
+    turn_error: float = float(np.radians(20.0))
+    turn_error_frame: float = float(np.radians(10.0))
 
 
 _JOIN = JoinOptions()
@@ -86,18 +90,18 @@ class Piece:
     Attributes:
       rows: (k,) of the structure's registered frames.
       frames: (k,) their numbers, ascending.
+      at: (k,) their times in usual intervals between frames; more than 1 apart where frames were left out.
       model: pieces of one model also have a relative rotation, with a larger error.
       poses: (k, 4, 4) T_piece_camera, z up.
       points: (p, 3) m, points of the structure.
-      T_unit: (4, 4) similarity from the structure's unit and axes.
     """
 
     rows: np.ndarray
     frames: np.ndarray
+    at: np.ndarray
     model: int
     poses: np.ndarray
     points: np.ndarray
-    T_unit: np.ndarray
 
 
 def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np.ndarray]:
@@ -178,6 +182,7 @@ def _together(joined: Piece, piece: Piece, place: np.ndarray) -> Piece:
         joined,
         rows=np.r_[joined.rows, piece.rows][order],
         frames=np.r_[joined.frames, piece.frames][order],
+        at=np.r_[joined.at, piece.at][order],
         poses=np.concatenate([joined.poses, place @ piece.poses])[order],
         points=np.concatenate([joined.points, piece.points @ place[:3, :3].T + place[:3, 3]]),
     )
@@ -210,6 +215,8 @@ def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | Non
     if len(known) and len(own):
         cells = np.unique(np.round(own / 0.3).astype(int), axis=0) * 0.3
         turns, scores, shifts = _search(known, cells, goes_on, 0.0, np.zeros(2), _CUT.coarse_search, grown)
+        likely, reach = _turned_on(joined, int(a), piece, int(b))
+        scores = np.where(_away(turns, likely) <= reach, scores, 0.0)
         best = int(scores.argmax())
         second = _JOIN.other_turn_ratio * scores[_away(turns, turns[best]) > _JOIN.other_turn].max()
         if turned is not None:
@@ -224,6 +231,26 @@ def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | Non
     place[:3, :3] = rotations.about_z(angle)
     place[:3, 3] = here + goes_on(angle) * [1.0, 1.0, 0.0] + np.r_[shift, 0.0] - place[:3, :3] @ there
     return place
+
+
+def _turned_on(joined: Piece, a: int, piece: Piece, b: int) -> tuple[float, float]:
+    """rad, the rotation of a piece if the camera kept turning as before and after, and how far off that may be."""
+    elapsed = float(piece.at[b] - joined.at[a])
+    rate = (_turn_rate(joined, a) + _turn_rate(piece, b)) / 2
+    likely = _heading(joined, a) + elapsed * rate - _heading(piece, b)
+    return likely, _JOIN.turn_error + abs(elapsed) * _JOIN.turn_error_frame
+
+
+def _heading(piece: Piece, row: int) -> float:
+    """rad, direction of the camera's axis about z."""
+    return float(np.arctan2(piece.poses[row, 1, 2], piece.poses[row, 0, 2]))
+
+
+def _turn_rate(piece: Piece, row: int) -> float:
+    """rad per usual interval around a row."""
+    low, high = max(0, row - 1), min(len(piece.frames) - 1, row + 1)
+    turn = np.angle(np.exp(1j * (_heading(piece, high) - _heading(piece, low))))
+    return float(turn) / max(1.0, piece.at[high] - piece.at[low])
 
 
 def _away(turns: np.ndarray, turn: float) -> np.ndarray:

@@ -3,10 +3,11 @@
 Schönberger and Frahm, "Structure-from-Motion Revisited", CVPR 2016: SIFT, matches between frames near in time,
 incremental mapping with bundle adjustment of one shared camera. The focal length is estimated beforehand from the
 fundamental matrices of all pairs. Where no match connects one frame to the next, the structure is split into several
-models; `pieces` joins them once they are metric.
+models. Breaks are mapped again by themselves (`bridges`); `pieces` joins what is left once it is metric.
 """
 
 import dataclasses
+import functools
 import pathlib
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -17,6 +18,7 @@ import numpy as np
 from ... import settings
 from ...datatypes import Camera, ValidationError
 from ...work_folder import work_folder
+from .bridges import bridged
 from .frames import Frames
 from .parallax import check_parallax
 from .pieces import cut
@@ -107,6 +109,7 @@ class Structure:
       pixel: (o, 2) f32 u, v in the straightened frame.
       error: pixels, mean reprojection error.
       model: (m,) i32 which model each frame belongs to; points are seen by the frames of one model alone.
+      bridges: number of breaks that were mapped again (`bridges`).
     """
 
     camera: Camera
@@ -119,6 +122,7 @@ class Structure:
     pixel: np.ndarray
     error: float
     model: np.ndarray
+    bridges: int = 0
 
     def only(self, rows: np.ndarray) -> "Structure":
         """The structure with only the frames of some rows (k,), in order, and their observations; all points are
@@ -173,15 +177,40 @@ def reconstruct(
       ValidationError: the frames show no parallax, or COLMAP registers fewer than `MIN_FRAMES` of them.
     """
     options = options or StructureOptions()
+
+    def rebuild(structure: Structure, low: int, high: int) -> Structure | None:
+        part = slice(low, high + 1)
+        some = dataclasses.replace(frames, names=frames.names[part], time_s=frames.time_s[part])
+        known = dataclasses.replace(options, focal=structure.camera.fx, exact=True)
+        try:
+            found = _best(some, known, lambda done, total: None, body, lambda one: one)
+        except ValidationError:
+            return None
+        return dataclasses.replace(found, registered=found.registered + low)
+
+    def bridge(structure: Structure) -> Structure:
+        return bridged(structure, functools.partial(rebuild, structure))
+
+    return _best(frames, options, progress or (lambda done, total: None), body, bridge)
+
+
+def _best(
+    frames: Frames,
+    options: StructureOptions,
+    progress: Callable[[int, int], None],
+    body: np.ndarray | None,
+    bridge: Callable[[Structure], Structure],
+) -> Structure:
+    """The structure of the attempt with fewest breaks after `bridge`; for the other arguments see `reconstruct`."""
     most, best, best_score = 0, None, (np.inf, 0)
     with work_folder("urbanverse-structure-") as work:
-        for found in _maps(frames, options, work, progress or (lambda done, total: None), body):
+        for found in _maps(frames, options, work, progress, body):
             models = sorted(filter(_has_a_possible_lens, found), key=lambda model: -model.num_reg_images())
             count = models[0].num_reg_images() if models else 0
             most = max(most, count)
             if count < MIN_FRAMES:
                 continue
-            structure = _structure(models, frames)
+            structure = bridge(_structure(models, frames))
             breaks = len(cut(structure.model, structure.registered, structure.poses)) - len(np.unique(structure.model))
             score = breaks, -len(structure.registered)
             if score < best_score:
