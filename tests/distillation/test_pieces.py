@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.support.street_models import GROUND, HEIGHT, OUT, POINTS, TRAJECTORY, model_of, structure_of
 from urbanverse_mjx.capture.path import camera_poses
-from urbanverse_mjx.distillation.perception import pieces, trajectory_error
-from urbanverse_mjx.distillation.perception import structure as structure_module
+from urbanverse_mjx.distillation.perception import mapping, pieces, trajectory_error
 from urbanverse_mjx.distillation.perception.frames import Frames
 from urbanverse_mjx.distillation.perception.metric import Metric, to_metric
 from urbanverse_mjx.distillation.perception.structure import Structure
@@ -152,13 +151,13 @@ def test_a_way_that_breaks_is_made_again_and_the_least_broken_is_kept(monkeypatc
             tried.append(next(left))
             return tried[-1]
 
-        monkeypatch.setattr(structure_module, "_maps", lambda *_: iter([[_Model()] for _ in answers]))
-        monkeypatch.setattr(structure_module, "_structure", made)
-        monkeypatch.setattr(structure_module, "bridged", lambda structure, rebuild: structure)
+        monkeypatch.setattr(mapping, "_maps", lambda *_: iter([[_Model()] for _ in answers]))
+        monkeypatch.setattr(mapping, "_structure", made)
+        monkeypatch.setattr(mapping, "bridged", lambda structure, rebuild: structure)
         frames = Frames(
             pathlib.Path(), tuple(f"{k}.png" for k in range(2 * OUT)), tuple(np.arange(2.0 * OUT)), 320, 180
         )
-        return structure_module.reconstruct(frames)
+        return mapping.reconstruct(frames)
 
     assert found(jumped, whole) is whole
     assert found(worse, jumped) is jumped

@@ -1,11 +1,11 @@
 """Converts a video to a `Recording`: frames, screening, poses, metric scale, depth, objects and surfaces."""
 
 from .frames import Frames, SamplingOptions, photograph, sample
+from .mapping import StructureOptions, reconstruct
 from .observation import FrameObservation, Predictor
 from .perceive import Perception, perceive
 from .privacy import Blur, blur_by_name
 from .single_image import Photograph, perceive_photograph
-from .structure import StructureOptions, reconstruct
 from .trajectory import TrajectoryError, trajectory_error
 
 __all__ = [

@@ -9,14 +9,11 @@ joined by what both show (`pieces`).
 
 import dataclasses
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .pieces import cut
-
-if TYPE_CHECKING:
-    from .structure import Structure
+from .structure import Structure
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,7 +48,7 @@ class BridgeOptions:
 
 _BRIDGE = BridgeOptions()
 #: Function (first frame, last frame) -> their structure, mapped alone; None if that fails.
-Rebuild = Callable[[int, int], "Structure | None"]
+Rebuild = Callable[[int, int], Structure | None]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,7 +62,7 @@ class _Part:
       group: the result's model.
     """
 
-    structure: "Structure"
+    structure: Structure
     rows: np.ndarray
     place: np.ndarray
     group: int
@@ -81,7 +78,7 @@ class _Part:
         return dataclasses.replace(self, rows=self.rows[(frames >= first) & (frames <= last)])
 
 
-def bridged(structure: "Structure", rebuild: Rebuild) -> "Structure":
+def bridged(structure: Structure, rebuild: Rebuild) -> Structure:
     """A structure whose breaks are bridged where a mapping of the frames around fits both sides; the same object if no
     break is."""
     pieces = cut(structure.model, structure.registered, structure.poses)
@@ -149,7 +146,7 @@ def _bridge(before: _Part, after: _Part, rebuild: Rebuild) -> tuple[_Part, _Part
     return None
 
 
-def _first_fit(structure: "Structure", side: _Part, parts: Iterable[_Part]) -> tuple[np.ndarray, _Part] | None:
+def _first_fit(structure: Structure, side: _Part, parts: Iterable[_Part]) -> tuple[np.ndarray, _Part] | None:
     """The similarity of `_laid` onto the first part of a side that a structure fits, and that part; None if it fits
     none."""
     usual = _speed(side)
@@ -166,7 +163,7 @@ def _speed(part: _Part) -> float:
     return float(np.median(steps / np.diff(part.frames)))
 
 
-def _laid(structure: "Structure", part: _Part) -> np.ndarray | None:
+def _laid(structure: Structure, part: _Part) -> np.ndarray | None:
     """(4, 4) similarity from a structure's unit and axes to those of a part's structure, by their common frames; None
     if they are too few or differ."""
     _, own, there = np.intersect1d(structure.registered, part.frames, return_indices=True)
@@ -190,7 +187,7 @@ def _laid(structure: "Structure", part: _Part) -> np.ndarray | None:
     return place if shift.max() <= _BRIDGE.max_shift and angles.max() <= _BRIDGE.max_turn else None
 
 
-def _combined(structure: "Structure", parts: list[_Part]) -> "Structure":
+def _combined(structure: Structure, parts: list[_Part]) -> Structure:
     """One structure of all parts. A point that several parts see becomes one of each, because they move apart."""
     parts = [part for part in parts if len(part.rows)]
     registered, poses, points, model = [], [], [], []

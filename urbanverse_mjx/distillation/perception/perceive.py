@@ -12,10 +12,11 @@ from ...datatypes import Recording, RecordingWriter, Source
 from ...datatypes import validation as v
 from . import densify
 from .frames import Frames
+from .mapping import StructureOptions, reconstruct
 from .metric import Metric, to_metric
 from .observation import FrameObservation, Predictor
 from .own_vehicle import own_vehicle
-from .structure import Structure, StructureOptions, reconstruct
+from .structure import Structure
 
 FILE = "perception.json"
 _STRUCTURE = StructureOptions()

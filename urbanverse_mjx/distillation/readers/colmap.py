@@ -21,9 +21,10 @@ from ...datatypes import validation as v
 from ...datatypes.recording import UNREADABLE
 from ...work_folder import work_folder
 from ..perception.frames import Frames, SamplingOptions
+from ..perception.mapping import MIN_FRAMES
 from ..perception.observation import Predictor
 from ..perception.perceive import Perception, perceive
-from ..perception.structure import MIN_FRAMES, Structure
+from ..perception.structure import Structure
 
 _MODEL_FOLDERS = ("sparse/0", "sparse", "")
 #: Bytes of the shortest record of each binary file, behind the u64 that counts them.
