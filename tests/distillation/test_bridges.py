@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.support.street_models import CAMERA, TRAJECTORY, model_of, structure_of
-from urbanverse_mjx.distillation.perception import trajectory_error
+from urbanverse_mjx.distillation.perception import bridges, trajectory_error
 from urbanverse_mjx.distillation.perception.bridges import BridgeOptions, Rebuild, bridged
 from urbanverse_mjx.distillation.perception.pieces import cut
 from urbanverse_mjx.distillation.perception.structure import Structure
@@ -160,6 +160,23 @@ def test_a_wider_mapping_is_tried_where_the_first_does_not_fit() -> None:
     assert list(found.registered) == list(range(COUNT))
     assert asked[1][0] < asked[0][0] < 30
     assert 37 < asked[0][1] < asked[1][1]
+
+
+def test_frames_that_share_a_wrong_unit_are_no_side() -> None:
+    """Frames 40 to 52 have the right directions and steps 2.5 times too long: alone they fit any right mapping."""
+    structure = structure_of([model_of(np.arange(COUNT), 1, 0.5)])[0]
+    poses = structure.poses.copy()
+    steps = np.diff(poses[:, :3, 3], axis=0)
+    steps[40:52] *= 2.5
+    poses[1:, :3, 3] = poses[0, :3, 3] + np.cumsum(steps, axis=0)
+    side = bridges._Part(dataclasses.replace(structure, poses=poses), np.arange(COUNT), np.eye(4), 0)
+    again = mapped(38, COUNT - 1)
+    wrong, right = side.between(40, 52), side.between(54, COUNT - 1)
+    assert bridges._laid(again, wrong) is not None
+    assert bridges._first_fit(again, side, [wrong]) is None
+    found = bridges._first_fit(again, side, [wrong, right])
+    assert found is not None
+    assert found[1] is right
 
 
 def test_an_unbroken_structure_and_a_long_break_are_not_mapped_again() -> None:

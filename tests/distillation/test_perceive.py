@@ -1,6 +1,7 @@
 """From frames to a recording, over a corridor whose every pixel is known: poses, metric scale, depth, records."""
 
 import dataclasses
+import importlib
 import json
 import pathlib
 
@@ -16,11 +17,13 @@ from urbanverse_mjx.distillation.perception import (
     Frames,
     Perception,
     StructureOptions,
+    mapping,
     perceive,
     reconstruct,
     sample,
     trajectory_error,
 )
+from urbanverse_mjx.distillation.perception.bridges import Rebuild
 from urbanverse_mjx.distillation.perception.densify import dense_depth, levels
 from urbanverse_mjx.distillation.perception.metric import to_metric
 from urbanverse_mjx.distillation.perception.parallax import check_parallax, parallax_shares
@@ -121,6 +124,45 @@ def test_poses_focal_length_and_metric_scale_are_found(frames: Frames, structure
     assert error.rmse < 0.1
     assert error.turn < 1.0
     assert recording.poses()[:, 2, 3] == pytest.approx([HEIGHT] * 9, abs=0.08)
+
+
+@pytest.mark.extended
+def test_some_frames_are_mapped_alone_with_the_known_lens(frames: Frames, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Structure | None] = []
+
+    def part(structure: Structure, rebuild: Rebuild) -> Structure:
+        asked.append(rebuild(2, 7))
+        return structure
+
+    monkeypatch.setattr(mapping, "bridged", part)
+    whole = reconstruct(frames, StructureOptions(features=1500))
+    found = asked[0]
+    assert found is not None
+    assert list(found.registered) == list(range(2, 8))
+    assert found.camera.fx == whole.camera.fx
+    assert trajectory_error(found.poses, POSES[2:8]).turn < 1.0
+
+
+def test_the_metric_scale_is_told_when_frames_were_taken(
+    frames: Frames, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[object] = []
+
+    def stop(*args: object) -> None:
+        told.extend(args)
+        raise ValidationError("enough")
+
+    module = importlib.import_module("urbanverse_mjx.distillation.perception.perceive")
+    monkeypatch.setattr(module, "to_metric", stop)
+    none = np.zeros(0, np.int32)
+    rows = np.arange(9, dtype=np.int32)
+    bare = Structure(
+        CAMERA, 0.0, rows, POSES, np.zeros((0, 3)), none, none, np.zeros((0, 2), np.float32), 0.0, 0 * rows
+    )
+    with pytest.raises(ValidationError, match="enough"):
+        _perceive(frames, bare, tmp_path)
+    assert told[2] == HEIGHT
+    np.testing.assert_array_equal(told[3], frames.time_s)
 
 
 @pytest.mark.extended

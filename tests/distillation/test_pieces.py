@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from tests.support.street_models import GROUND, HEIGHT, OUT, POINTS, TRAJECTORY, model_of, structure_of
 from urbanverse_mjx.capture.path import camera_poses
 from urbanverse_mjx.distillation.perception import mapping, pieces, trajectory_error
+from urbanverse_mjx.distillation.perception import metric as metric_module
 from urbanverse_mjx.distillation.perception.frames import Frames
 from urbanverse_mjx.distillation.perception.metric import Metric, to_metric
 from urbanverse_mjx.distillation.perception.structure import Structure
@@ -177,6 +178,23 @@ def test_a_camera_does_not_turn_round_between_two_frames(seconds: float, joined:
         assert list(metric.kept) == list(THERE)
 
 
+@pytest.mark.parametrize("rate", [0.4, -0.4])
+def test_a_piece_is_expected_where_a_turning_camera_would_be(rate: float) -> None:
+    """Two pieces of a steady turn, frames 0 to 5 and 10 to 15; the second's axes are turned by 0.7 rad."""
+    at = np.arange(16.0)
+    poses = camera_poses(np.tile([0.0, 0.0, HEIGHT], (16, 1)), rate * at)
+    back = np.eye(4)
+    back[:3, :3] = Rotation.from_euler("z", -0.7).as_matrix()
+    none = np.zeros((0, 3))
+    first, second = (
+        pieces.Piece(rows, rows, at[rows], 0, place @ poses[rows], none)
+        for rows, place in ((np.arange(6), np.eye(4)), (np.arange(10, 16), back))
+    )
+    likely, reach = pieces._turned_on(first, 5, second, 0)
+    assert np.angle(np.exp(1j * (likely - 0.7))) == pytest.approx(0.0, abs=1e-6)
+    assert reach == pytest.approx(np.radians(20.0 + 5 * 10.0))
+
+
 def test_shifts_are_searched_as_far_as_the_places_may_be_off() -> None:
     """The known points lie 2 m beside the own ones: found where the search reaches so far, never beyond its reach."""
     rng = np.random.default_rng(0)
@@ -222,6 +240,7 @@ def test_a_unit_that_drifts_is_held_to_the_cameras_height(ends: tuple[float, flo
     # Without the correction 2.5 m for the first.
     assert trajectory_error(metric.poses, path).worst < 1.2
     np.testing.assert_allclose(metric.scale * scales, 1.0, atol=0.04)
+    assert np.nanmedian(metric.heights) == pytest.approx(HEIGHT, rel=0.02)
     # Its points stand where they are: each camera sees them at the same pixels as before.
     before, after = (
         np.einsum("oij,oj->oi", np.linalg.inv(poses)[structure.frame][:, :3, :3], points[structure.point])
@@ -229,6 +248,17 @@ def test_a_unit_that_drifts_is_held_to_the_cameras_height(ends: tuple[float, flo
         for poses, points in ((structure.poses, structure.points), (metric.poses, metric.points))
     )
     np.testing.assert_allclose(after / after[:, 2:], before / before[:, 2:], atol=1e-6)
+
+
+def test_heights_over_a_road_do_not_bend_the_drift() -> None:
+    """30 of 160 m are 10 % higher above the ground, the rest drifts by 6 %."""
+    x = np.linspace(0.0, 160.0, 230)
+    true = np.exp(0.06 * x / 160.0)
+    found = metric_module._drift(np.stack([x, 0 * x, 0 * x], -1), np.where((x > 60.0) & (x < 90.0), true / 1.1, true))
+    np.testing.assert_allclose(found, true, rtol=0.02)
+    np.testing.assert_array_equal(metric_module._drift(np.zeros((30, 3)), np.full(30, 0.9)), 1.0)
+    unknown = np.where(np.arange(230) < metric_module.MetricOptions().min_heights - 1, true, np.nan)
+    np.testing.assert_array_equal(metric_module._drift(np.stack([x, 0 * x, 0 * x], -1), unknown), 1.0)
 
 
 def test_a_kerb_for_some_metres_does_not_change_the_scale() -> None:

@@ -11,6 +11,7 @@ import dataclasses
 from collections.abc import Callable, Iterable
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from .pieces import cut
 from .structure import Structure
@@ -71,6 +72,11 @@ class _Part:
     def frames(self) -> np.ndarray:
         """(k,) numbers of the frames."""
         return self.structure.registered[self.rows]
+
+    @property
+    def step(self) -> float:
+        """Median distance between neighbouring cameras, in the unit of the part's structure."""
+        return self.structure.step(self.rows)
 
     def between(self, first: float, last: float) -> "_Part":
         """The part with only the frames from `first` to `last`."""
@@ -149,18 +155,12 @@ def _bridge(before: _Part, after: _Part, rebuild: Rebuild) -> tuple[_Part, _Part
 def _first_fit(structure: Structure, side: _Part, parts: Iterable[_Part]) -> tuple[np.ndarray, _Part] | None:
     """The similarity of `_laid` onto the first part of a side that a structure fits, and that part; None if it fits
     none."""
-    usual = _speed(side)
+    usual = side.step
     for part in parts:
         place = _laid(structure, part)
-        if place is not None and abs(np.log(_speed(part) / usual)) <= np.log(_BRIDGE.max_speed_ratio):
+        if place is not None and abs(np.log(part.step / usual)) <= np.log(_BRIDGE.max_speed_ratio):
             return place, part
     return None
-
-
-def _speed(part: _Part) -> float:
-    """Median distance between the cameras of neighbouring frames, in the unit of the part's structure."""
-    steps = np.linalg.norm(np.diff(part.structure.poses[part.rows, :3, 3], axis=0), axis=1)
-    return float(np.median(steps / np.diff(part.frames)))
 
 
 def _laid(structure: Structure, part: _Part) -> np.ndarray | None:
@@ -170,21 +170,19 @@ def _laid(structure: Structure, part: _Part) -> np.ndarray | None:
     if len(own) < _BRIDGE.min_common:
         return None
     a, b = structure.poses[own], part.structure.poses[part.rows[there]]
-    u, _, vt = np.linalg.svd(np.einsum("kij,klj->il", b[:, :3, :3], a[:, :3, :3]))
-    turn = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    turns = Rotation.from_matrix(b[:, :3, :3] @ np.swapaxes(a[:, :3, :3], 1, 2))
+    turn = turns.mean()
     here, goal = a[:, :3, 3], b[:, :3, 3]
     spread = np.linalg.norm(here - here.mean(0))
-    step = _speed(part)
-    if spread <= 0.0 or step <= 0.0:
+    if spread <= 0.0 or part.step <= 0.0:
         return None
     scale = np.linalg.norm(goal - goal.mean(0)) / spread
     place = np.eye(4)
-    place[:3, :3] = scale * turn
-    place[:3, 3] = goal.mean(0) - scale * turn @ here.mean(0)
-    shift = np.linalg.norm(here @ place[:3, :3].T + place[:3, 3] - goal, axis=1) / step
-    traces = np.einsum("kij,il,klj->k", b[:, :3, :3], turn, a[:, :3, :3])
-    angles = np.arccos(np.clip((traces - 1.0) / 2.0, -1.0, 1.0))
-    return place if shift.max() <= _BRIDGE.max_shift and angles.max() <= _BRIDGE.max_turn else None
+    place[:3, :3] = scale * turn.as_matrix()
+    place[:3, 3] = goal.mean(0) - place[:3, :3] @ here.mean(0)
+    shifts = np.linalg.norm(here @ place[:3, :3].T + place[:3, 3] - goal, axis=1) / part.step
+    angles = (turns * turn.inv()).magnitude()
+    return place if shifts.max() <= _BRIDGE.max_shift and angles.max() <= _BRIDGE.max_turn else None
 
 
 def _combined(structure: Structure, parts: list[_Part]) -> Structure:

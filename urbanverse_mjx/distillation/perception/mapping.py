@@ -112,10 +112,10 @@ def reconstruct(
     """
     options = options or StructureOptions()
 
-    def rebuild(structure: Structure, low: int, high: int) -> Structure | None:
+    def rebuild(focal: float, low: int, high: int) -> Structure | None:
         part = slice(low, high + 1)
         some = dataclasses.replace(frames, names=frames.names[part], time_s=frames.time_s[part])
-        known = dataclasses.replace(options, focal=structure.camera.fx, exact=True)
+        known = dataclasses.replace(options, focal=focal, exact=True)
         try:
             found = _best(some, known, lambda done, total: None, body, lambda one: one)
         except ValidationError:
@@ -123,7 +123,7 @@ def reconstruct(
         return dataclasses.replace(found, registered=found.registered + low)
 
     def bridge(structure: Structure) -> Structure:
-        return bridged(structure, functools.partial(rebuild, structure))
+        return bridged(structure, functools.partial(rebuild, structure.camera.fx))
 
     return _best(frames, options, progress or (lambda done, total: None), body, bridge)
 

@@ -103,12 +103,12 @@ def to_metric(
         _upright(structure, own, at[own], up, scale, camera_height / (scale * heights))
         for own, (up, heights), scale in zip(rows, stands, scales, strict=True)
     ]
-    pieces = [piece for piece, _, _ in made]
+    pieces, moved, factors = zip(*made, strict=True)
     places = join(pieces)
     joined = {n: place for n, place in enumerate(places) if place is not None}
     kept = np.concatenate([rows[n] for n in joined])
     poses = np.concatenate([place @ pieces[n].poses for n, place in joined.items()])
-    scale = np.concatenate([scales[n] * made[n][2] for n in joined])
+    scale = np.concatenate([scales[n] * factors[n] for n in joined])
     heights = scale * np.concatenate([stands[n][1] for n in joined])
     order = np.argsort(kept)
     kept, poses, heights, scale = kept[order], poses[order], heights[order], scale[order]
@@ -118,7 +118,7 @@ def to_metric(
     points = np.zeros((len(structure.points), 3))
     for n, place in joined.items():
         T = world @ place
-        points[owner == n] = made[n][1][owner == n] @ T[:3, :3].T + T[:3, 3]
+        points[owner == n] = moved[n][owner == n] @ T[:3, :3].T + T[:3, 3]
     ground = np.where(np.isin(owner, list(joined)), ground, 0).astype(np.uint8)
     return Metric(kept, scale, world @ poses, points, ground, heights, len(joined))
 
@@ -156,12 +156,7 @@ def _scales(
     structure: Structure, rows: list[np.ndarray], heights: list[np.ndarray], camera_height: float
 ) -> list[float]:
     """Metres per unit of every piece: from its cameras' height, else from the speed of those that have one."""
-    steps = [
-        np.median(np.linalg.norm(np.diff(structure.poses[k, :3, 3], axis=0), axis=1) / np.diff(structure.registered[k]))
-        if len(k) > 1
-        else np.nan
-        for k in rows
-    ]
+    steps = [structure.step(k) for k in rows]
     scales = [camera_height / float(np.nanmedian(h)) if np.isfinite(h).any() else np.nan for h in heights]
     if np.isnan(scales).all():
         raise ValidationError(

@@ -56,6 +56,14 @@ class Structure:
             model=self.model[rows],
         )
 
+    def step(self, rows: np.ndarray) -> float:
+        """Median distance between the cameras of some rows (k,) from one frame to the next, in the structure's unit;
+        NaN for fewer than two rows."""
+        if len(rows) < 2:
+            return float("nan")
+        distance = np.linalg.norm(np.diff(self.poses[rows, :3, 3], axis=0), axis=1)
+        return float(np.median(distance / np.diff(self.registered[rows])))
+
     def depth(self) -> np.ndarray:
         """(o,) f64: depth of every observation along its camera's axis."""
         out = self.points[self.point] - self.poses[self.frame, :3, 3]
