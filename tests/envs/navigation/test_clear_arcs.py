@@ -2,6 +2,7 @@
 
 import dataclasses
 import pathlib
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -9,10 +10,23 @@ import numpy as np
 import pytest
 import shapely
 
+from tests.support.compiling import optimized
+from tests.support.unicycle import unicycle_env
 from urbanverse_mjx import robots
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.envs.navigation import clear_arcs as module
-from urbanverse_mjx.envs.navigation.clear_arcs import ARCS, CURVATURES, NEAR, POSES, STEP, ClearArcs, arc_poses
+from urbanverse_mjx.envs.navigation.clear_arcs import (
+    ARCS,
+    CURVATURES,
+    MARGIN,
+    NEAR,
+    POSES,
+    SPEED,
+    STEP,
+    TURN_RATE,
+    ClearArcs,
+    arc_poses,
+)
 from urbanverse_mjx.envs.navigation.clearance_maps import CELL, MIN_OBSTACLE_HEIGHT
 from urbanverse_mjx.robots.footprint import footprint
 
@@ -50,7 +64,7 @@ def poses_near_objects(bank: SceneBank, scene: int, count: int) -> np.ndarray:
     return np.column_stack([places, rng.uniform(-np.pi, np.pi, count)])
 
 
-def exact(body: np.ndarray, pose: np.ndarray, motion: np.ndarray, hulls: shapely.MultiPolygon) -> float:
+def exact(body: np.ndarray, pose: np.ndarray, motion: np.ndarray, hulls: shapely.Geometry) -> float:
     """m between discs (D, 3) and hulls, of a robot at `motion` (x, y, yaw) seen from `pose`."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     x, y = pose[:2] + np.array([[c, -s], [s, c]]) @ motion[:2]
@@ -146,3 +160,47 @@ def test_observation_under_jit_and_vmap(bank: SceneBank, arcs: ClearArcs) -> Non
     assert both.shape == (8, 2 * ARCS)
     for pose, told in zip(poses, both, strict=True):
         assert np.allclose(told, arcs.observe(1, jnp.asarray(pose[:2]), jnp.asarray(pose[2])), atol=1e-5)
+
+
+def test_agents_are_where_they_will_be_when_the_robot_gets_there(small_bank: SceneBank, robot: RobotSpec) -> None:
+    options = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist")}
+    options |= {"crowd.slots.pedestrian": 2, "crowd.slots.car": 1, "scenes": small_bank.scene_ids[0]}
+    with optimized():
+        env = unicycle_env(small_bank, {**options, "scenario": "dynamic"})
+        crowd = jax.jit(env.begin_at)(jax.random.key(0), jnp.int32(0), jnp.int32(0)).crowd
+    assert env.dynamic is not None
+    rng = np.random.default_rng(4)
+    place, yaw = np.array([20.0, -5.0]), 0.7
+    at, heading = place + rng.normal(0.0, 1.5, (3, 2)), rng.uniform(-np.pi, np.pi, 3)
+    velocity = rng.normal(0.0, 1.5, (3, 2))
+    fields = dict(zip(("x", "y", "vx", "vy", "heading"), (*at.T, *velocity.T, heading), strict=True))
+    bodies = crowd.bodies._replace(**{name: jnp.asarray(x, jnp.float32) for name, x in fields.items()})
+    present = np.array([True, True, True])
+    discs = footprint(robot).discs
+    arcs = ClearArcs(small_bank, discs, robot.planner_height)
+
+    dynamic = env.dynamic
+
+    def gaps(points: Any, after: Any) -> Any:
+        return dynamic.gaps(crowd._replace(bodies=bodies, present=jnp.asarray(present)), points, after)
+
+    found = np.asarray(arcs.margins_to_agents(gaps, jnp.asarray(place), jnp.float32(yaw)))
+    half, radius = env.dynamic.shapes.half_length, env.dynamic.shapes.radius
+    for m, motion in enumerate(arc_poses()):
+        for k in (0, 5, POSES - 1):
+            seconds = STEP * (k + 1) / SPEED if m < len(CURVATURES) else abs(motion[k, 2]) / TURN_RATE
+            ahead = np.stack([np.cos(heading), np.sin(heading)], -1) * half[:, None]
+            middle = at + velocity * seconds
+            axes = [shapely.LineString(x) for x in np.stack([middle - ahead, middle + ahead], 1)]
+            expected = min(
+                exact(discs, np.array([*place, yaw]), motion[k], x) - r for x, r in zip(axes, radius, strict=True)
+            )
+            assert found[m, k] == pytest.approx(expected, abs=1e-3)
+    assert found.min() < 0.0 < found.max()
+    told = np.asarray(arcs.observe(0, jnp.asarray(place), jnp.float32(yaw), gaps))
+    np.testing.assert_allclose(told[: 2 * ARCS], arcs.observe(0, jnp.asarray(place), jnp.float32(yaw)))
+    np.testing.assert_allclose(told[2 * ARCS : 3 * ARCS], np.cumprod(found > 0.0, axis=1).mean(1), atol=1e-6)
+    np.testing.assert_allclose(told[3 * ARCS :], np.clip(found[:, :NEAR].min(1) / MARGIN, -1.0, 1.0), atol=1e-5)
+    present[:] = False
+    nobody = np.asarray(arcs.observe(0, jnp.asarray(place), jnp.float32(yaw), gaps))
+    np.testing.assert_array_equal(nobody[2 * ARCS :], 1.0)

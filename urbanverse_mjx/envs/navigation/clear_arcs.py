@@ -6,12 +6,13 @@ motions. When: the field once per bank, on the host, cached; the look-ups in eve
 The distances of `privileged` and `privileged_map` are those of `surroundings`: to the boxes of hulls, in cells of
 0.2 m, at 15 points and at points 0.4 m apart. They do not show whether a robot fits through a gap that is 10 cm wider
 than itself on each side, as gaps on the routes of `FollowRoute` are. These are measured as the planner measures: discs
-of the footprint in a field of distances to the hulls' outlines, in cells of 5 cm. Objects that move are not part of
-them.
+of the footprint in a field of distances to the hulls' outlines, in cells of 5 cm. Where there is a crowd the same is
+told of its agents, as they are when the robot gets there.
 """
 
 import itertools
 import pathlib
+from collections.abc import Callable
 
 import jax.numpy as jnp
 import numpy as np
@@ -32,6 +33,8 @@ POSES, STEP = 12, 0.15
 NEAR = 6
 #: m, largest margin that is told, on both sides of 0.
 MARGIN = 0.4
+#: m/s and rad/s at which the robot is taken to go along them, among agents that move.
+SPEED, TURN_RATE = 1.0, 1.0
 #: m, range of distances of the field, which a byte spans: 0.5 cm a unit.
 LEAST, MOST = -0.25, 1.0
 #: Largest number of scenes whose field is made at a time.
@@ -53,6 +56,17 @@ def arc_poses() -> Float[np.ndarray, "ARCS POSES 3"]:
         angle = side * np.linspace(0.0, np.pi / 2.0, POSES + 1)[1:]
         poses.append(np.stack([0.0 * angle, 0.0 * angle, angle], -1))
     return np.stack(poses)
+
+
+def arc_times() -> Float[np.ndarray, "ARCS POSES"]:
+    """(ARCS, POSES) s until the poses of `arc_poses`, at `SPEED` and `TURN_RATE`."""
+    along = STEP * np.arange(1, POSES + 1) / SPEED
+    turn = np.linspace(0.0, np.pi / 2.0, POSES + 1)[1:] / TURN_RATE
+    return np.stack([along] * len(CURVATURES) + [turn] * (ARCS - len(CURVATURES)))
+
+
+#: Function (points (..., 2) m, s from now (...)) -> (..., A) m to the bodies of agents that go on as they do.
+Gaps = Callable[[Float[Array, "*n 2"], Float[Array, "*n"]], Float[Array, "*n A"]]
 
 
 def build_field(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y"]:
@@ -101,6 +115,7 @@ class ClearArcs:
         y = poses[..., 1, None] + s * discs[:, 0] + c * discs[:, 1]
         self._points = jnp.asarray(np.stack([x, y], -1), jnp.float32)
         self._radii = jnp.asarray(discs[:, 2], jnp.float32)
+        self._times = jnp.asarray(arc_times(), jnp.float32)
 
     def margins(
         self, scene: Int[Array, ""] | int, p_xy: Float[Array, "2"], yaw: Float[Array, ""]
@@ -112,20 +127,36 @@ class ClearArcs:
           scene: () i32.
           p_xy: (2,) m in the world's frame. yaw: () rad.
         """
-        c, s = jnp.cos(yaw), jnp.sin(yaw)
-        x, y = self._points[..., 0], self._points[..., 1]
-        places = p_xy + jnp.stack([c * x - s * y, s * x + c * y], -1)
-        cell = cell_of(places, self._origin[scene], CELL, self._field.shape[1:])
+        cell = cell_of(self._places(p_xy, yaw), self._origin[scene], CELL, self._field.shape[1:])
         found = self._field[scene, cell[..., 0], cell[..., 1]]
         metres = LEAST + found.astype(jnp.float32) * ((MOST - LEAST) / 255.0)
         return (metres - self._radii).min(-1)
 
+    def margins_to_agents(
+        self, gaps: Gaps, p_xy: Float[Array, "2"], yaw: Float[Array, ""]
+    ) -> Float[Array, "ARCS POSES"]:
+        """(ARCS, POSES) m between the robot and the nearest agent when it is at each pose of each motion; infinite
+        without agents. For arguments see `margins` and `Gaps`."""
+        places = self._places(p_xy, yaw)
+        times = jnp.broadcast_to(self._times[..., None], places.shape[:-1])
+        return (gaps(places, times).min(-1) - self._radii).min(-1)
+
     def observe(
-        self, scene: Int[Array, ""] | int, p_xy: Float[Array, "2"], yaw: Float[Array, ""]
+        self, scene: Int[Array, ""] | int, p_xy: Float[Array, "2"], yaw: Float[Array, ""], gaps: Gaps | None = None
     ) -> Float[Array, " n"]:
         """(2 ARCS,) f32: the share of each motion that is free from its beginning, and the least margin at its first
-        `NEAR` poses in units of `MARGIN`, -1 to 1."""
-        margins = self.margins(scene, p_xy, yaw)
-        free = jnp.cumprod((margins > 0.0).astype(jnp.float32), axis=-1).mean(-1)
-        near = jnp.clip(margins[:, :NEAR].min(-1) / MARGIN, -1.0, 1.0)
-        return jnp.concatenate([free, near])
+        `NEAR` poses in units of `MARGIN`, -1 to 1; with `gaps` as many that are free of agents."""
+        found = _told(self.margins(scene, p_xy, yaw))
+        return found if gaps is None else jnp.concatenate([found, _told(self.margins_to_agents(gaps, p_xy, yaw))])
+
+    def _places(self, p_xy: Float[Array, "2"], yaw: Float[Array, ""]) -> Float[Array, "ARCS POSES D 2"]:
+        """(ARCS, POSES, D, 2) m, centres of the discs in the world's frame."""
+        c, s = jnp.cos(yaw), jnp.sin(yaw)
+        x, y = self._points[..., 0], self._points[..., 1]
+        return p_xy + jnp.stack([c * x - s * y, s * x + c * y], -1)
+
+
+def _told(margins: Float[Array, "ARCS POSES"]) -> Float[Array, " n"]:
+    free = jnp.cumprod((margins > 0.0).astype(jnp.float32), axis=-1).mean(-1)
+    near = jnp.clip(margins[:, :NEAR].min(-1) / MARGIN, -1.0, 1.0)
+    return jnp.concatenate([free, near])

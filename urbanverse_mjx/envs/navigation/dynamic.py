@@ -195,11 +195,17 @@ class DynamicStreet:
             present=start.present & end.present & there,
         )
 
-    def gaps(self, crowd: Crowd, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n A"]:
-        """(..., A) m from points (..., 2) to the bodies of present agents, negative inside; infinite for absent
-        ones."""
+    def gaps(
+        self, crowd: Crowd, p_xy: Float[Array, "*n 2"], after: Float[Array, "*n"] | float = 0.0
+    ) -> Float[Array, "*n A"]:
+        """(..., A) m from points (..., 2) m to the bodies of present agents, negative inside; infinite for absent ones.
+
+        Args:
+          after: (...) s from now, for which agents go on at their velocities.
+        """
         body, half = crowd.bodies, jnp.asarray(self.shapes.half_length)
-        dx, dy = p_xy[..., :1] - body.x, p_xy[..., 1:] - body.y
+        later = jnp.asarray(after)[..., None]
+        dx, dy = p_xy[..., :1] - (body.x + later * body.vx), p_xy[..., 1:] - (body.y + later * body.vy)
         cos, sin = jnp.cos(body.heading), jnp.sin(body.heading)
         along = jnp.clip(cos * dx + sin * dy, -half, half)
         distance = jnp.sqrt((dx - along * cos) ** 2 + (dy - along * sin) ** 2) - jnp.asarray(self.shapes.radius)

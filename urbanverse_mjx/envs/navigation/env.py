@@ -84,13 +84,13 @@ class NavEnv(StagedBase[NavState]):
     teachers and auxiliary losses only; with `config.observations.privileged_map`. robot: (18,) f32, size and dynamics
     of the robot (`robots.embodiment.FIELDS`), the same at every step; with `config.observations.robot`. A task may add
     values to the ends of privileged and of proprio's speeds, see its class; with `config.observations.clear_arcs` the
-    22 of `ClearArcs.observe` follow those of privileged. Flat, because Brax keeps statistics of
-    every observation except images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`: waypoint:
-    (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,), ((a0 + 1) / 2 *
-    max_speed, a1 * max_yaw_rate); joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it
-    has none (wheels), they are its command at full speed straight ahead, backwards and forwards. Not for robots with a
-    gait. Reward: sum of `reward_config.scales` times the terms of `terms`. Ends: see `Result`; TIMEOUT is a truncation.
-    With terminate_on_hit=False hits are only measured.
+    22 of `ClearArcs.observe` follow those of privileged, 44 where there is a crowd. Flat, because Brax keeps statistics
+    of every observation except images and treats each as a vector. Action: in [-1, 1]; by `config.action_mode`:
+    waypoint: (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega); velocity: (2,),
+    ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate); joint: (nu,), one per actuator: -1 and 1 are the ends of its control
+    range. Where it has none (wheels), they are its command at full speed straight ahead, backwards and forwards. Not
+    for robots with a gait. Reward: sum of `reward_config.scales` times the terms of `terms`. Ends: see `Result`;
+    TIMEOUT is a truncation. With terminate_on_hit=False hits are only measured.
 
         env = registry.load("CocoNav", config_overrides={"preset": "cpu"})
         state = jax.jit(env.reset)(jax.random.key(0))
@@ -358,7 +358,9 @@ class NavEnv(StagedBase[NavState]):
         around = self.distances(nav, probes).reshape(-1)
         own = self.task.privileged(nav)
         if self._arcs is not None:
-            own = (*own, self._arcs.observe(nav.sim.scene, position[:2], yaw))
+            crowd, dynamic = nav.crowd, self.dynamic
+            gaps = None if crowd is None or dynamic is None else functools.partial(dynamic.gaps, crowd)
+            own = (*own, self._arcs.observe(nav.sim.scene, position[:2], yaw, gaps))
         privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action, *own])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
         if self._sees_proprio:

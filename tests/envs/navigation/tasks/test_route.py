@@ -1,6 +1,7 @@
 """`FollowRoute`: its routes, signals, ends and scores, and configurations that are refused."""
 
 import dataclasses
+import functools
 import itertools
 from typing import Any
 
@@ -210,9 +211,12 @@ def test_free_arcs_follow_the_other_values(small_bank: SceneBank, env: NavEnv, b
     place, yaw = nav.sim.xpos[1, :2], rotations.yaw_of(nav.sim.xquat[1])
     told = arcs.observe(nav.sim.scene, place, yaw)
     np.testing.assert_allclose(with_them[: len(without)], without)
-    np.testing.assert_allclose(with_them[len(without) :], told)
+    np.testing.assert_allclose(with_them[len(without) : len(without) + 2 * ARCS], told)
     assert np.abs(told - arcs.observe(nav.sim.scene, place, -yaw)).max() > 0.1, "a heading that makes a difference"
-    assert len(with_them) - len(without) == 2 * ARCS
+    assert len(with_them) - len(without) == 4 * ARCS
+    assert env.dynamic is not None
+    both = arcs.observe(nav.sim.scene, place, yaw, functools.partial(env.dynamic.gaps, nav.crowd))
+    np.testing.assert_allclose(with_them[len(without) :], both)
 
 
 def test_progress_counts_on_the_way_to_the_next_waypoint_only(env: NavEnv, task: FollowRoute, begun: Any) -> None:
