@@ -1,5 +1,6 @@
 """Memory use of this process and its device."""
 
+import os
 import pathlib
 import resource
 import subprocess
@@ -38,11 +39,14 @@ def peak_device_mib() -> float:
 
 
 def device_mib() -> float | None:
-    """Returns the memory in use on the first GPU by all programs (nvidia-smi), or None without it.
+    """Returns the memory in use by all programs on the first GPU that this process sees, or None without nvidia-smi.
 
-    JAX takes most of a GPU at its start unless XLA_PYTHON_CLIENT_PREALLOCATE=false.
+    CUDA_VISIBLE_DEVICES names it by its index, in the order of nvidia-smi, or its UUID. JAX takes most of a GPU at its
+    start unless XLA_PYTHON_CLIENT_PREALLOCATE=false.
     """
-    command = ["nvidia-smi", "--query-gpu=memory.used", "--format=csv,noheader,nounits"]
+    named = [name.strip() for name in os.environ.get("CUDA_VISIBLE_DEVICES", "").split(",") if name.strip()]
+    which = ["-i", named[0]] if named else []
+    command = ["nvidia-smi", *which, "--query-gpu=memory.used", "--format=csv,noheader,nounits"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20)
         return float(done.stdout.split()[0])

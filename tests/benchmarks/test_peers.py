@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import pytest
 from PIL import Image
 
 from benchmarks import peers
+from benchmarks.lib import memory
 from benchmarks.lib.peers import page, plan, timed
 from benchmarks.lib.peers.c_peer import Processes, Rollout
 from benchmarks.lib.peers.plan import Case
@@ -397,3 +399,14 @@ def test_the_page_is_that_of_the_kept_rows() -> None:
     begin, end = page.MARKS
     assert text.split(begin)[1].split(end)[0].strip() == page.text(page.read()).strip()
     assert page.FIGURE.exists() == bool([one for one in page.read() if not one["error"]])
+
+
+@pytest.mark.parametrize(("visible", "asked"), [("", []), ("1", ["-i", "1"]), ("GPU-5f, 0", ["-i", "GPU-5f"])])
+def test_memory_is_that_of_the_gpu_in_use(visible, asked, tmp_path, monkeypatch) -> None:
+    program = tmp_path / "nvidia-smi"
+    program.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/asked\necho 1234\necho 9\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", visible)
+    assert memory.device_mib() == 1234.0
+    assert (tmp_path / "asked").read_text().split()[: len(asked) + 1] == [*asked, "--query-gpu=memory.used"]
