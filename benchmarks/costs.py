@@ -4,12 +4,15 @@
     python -m benchmarks.costs --run RUN                  # stages of that run, from its run.json
     python -m benchmarks.costs --library urbanverse160    # scenes an hour, from the report of a set of the library
     python -m benchmarks.costs --annotate 5               # imports exported assets with the priors of their categories
+    python -m benchmarks.costs --batch local ray --workers 2   # cousins of the six shipped graphs, by executor
     python -m benchmarks.costs --page                     # docs/costs.md
 
 Processor time counts, because it does not depend on what else a machine does. Scenes an hour on 2 cores are two
 processor hours by the mean of a set, whose scenes are compiled in a process per core; those on 16 cores are an estimate
-from the same mean. Money for an endpoint is an estimate too: tokens by the rule of thumb of `urbanverse gen` (an image
-of 768 pixels counts for at most 765, four letters for one) at the prices of `PRICES`, which stand for any.
+from the same mean. `--batch` takes the clock's time, too, of five cousins of each shipped graph by the executors in
+turn: it says what an executor costs, and scenes an hour only of a machine that does nothing else. Money for an endpoint
+is an estimate too: tokens by the rule of thumb of `urbanverse gen` (an image of 768 pixels counts for at most 765, four
+letters for one) at the prices of `PRICES`, which stand for any.
 
 Results are kept in benchmarks/scores/costs.csv.
 """
@@ -116,6 +119,37 @@ def annotation_costs(count: int) -> dict[str, Any]:
     return {"assets": len(entries), "imported": done, "processor_s": round(watched.seconds / max(len(entries), 1), 2)}
 
 
+def batch_costs(executor: str, workers: int, cousins: int = 5) -> dict[str, Any]:
+    """Seconds of the clock and of processors for cousins of the shipped graphs by `urbanverse gen batch`.
+
+    Raises:
+      ValidationError: a source failed, or the executor is not installed.
+    """
+    from urbanverse_mjx.pipeline.generation.batch import run_batch
+    from urbanverse_mjx.pipeline.generation.stages import GenerationOptions
+
+    graphs = sorted(settings.scene_root().glob("*/graph.json"))
+    with work_folder("urbanverse-costs-") as folder:
+        names = pathlib.Path(folder) / "sources.txt"
+        names.write_text("".join(f"{path}\n" for path in graphs), encoding="utf-8")
+        options = GenerationOptions(cousins=cousins, usd=False, pictures=False)
+        begin = time.monotonic()
+        with _Watched() as watched:
+            found = run_batch(names, pathlib.Path(folder) / "out", options, executor, workers, retries=0)
+        seconds = time.monotonic() - begin
+        if found["failed"]:
+            raise ValidationError(f"--batch {executor}: found {found['failed']}, needed cousins of all shipped graphs.")
+    scenes = len(graphs) * cousins
+    return {
+        "executor": executor,
+        "workers": workers,
+        "scenes": scenes,
+        "seconds": round(seconds, 1),
+        "processor_s": round(watched.seconds / scenes, 2),
+        "scenes_an_hour": round(3600 * scenes / seconds),
+    }
+
+
 class _Watched:
     """Processor seconds of this process and of all below it, looked at ten times a second; steps of an import run in
     processes that a server of the standard library forks, whose times no parent gets."""
@@ -201,6 +235,13 @@ def page_text(path: pathlib.Path = SCORES) -> str:
             cells += [one["scenes_an_hour_2_cores"], one["scenes_an_hour_16_cores_estimated"]]
             lines.append(f"| {' | '.join(map(str, cells))} | {one['processor_s'] * cents:.3f} |")
         parts.append("\n".join(lines))
+    batches = [row["batch"] for row in found.values() if "batch" in row]
+    if batches:
+        head = ["executor", "sources at a time", "scenes", "s", "scenes an hour", "processor a scene, s"]
+        lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
+        fields = ("executor", "workers", "scenes", "seconds", "scenes_an_hour", "processor_s")
+        lines += [f"| {' | '.join(str(one[field]) for field in fields)} |" for one in batches]
+        parts.append("\n".join(lines))
     lines = ["| what | processor, s | tokens sent | answered | dollars |", "| --- | --- | --- | --- | --- |"]
     for row in found.values():
         if "annotation" in row:
@@ -221,6 +262,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--name", default="film", help="name of that run in the table")
     parser.add_argument("--library", nargs="+", default=(), help="sets of the scene library")
     parser.add_argument("--annotate", type=int, default=0, help="number of assets to import")
+    parser.add_argument("--batch", nargs="+", default=(), metavar="EXECUTOR", help="local or ray, measured in turn")
+    parser.add_argument("--workers", type=int, default=2, help="sources of a batch at a time")
     parser.add_argument("--page", action="store_true")
     arguments = parser.parse_args(argv)
     if arguments.annotate < 0:
@@ -231,6 +274,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         keep(name, "library", library_costs(name), SCORES)
     if arguments.annotate:
         keep("assets", "annotation", annotation_costs(arguments.annotate), SCORES)
+    for executor in arguments.batch:
+        row = batch_costs(executor, arguments.workers)
+        print(row, file=sys.stderr)
+        keep(f"{executor}, {arguments.workers}", "batch", row, SCORES)
     if arguments.page:
         PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), page_text(), MARKS), encoding="utf-8")
     return 0

@@ -4,6 +4,7 @@ import json
 import pathlib
 import subprocess
 import sys
+import time
 from typing import Any
 
 import pytest
@@ -89,3 +90,33 @@ def test_the_page_has_every_stage_and_a_sum(tmp_path: pathlib.Path) -> None:
     assert text.index("| frames | 2.0 | 0.50 |") < text.index("| graph | 4.0 | 1.00 | 300 |")
     assert "| all | 6.0 |" in text
     assert "8 frames" not in text, "a later run replaces an earlier one"
+
+
+def test_batches_are_told_by_executor(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "costs.csv"
+    for executor, seconds in (("local", 60.0), ("ray", 80.0)):
+        row = {"executor": executor, "workers": 2, "scenes": 30, "seconds": seconds, "processor_s": 3.0}
+        costs.keep(f"{executor}, 2", "batch", {**row, "scenes_an_hour": round(30 * 3600 / seconds)}, path)
+    text = costs.page_text(path)
+    assert "| local | 2 | 30 | 60.0 | 1800 | 3.0 |\n| ray | 2 | 30 | 80.0 | 1350 | 3.0 |" in text
+
+
+def test_a_batch_that_fails_is_no_figure(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the sources would look like twice the speed."""
+    from urbanverse_mjx.pipeline.generation import batch
+
+    monkeypatch.setattr(
+        batch, "run_source", lambda job: batch.Outcome(job.source.parent.name == "park_edge", "no", 0.1)
+    )
+    with pytest.raises(ValidationError, match=r"found .*park_edge.*needed cousins of all shipped graphs"):
+        costs.batch_costs("local", 2)
+
+    def made(job: batch.Job) -> batch.Outcome:
+        time.sleep(0.1)
+        return batch.Outcome(0, "", 0.1)
+
+    monkeypatch.setattr(batch, "run_source", made)
+    found = costs.batch_costs("local", 2)
+    assert found["scenes"] == 30
+    assert found["seconds"] >= 0.3, "six sources, two at a time"
+    assert found["scenes_an_hour"] == pytest.approx(3600 * 30 / found["seconds"], rel=0.2)
