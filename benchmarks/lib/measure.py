@@ -102,7 +102,7 @@ def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
     # The first call advances past the states in which all robots stand at their starts.
     (run.state, (run.sims, _, _)), first = timing.first_call(call, run.first, run.actions)
     _, (_, done, overflow) = call(run.state, run.actions)
-    sample = timing.time_(call, run.state, run.actions, repeats=run.case.repeats, warm=True)
+    sample = timing.time_(call, run.state, run.actions, repeats=run.case.repeats)
     count = run.case.steps * run.case.num_envs
     figures = {
         "env_steps_per_s": sample.rate(count),

@@ -55,14 +55,10 @@ def first_call(call: Callable[..., Any], *arguments: Any) -> tuple[Any, float]:
     return out, time.perf_counter() - start
 
 
-def time_(call: Callable[..., Any], *arguments: Any, repeats: int, warm: bool = False) -> Sample:
-    """Times a call, results awaited.
-
-    Args:
-      warm: whether it was called before; otherwise an untimed call comes first (it may load kernels).
-    """
-    if not warm:
-        jax.block_until_ready(call(*arguments))
+def time_(call: Callable[..., Any], *arguments: Any, repeats: int) -> Sample:
+    """Times a call, results awaited, after an untimed one: it may load kernels, and what was called before and is not
+    awaited yet ends before it."""
+    jax.block_until_ready(call(*arguments))
     seconds = []
     for _ in range(repeats):
         start = time.perf_counter()

@@ -39,8 +39,22 @@ def test_timing_leaves_the_first_call_out(monkeypatch: pytest.MonkeyPatch) -> No
 
     assert timing.time_(slow_first, repeats=3).seconds == (1.0, 1.0, 1.0)
     assert len(calls) == 4
-    assert timing.time_(slow_first, repeats=2, warm=True).seconds == (1.0, 1.0)
-    assert len(calls) == 6
+
+
+def test_what_was_called_before_is_not_timed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Devices work in order: whoever awaits a result awaits all work that was dispatched before, too."""
+    clock, pending = [0.0], [7.0]
+
+    def dispatch() -> None:
+        pending.append(1.0)
+
+    def wait(_: Any) -> None:
+        clock[0] += sum(pending)
+        pending.clear()
+
+    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: clock[0]))
+    monkeypatch.setattr(timing, "jax", SimpleNamespace(block_until_ready=wait))
+    assert timing.time_(dispatch, repeats=3).seconds == (1.0, 1.0, 1.0)
 
 
 def test_calls_in_turn_alternate() -> None:
