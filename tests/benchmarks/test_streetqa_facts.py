@@ -71,6 +71,40 @@ def test_candidate_cameras_depend_on_the_scene_and_stand_apart() -> None:
     assert away.min() >= views.APART
 
 
+def test_views_are_read_again_only_where_their_labels_mean_the_same(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another bank of the same scene may number its objects otherwise: its labels are not those of the files."""
+    drawn: list[str] = []
+
+    def worthy(bank: SceneBank, scene: int, split: str, cameras: Any, number: int, _: Any) -> list[View]:
+        flat = np.zeros((HEIGHT, WIDTH))
+        names = [views.view_name(bank.scene_ids[scene], number + k) for k in range(len(cameras))]
+        return [
+            View(n, bank.scene_ids[scene], split, at, h, yaw, PITCH, flat.astype(np.int16), flat, np.zeros(9, np.int32))
+            for n, (at, h, yaw) in zip(names, cameras, strict=True)
+        ]
+
+    monkeypatch.setattr(views, "_worthy", worthy)
+    image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    monkeypatch.setattr(views, "_drawer", lambda *_: lambda scene, places: {"rgb": image[None].repeat(len(places), 0)})
+
+    def made(bank: SceneBank, seed: int = 1) -> int:
+        drawn.clear()
+        assert len(list(views.make_views(bank, [0], "test", 2, seed, tmp_path, drawn.append))) == 2
+        return len(drawn)
+
+    bank = box_bank(1, num_objects=6)
+    assert [made(bank), made(bank)] == [2, 0]
+    assert [made(bank, 2), made(bank, 1)] == [2, 2]
+    a, b = np.flatnonzero((bank.slot_mesh[0] >= 0) & ~views.is_ground(bank, 0))[:2]
+    order = np.arange(bank.slot_mesh.shape[1])
+    order[[a, b]] = b, a
+    rows = {name: getattr(bank, name)[:, order] for name in ("slot_mesh", "slot_position", "slot_quaternion")}
+    other = dataclasses.replace(bank, **rows, slot_category=bank.slot_category[:, order])
+    assert [made(other), made(other), made(bank)] == [2, 0, 2]
+
+
 @pytest.fixture(scope="module")
 def bank() -> SceneBank:
     return box_bank(1, num_objects=1)

@@ -10,12 +10,13 @@ import math
 import pathlib
 import zlib
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import jax
 import numpy as np
 from PIL import Image
 
-from urbanverse_mjx.datatypes import SceneBank, array_file
+from urbanverse_mjx.datatypes import SceneBank, array_file, content_hash
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.simulation.rendering.cameras import look_at
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
@@ -176,6 +177,8 @@ def make_views(
 ) -> Iterator[View]:
     """Renders and writes up to `per_scene` views of each scene; those whose files exist are read instead.
 
+    Not so where they are of another seed, or of another bank that numbers the scene's objects otherwise.
+
     Args:
       folder: of the data set, for the files `images/NAME.png` and `labels/NAME.npz`; made if missing.
       progress: called with the name of each view.
@@ -187,7 +190,8 @@ def make_views(
     for scene in scenes:
         name = bank.scene_ids[scene]
         state = labels_folder / f"{name}.json"
-        used, number = _progress_of(state, seed)
+        key = {"seed": seed, "objects": _objects_key(bank, scene)}
+        used, number = _progress_of(state, key)
         number = min(number, per_scene)
         for k in range(number):
             yield dataclasses.replace(View.load(labels_folder / f"{view_name(name, k)}.npz"), split=split)
@@ -209,15 +213,30 @@ def make_views(
                     last = found[-1].position
                     used = next(k + 1 for k, (at, _, _) in enumerate(cameras) if np.array_equal(at, last))
                 yield from found
-            v.write_json(state, {"seed": seed, "used": used, "views": number})
+            v.write_json(state, {**key, "used": used, "views": number})
 
 
-def _progress_of(state: pathlib.Path, seed: int) -> tuple[int, int]:
-    """Numbers of candidates tried and of views written for a scene, 0 for another seed."""
+def _objects_key(bank: SceneBank, scene: int) -> str:
+    """Hash of what the numbers in label images mean: the categories, places and meshes of a scene's slots."""
+    slots = np.flatnonzero(bank.slot_mesh[scene] >= 0)
+    mesh = bank.slot_mesh[scene, slots]
+    return content_hash(
+        {
+            "slots": slots,
+            "categories": [bank.meta["categories"][k] for k in bank.slot_category[scene, slots]],
+            "positions": bank.slot_position[scene, slots],
+            "quaternions": bank.slot_quaternion[scene, slots],
+            "corners": bank.mesh_vertex_start[mesh + 1] - bank.mesh_vertex_start[mesh],
+        }
+    )
+
+
+def _progress_of(state: pathlib.Path, key: dict[str, Any]) -> tuple[int, int]:
+    """Numbers of candidates tried and of views written for a scene, 0 for another key."""
     if not state.is_file():
         return 0, 0
-    body = v.mapping(v.read_json(state, "state of views"), str(state), ("seed", "used", "views"))
-    return (int(body["used"]), int(body["views"])) if body["seed"] == seed else (0, 0)
+    body = v.mapping(v.read_json(state, "state of views"), str(state), ("seed", "used", "views"), ("objects",))
+    return (int(body["used"]), int(body["views"])) if {name: body.get(name) for name in key} == key else (0, 0)
 
 
 def _worthy(
