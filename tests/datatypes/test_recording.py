@@ -1,5 +1,6 @@
 """A recording comes back from its folder as it was written, and a broken one is refused in one sentence."""
 
+import dataclasses
 import json
 import pathlib
 from typing import Any
@@ -150,3 +151,27 @@ def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path: pathlib.Path)
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(ValidationError, match="cannot be written"):
         RecordingWriter(tmp_path / "file" / "r", "walk", SOURCE, CAMERA)
+
+
+def test_beliefs_come_back_and_take_no_room_where_there_are_none(tmp_path: pathlib.Path) -> None:
+    plain = write(tmp_path / "plain")
+    assert "beliefs" not in (tmp_path / "plain" / "recording.json").read_text()
+    torn = Detection("house", 0.8, None, (("bakery", 0.5), ("pharmacy", 0.3)))
+    frames = tuple(dataclasses.replace(f, detections=(torn,)) for f in plain.frames)
+    dataclasses.replace(plain, frames=frames).save()
+    assert Recording.load(tmp_path / "plain").frames[2].detections == (torn,)
+
+
+@pytest.mark.parametrize(
+    ("beliefs", "message"),
+    [
+        ((("bakery", 0.7), ("cafe", 0.4)), "add up to 1.1"),
+        ((("bakery", 0.5), ("bakery", 0.4)), "bakery"),
+        ((("bakery", 0.0),), "beliefs.bakery"),
+    ],
+)
+def test_impossible_beliefs_are_refused(beliefs: tuple[tuple[str, float], ...], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        Detection("house", 0.8, None, beliefs)
+    with pytest.raises(ValidationError, match="an object of labels"):
+        Detection.from_json({"label": "a", "score": 1.0, "track": None, "beliefs": [["a", 1.0]]}, "d")

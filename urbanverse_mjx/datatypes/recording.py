@@ -8,7 +8,7 @@ import dataclasses
 import itertools
 import os
 import pathlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ MAX_FRAMES = 100_000
 MAX_DETECTIONS = 65_535  # per frame: masks are 16-bit and 0 is "none"
 MAX_SIDE = 16_384  # pixels
 _ROTATION_TOLERANCE = 1e-3
+_BELIEF_TOLERANCE = 0.01  # probabilities are rounded
 _KINDS = ("rgb", "depth", "masks", "surfaces")
 
 
@@ -68,17 +69,52 @@ class Camera:
 
 @dataclasses.dataclass(frozen=True)
 class Detection:
-    """One object found in one frame: free-text label, score in [0, 1], and the id of its track or None."""
+    """One object found in one frame.
+
+    Attributes:
+      label: free text.
+      score: in [0, 1], probability that it is right.
+      track: id of its track, or None.
+      beliefs: labels that it may have, with their probabilities in (0, 1], which add up to at most 1; empty where the
+        detector gives only one label.
+    """
 
     label: str
     score: float = 1.0
     track: str | None = None
+    beliefs: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         v.text(self.label, "detection.label")
         object.__setattr__(self, "score", v.number(self.score, "detection.score", 0.0, 1.0))
         if self.track is not None:
             v.text(self.track, "detection.track")
+        if self.beliefs:
+            object.__setattr__(self, "beliefs", _beliefs(self.beliefs))
+
+    def to_json(self) -> dict[str, Any]:
+        body: dict[str, Any] = {"label": self.label, "score": self.score, "track": self.track}
+        return {**body, "beliefs": dict(self.beliefs)} if self.beliefs else body
+
+    @staticmethod
+    def from_json(value: Any, where: str) -> "Detection":
+        m = dict(v.mapping(value, where, ("label", "score", "track"), ("beliefs",)))
+        beliefs = m.pop("beliefs", {})
+        if not isinstance(beliefs, Mapping):
+            raise v.fail(f"{where}.beliefs", v.show(beliefs), "an object of labels and probabilities")
+        return Detection(**m, beliefs=tuple(beliefs.items()))
+
+
+def _beliefs(beliefs: Sequence[tuple[str, float]]) -> tuple[tuple[str, float], ...]:
+    where = "detection.beliefs"
+    found = tuple(
+        (v.text(label, where), v.number(p, f"{where}.{label}", above=0.0, maximum=1.0)) for label, p in beliefs
+    )
+    v.unique([label for label, _ in found], where)
+    total = sum(p for _, p in found)
+    if total > 1.0 + _BELIEF_TOLERANCE:
+        raise v.fail(where, f"probabilities that add up to {total:.4g}", "at most 1", "normalise them")
+    return found
 
 
 @dataclasses.dataclass(frozen=True)
@@ -120,9 +156,13 @@ class Frame:
         return None if self.T_world_camera is None else np.array(self.T_world_camera)
 
     def to_json(self) -> dict[str, Any]:
-        body = dataclasses.asdict(self)
+        body = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         pose = self.T_world_camera
-        return {**body, "T_world_camera": None if pose is None else [x for row in pose for x in row]}
+        return {
+            **body,
+            "T_world_camera": None if pose is None else [x for row in pose for x in row],
+            "detections": [d.to_json() for d in self.detections],
+        }
 
     @staticmethod
     def from_json(value: Any, where: str) -> "Frame":
@@ -132,10 +172,7 @@ class Frame:
             numbers = v.vector(flat, f"{where}.T_world_camera", 16)
             m["T_world_camera"] = tuple(numbers[i : i + 4] for i in range(0, 16, 4))
         rows = v.items(m["detections"], f"{where}.detections", maximum=MAX_DETECTIONS)
-        m["detections"] = tuple(
-            Detection(**v.mapping(d, f"{where}.detections[{i}]", ("label", "score", "track")))
-            for i, d in enumerate(rows)
-        )
+        m["detections"] = tuple(Detection.from_json(d, f"{where}.detections[{i}]") for i, d in enumerate(rows))
         return Frame(**m)
 
 
