@@ -358,3 +358,27 @@ def test_certainty_is_the_leaf_s_share_within_its_group(wanted: GroundTruth) -> 
     for car in cars:
         assert classes.leaves()[car.leaf] == "taxi"
         assert car.certainty == pytest.approx(6.0 / (5.0 + count), rel=1e-4)
+
+
+def test_beliefs_are_the_class_s_probability_times_the_leaf_s_share(wanted: GroundTruth) -> None:
+    """A third of the belief in the class goes to vans; within both classes all leaves but one are equally likely."""
+    right = _right(wanted)
+    logits = np.asarray(right.classes).copy()
+    van = NAMES.index("van")
+    logits[..., van] = np.where(np.asarray(wanted.classes) == CAR, logits[..., CAR] - np.log(2.0), logits[..., van])
+    leaves = np.zeros_like(np.asarray(right.leaves))
+    leaves[..., classes.leaves().index("taxi")] = np.log(6.0)
+    seen = decode(right._replace(classes=logits, leaves=leaves), 200.0)
+    cars = [obj for obj in seen.objects if obj.kind == CAR]
+    assert len(cars) == 2
+    count = {kind: int((classes.leaf_classes() == kind).sum()) for kind in (CAR, van)}
+    for car in cars:
+        beliefs = {classes.leaves()[leaf]: p for leaf, p in car.beliefs}
+        assert next(iter(beliefs)) == "taxi"
+        assert beliefs["taxi"] == pytest.approx(2 / 3 * 6.0 / (5.0 + count[CAR]), rel=0.02)
+        assert beliefs["minivan"] == pytest.approx(1 / 3 / count[van], rel=0.02)
+        assert len(beliefs) <= 12
+        assert sum(beliefs.values()) <= 1.0
+        assert list(beliefs.values()) == sorted(beliefs.values(), reverse=True)
+    (detection, *_) = [d for d in inference.full_size(seen, 96, 160).detections if dict(d.beliefs).get("minivan")]
+    assert dict(detection.beliefs)["taxi"] == round(next(iter(cars)).beliefs[0][1], 3)

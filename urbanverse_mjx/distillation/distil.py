@@ -16,7 +16,7 @@ from .boxes import Box
 from .depth_scale import DepthScale, depth_scale
 from .drift import close_loops
 from .ground_completion import completed
-from .lifting import Views, lift
+from .lifting import GroundPoints, Views, lift
 from .objects import Fused, FusedObject, objects_of, shows_shapes, without_fragments
 from .options import DistilOptions
 from .separation import Separation, separate
@@ -123,6 +123,36 @@ def distil(
       ValidationError: there is no registered frame, or no ground is visible.
     """
     options = options or DistilOptions()
+    fused, seen = fuse(recording, prior_of, similarity, options, progress)
+    ground_grid = ground.ground_map(seen, fused.poses, fused.depth.scale, fused.depth.noise)
+    if ground_grid is None:
+        raise _no_ground(recording)
+    objects = without_fragments(objects_of(fused, prior_of), fused)
+    kept = [t for t in objects if t.score >= options.min_score]
+    regions = ground_regions.regions(completed(ground_grid, [_footprint(t.box) for t in kept if t.prior.faces_road]))
+    if not regions:
+        raise _no_ground(recording)
+    kept, front = _with_fronts(kept, fused, regions, recording)
+    pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions)
+    if not options.place:
+        pulled = np.zeros_like(pulled)
+    left_out = len(objects) - len(kept)
+    laid = _Laid(kept, front, pulled, floor)
+    return _graph(recording, fused, laid, regions, ground.kerbs(ground_grid), describe, crop_folder, left_out)
+
+
+def fuse(
+    recording: Recording,
+    prior_of: Callable[[str], LabelPrior],
+    similarity: Callable[[str, str], float] = word_similarity,
+    options: DistilOptions | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Fused, GroundPoints]:
+    """The views of a recording, grouped by object, with corrected poses; and its points of the ground.
+
+    Args and errors: see `distil`.
+    """
+    options = options or DistilOptions()
     poses = recording.poses()
     if not len(poses):
         raise ValidationError(
@@ -142,26 +172,12 @@ def distil(
             placed, object_of_view = _associated(views, poses, depth, alike)
     if options.close_loops and not options.single_view:
         poses, placed, object_of_view = _fixed(views, placed, object_of_view, poses, depth, alike)
-    ground_grid = ground.ground_map(seen, poses, depth.scale, depth.noise)
-    if ground_grid is None:
-        raise _no_ground(recording)
     from_above = bearings.measure(views, poses, depth.scale, 1.0 / recording.camera.fx)
     single = options.single_view
     fused = Fused(
         recording.camera, views, object_of_view, alike, lifted.coarse, placed, from_above, poses, depth, single
     )
-    objects = without_fragments(objects_of(fused, prior_of), fused)
-    kept = [t for t in objects if t.score >= options.min_score]
-    regions = ground_regions.regions(completed(ground_grid, [_footprint(t.box) for t in kept if t.prior.faces_road]))
-    if not regions:
-        raise _no_ground(recording)
-    kept, front = _with_fronts(kept, fused, regions, recording)
-    pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions)
-    if not options.place:
-        pulled = np.zeros_like(pulled)
-    left_out = len(objects) - len(kept)
-    laid = _Laid(kept, front, pulled, floor)
-    return _graph(recording, fused, laid, regions, ground.kerbs(ground_grid), describe, crop_folder, left_out)
+    return fused, seen
 
 
 def _with_fronts(

@@ -34,6 +34,8 @@ class FusionOptions:
       max_gap: m; boxes farther apart than this are not compared.
       trim: quantile of a view's points that its box leaves out at each end.
       max_sigma: m; boxes of views with a larger standard error are not merged with more accurate ones.
+      belief_power: beliefs of views are raised to this power before they are compared; with 1, neighbours that are
+        believed to be several things each are merged too often.
     """
 
     min_view_score: float = 0.22
@@ -44,6 +46,7 @@ class FusionOptions:
     max_gap: float = 6.0
     trim: float = 0.02
     max_sigma: float = 0.25
+    belief_power: float = 2.0
 
 
 _OPTIONS = FusionOptions()
@@ -109,7 +112,7 @@ class _Map:
         self.size = 0
         self.low, self.high = np.zeros((capacity, 3)), np.zeros((capacity, 3))
         self.sigma = np.zeros(capacity)
-        self.votes = np.zeros((capacity, labels), np.float32)
+        self.votes, self.weight = np.zeros((capacity, labels), np.float32), np.zeros(capacity, np.float32)
         self.information, self.weighted = np.zeros((capacity, 3, 3)), np.zeros((capacity, 3))
 
     def near(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -118,7 +121,7 @@ class _Map:
         n = self.size
         return np.flatnonzero(((self.low[:n] < b) & (self.high[:n] > a)).all(1))
 
-    def add(self, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray) -> np.ndarray:
+    def add(self, placed: Placed, rows: np.ndarray, votes: np.ndarray, scores: np.ndarray) -> np.ndarray:
         """Adds objects made from views and returns their numbers."""
         numbers = np.arange(self.size, self.size + len(rows))
         self.low[numbers], self.high[numbers], self.sigma[numbers] = (
@@ -126,7 +129,7 @@ class _Map:
             placed.high[rows],
             placed.sigma[rows],
         )
-        self.votes[numbers, labels] += scores
+        self._vote(numbers, votes, scores)
         self._inform(numbers, placed, rows)
         self.size += len(rows)
         return numbers
@@ -142,12 +145,20 @@ class _Map:
         covariance = np.linalg.inv(self.information[objects])
         return np.einsum("kij,kj->ki", covariance, self.weighted[objects]), covariance
 
+    def _vote(self, objects: np.ndarray, votes: np.ndarray, scores: np.ndarray) -> None:
+        self.votes[objects] += votes * scores[:, None]
+        self.weight[objects] += scores
+
+    def share(self, objects: np.ndarray | slice) -> np.ndarray:
+        """(k, L) mean of the votes of objects."""
+        return self.votes[objects] / self.weight[objects, None]
+
     def update(
-        self, objects: np.ndarray, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray
+        self, objects: np.ndarray, placed: Placed, rows: np.ndarray, votes: np.ndarray, scores: np.ndarray
     ) -> None:
         """Updates objects: a much better view replaces an object's box, a similar one widens it, a worse one only votes
         for the label."""
-        self.votes[objects, labels] += scores
+        self._vote(objects, votes, scores)
         self._inform(objects, placed, rows)
         ratio = placed.sigma[rows] / self.sigma[objects]
         # With accurate depth every view widens the box, because a nearer view may show only a part.
@@ -190,6 +201,14 @@ def _agreement(
     return np.where(squared < _OPTIONS.max_squared_distance, np.exp(-squared / 8.0), 0.0)
 
 
+def directions(views: Views, similarity: np.ndarray) -> np.ndarray:
+    """(n, L) the views' sharpened beliefs b, scaled so that b S b = 1: b S c then is the cosine of two beliefs in the
+    metric of the labels' similarity S, and for certain views the similarity of their labels."""
+    sharp = views.belief**_OPTIONS.belief_power
+    length = np.einsum("nl,nl->n", sharp @ similarity, sharp)
+    return (sharp / np.sqrt(length)[:, None]).astype(np.float32)
+
+
 def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarray:
     """(n,) i32, the object that each view shows.
 
@@ -199,14 +218,14 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
     """
     object_of_view = np.full(len(views), -1, np.int32)
     known = _Map(len(views), len(views.labels))
+    votes = directions(views, similarity)
     covariances = np.linalg.inv(placed.gain)
     bounds = np.flatnonzero(np.diff(views.frame)) + 1
     for rows in np.split(np.arange(len(views)), bounds) if len(views) else []:
         near = known.near(placed.low[rows], placed.high[rows])
         matched = np.zeros(len(rows), bool)
         if len(near):
-            votes = known.votes[near]
-            likeness = (votes / votes.sum(1, keepdims=True)) @ similarity[:, views.label[rows]]
+            likeness = known.share(near) @ similarity @ votes[rows].T
             slack = 2.0 * np.hypot(placed.sigma[rows][:, None], known.sigma[near][None])
             overlap = _overlap(
                 placed.low[rows][:, None], placed.high[rows][:, None], known.low[near], known.high[near], slack
@@ -222,9 +241,9 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
             a, b = a[good], near[b[good]]
             matched[a] = True
             object_of_view[rows[a]] = b
-            known.update(b, placed, rows[a], views.label[rows[a]], views.score[rows[a]])
+            known.update(b, placed, rows[a], votes[rows[a]], views.score[rows[a]])
         fresh = rows[~matched]
-        object_of_view[fresh] = known.add(placed, fresh, views.label[fresh], views.score[fresh])
+        object_of_view[fresh] = known.add(placed, fresh, votes[fresh], views.score[fresh])
     return _merged(object_of_view, views, known, similarity)
 
 
@@ -237,7 +256,7 @@ def _merged(object_of_view: np.ndarray, views: Views, known: _Map, similarity: n
     tree = scipy.spatial.cKDTree((low + high)[:, :2] / 2)
     pairs = tree.query_pairs(_OPTIONS.max_gap, output_type="ndarray")
     a, b = pairs[:, 0], pairs[:, 1]
-    share = known.votes[:n] / known.votes[:n].sum(1, keepdims=True)
+    share = known.share(slice(n))
     slack = 2.0 * np.hypot(known.sigma[a], known.sigma[b])
     overlap = _overlap(low[a], high[a], low[b], high[b], slack)
     middle, covariance = known.places(np.arange(n))

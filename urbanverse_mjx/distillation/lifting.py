@@ -5,6 +5,7 @@ found later moves them without reading the images again.
 """
 
 import dataclasses
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -46,6 +47,7 @@ class Views:
     points (n, NUM_POINTS, 3) f32 m, camera frame.
     pixels (n,) i32. clipped (n, 4) bool: whether it touches the left, right, top or bottom of the image.
     origin: (n, 2) i32: number of the frame in the recording and of the detection in it.
+    belief: (n, L) f32 probabilities of `labels`; rows add up to 1. Without it, each view is certain of its label.
     """
 
     labels: tuple[str, ...]
@@ -57,6 +59,13 @@ class Views:
     pixels: np.ndarray
     clipped: np.ndarray
     origin: np.ndarray
+    belief: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, 0), np.float32))
+
+    def __post_init__(self) -> None:
+        if self.belief.shape != (len(self.frame), len(self.labels)):
+            certain = np.zeros((len(self.frame), len(self.labels)), np.float32)
+            certain[np.arange(len(self.frame)), self.label] = 1.0
+            object.__setattr__(self, "belief", certain)
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -130,7 +139,22 @@ def lift(
                 grounds.append((*_ground(surfaces, depth, rays, row, len(registered)),))
         if progress is not None:
             progress(row + 1, len(registered))
-    return Lifted(_joined(parts, tuple(labels)), _joined_ground(grounds), coarse)
+    views = _joined(parts, tuple(labels))
+    return Lifted(_with_beliefs(views, recording), _joined_ground(grounds), coarse)
+
+
+def _with_beliefs(views: Views, recording: Recording) -> Views:
+    """The views with the probabilities that the detections have, and the labels that these add."""
+    number = {label: k for k, label in enumerate(views.labels)}
+    found = [recording.frames[frame].detections[row].beliefs for frame, row in views.origin.tolist()]
+    for label, _ in itertools.chain(*found):
+        number.setdefault(label, len(number))
+    belief = np.zeros((len(views), len(number)), np.float32)
+    for row, (own, beliefs) in enumerate(zip(views.label, found, strict=True)):
+        for label, p in beliefs or ((views.labels[own], 1.0),):
+            belief[row, number[label]] = p
+    belief /= np.maximum(belief.sum(1, keepdims=True), 1e-9)
+    return dataclasses.replace(views, labels=tuple(number), belief=belief)
 
 
 def _joined(parts: list[tuple[np.ndarray, ...]], labels: tuple[str, ...]) -> Views:

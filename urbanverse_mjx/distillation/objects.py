@@ -1,6 +1,7 @@
 """Computes label, confidence and box of each object from its views."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
 
 import numpy as np
@@ -9,6 +10,7 @@ from ..datatypes import Camera, LabelPrior
 from . import bearings, boxes, fusion
 from .depth_scale import DepthScale
 from .lifting import COARSE_BLOCK_SIDE, Views
+from .perception_model import classes, naming
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,6 +28,7 @@ class ObjectOptions:
       min_kinship: least similarity of labels that may denote the same object.
       min_similarity: least similarity of labels that are treated as one.
       fragment_share: a box is a fragment of another if more than this share of it is inside.
+      fragment_frames: and if at most this share of the frames that show it show both.
       min_axis_length: m; only longer objects indicate the direction of a street.
       min_axis_ratio: least ratio of length to width of these objects.
       axis_radius: m; radius around an object within which the axes of others are used.
@@ -35,6 +38,7 @@ class ObjectOptions:
       sectors: number of directions from which views of one object are taken.
       views_per_sector: largest number of views from each direction.
       max_views: largest number of views used for one box, the nearest first; more take time and do not improve it.
+      height_views: number of views, the most accurate, that determine the height by which an object is named.
     """
 
     missed_odds: float = 0.7
@@ -43,6 +47,7 @@ class ObjectOptions:
     min_kinship: float = 0.5
     min_similarity: float = 0.9
     fragment_share: float = 0.7
+    fragment_frames: float = 0.5
     min_axis_length: float = 4.0
     min_axis_ratio: float = 1.25
     axis_radius: float = 15.0
@@ -52,6 +57,7 @@ class ObjectOptions:
     sectors: int = 8
     views_per_sector: int = 4
     max_views: int = 24
+    height_views: int = 8
 
 
 _OPTIONS = ObjectOptions()
@@ -82,6 +88,18 @@ class Fused:
     depth: DepthScale
     single_view: bool
 
+    @functools.cached_property
+    def leaves(self) -> list[int] | None:
+        """Numbers of the labels among those of the perception model; None if one is of another detector."""
+        number = {leaf: k for k, leaf in enumerate(classes.leaves())}
+        found = [number.get(label) for label in self.views.labels]
+        return None if None in found else [k for k in found if k is not None]
+
+    @functools.cached_property
+    def votes(self) -> np.ndarray:
+        """(n, L), see `fusion.directions`."""
+        return fusion.directions(self.views, self.alike)
+
 
 @dataclasses.dataclass(frozen=True)
 class FusedObject:
@@ -95,7 +113,7 @@ class FusedObject:
     rows: np.ndarray
 
 
-def _groups(object_of_view: np.ndarray) -> list[np.ndarray]:
+def views_of_objects(object_of_view: np.ndarray) -> list[np.ndarray]:
     """Views of each object, in the order of its first view."""
     order = np.argsort(object_of_view, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(object_of_view[order])) + 1) if len(order) else []
@@ -108,7 +126,7 @@ def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Fuse
     Large objects are computed first, because they determine the street's direction, and most other objects are parallel
     or perpendicular to it.
     """
-    groups = _groups(fused.object_of_view)
+    groups = views_of_objects(fused.object_of_view)
     label = [_label(fused, rows) for rows in groups]
     known = [prior_of(fused.views.labels[k]).extents for k in label]
     large = [not len(e) or e[:, :2].max() > _OPTIONS.min_axis_length for e in known]
@@ -157,9 +175,28 @@ class Street:
 
 
 def _label(fused: Fused, rows: np.ndarray) -> int:
-    """Candidate labels of an object, those of its nearest views first."""
-    views = fused.views
-    return int(np.bincount(views.label[rows], views.score[rows] / fused.placed.sigma[rows], len(views.labels)).argmax())
+    """The label of an object: that which its views believe most, or, where they are those of the perception model, the
+    most probable by `naming`."""
+    views, belief = fused.views, mean_belief(fused, rows)
+    leaves = fused.leaves
+    if leaves is None or (views.belief[rows] == 1.0).any(1).all():
+        return int(belief.argmax())
+    among = np.zeros(len(classes.leaves()))
+    among[leaves] = belief
+    name = classes.leaves()[naming.shipped().leaf(among, height(fused, rows))]
+    return views.labels.index(name) if name in views.labels else int(belief.argmax())
+
+
+def mean_belief(fused: Fused, rows: np.ndarray) -> np.ndarray:
+    """(L,) mean belief of views, the near ones weighted more than the far ones."""
+    return np.average(fused.views.belief[rows], axis=0, weights=fused.views.score[rows] / fused.placed.sigma[rows])
+
+
+def height(fused: Fused, rows: np.ndarray) -> float:
+    """m, height of the visible part of an object in its best views."""
+    best = rows[np.argsort(fused.placed.sigma[rows], kind="stable")[: _OPTIONS.height_views]]
+    low, high = (np.quantile(z[best, 2], q) for z, q in ((fused.placed.low, 0.2), (fused.placed.high, 0.8)))
+    return float(high - low)
 
 
 def _object(
@@ -168,11 +205,14 @@ def _object(
     """Computes one object from its views; `street` gives the directions of objects around it, used if its own depth
     does not determine its heading."""
     views, placed = fused.views, fused.placed
-    # Views with a dissimilar label may show another object.
-    own = rows[fused.alike[views.label[rows], label] >= _OPTIONS.min_kinship]
+    # Views with a dissimilar label may show another object. They are compared with what the views believe, because what
+    # the network confuses can have a dissimilar name.
+    believed = int(mean_belief(fused, rows).argmax())
+    kin = fused.votes[rows] @ fused.alike[:, believed] >= _OPTIONS.min_kinship
+    own = rows[kin] if kin.any() else rows
     if fused.single_view:
         own = chosen = rows[np.argsort(views.pixels[rows], kind="stable")][[len(rows) // 2]]
-        label = int(views.label[chosen[0]])
+        label = int(views.belief[chosen[0]].argmax())
     else:
         chosen = _chosen(own, placed, views.clipped)
     prior = prior_of(views.labels[label])
@@ -199,6 +239,7 @@ def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObj
     # The visible part of each, without completed sides.
     spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in objects]
     frames = [set(views.frame[t.rows].tolist()) for t in objects]
+    share = np.array([np.average(fused.votes[t.rows], axis=0, weights=views.score[t.rows]) for t in objects])
     kept = set(range(len(objects)))
     for i in sorted(kept, key=lambda k: len(objects[k].rows)):
         small = objects[i]
@@ -208,11 +249,12 @@ def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObj
             if near[j] > 0.6 * np.linalg.norm(large.box.size[:2]) + 1.0 and near[j] > 15.0:
                 break
             rarer = 2 * len(small.rows) <= len(large.rows)
-            similarity = alike[row[small.label], row[large.label]]
+            similarity = max(alike[row[small.label], row[large.label]], float(share[i] @ alike @ share[j]))
             if i == j or j not in kept or not rarer or similarity < _OPTIONS.min_similarity:
                 continue
             inside = boxes.share_inside(*spans[i], large.box, small.box.blur)
-            if inside > _OPTIONS.fragment_share and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
+            shared = len(frames[i] & frames[j])
+            if inside > _OPTIONS.fragment_share and shared <= _OPTIONS.fragment_frames * len(frames[i]):
                 kept.discard(i)
                 break
     return [objects[i] for i in sorted(kept)]

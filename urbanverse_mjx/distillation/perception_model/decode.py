@@ -28,6 +28,7 @@ class DecodeOptions:
         chosen on three captures (docs/decisions/gen_perception.md).
       trust: coefficients of the evidence in the log odds that an object is right (its class and half of its mask),
         fitted by `fit_trust` to the 1,376 objects that the shipped weights detect in 96 frames of held-out streets.
+      min_belief, max_beliefs: least probability of a leaf that an object keeps, and how many it keeps.
     """
 
     min_peak: float = 0.1
@@ -36,6 +37,8 @@ class DecodeOptions:
     min_pixels: int = 12
     max_miss: float = 12.0
     trust: tuple[float, float, float, float, float] = (-2.78, 1.23, 2.64, -4.05, 1.4)
+    min_belief: float = 0.02
+    max_beliefs: int = 12
 
 
 _OPTIONS = DecodeOptions()
@@ -44,14 +47,15 @@ _OPTIONS = DecodeOptions()
 @dataclasses.dataclass(frozen=True)
 class FoundObject:
     """One object in one image: number of its class, probability in [0, 1] that it is right, the most similar of
-    `classes.leaves()`, the features behind the probability (see `_evidence`), and the network's share of belief in that
-    leaf among those of the class."""
+    `classes.leaves()`, the features behind the probability (see `_evidence`), the network's share of belief in that
+    leaf among those of the class, and the likely leaves of all classes with their probabilities, likeliest first."""
 
     kind: int
     score: float
     leaf: int
     evidence: tuple[float, ...] = ()
     certainty: float = 1.0
+    beliefs: tuple[tuple[int, float], ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -129,8 +133,27 @@ def _group(
         leaf = int(own.argmax())
         certainty = float(1.0 / np.exp(own - own[leaf]).sum())
         evidence = _evidence(votes[kind], float(heights[owner[part[0]]]), rows[part], columns[part], miss[part].mean())
-        objects.append(FoundObject(kind, float(expit(np.dot(_OPTIONS.trust, evidence))), leaf, evidence, certainty))
+        right = float(expit(np.dot(_OPTIONS.trust, evidence)))
+        objects.append(FoundObject(kind, right, leaf, evidence, certainty, _beliefs(votes, likeness)))
     return masks, tuple(objects)
+
+
+def _beliefs(votes: np.ndarray, likeness: np.ndarray) -> tuple[tuple[int, float], ...]:
+    """The likely leaves of an object: the probability of each class among those of objects, times that of the leaf
+    within it.
+
+    Args:
+      votes: (C,) mean probability of each class.
+      likeness: (L,) logits of the leaves.
+    """
+    kinds = classes.leaf_classes()
+    among = votes[kinds] / votes[classes.FIRST_OBJECT + 1 :].sum()
+    starts = np.flatnonzero(np.diff(kinds, prepend=-1))
+    group = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(kinds)))
+    share = np.exp(likeness - np.maximum.reduceat(likeness, starts)[group])
+    p = among * share / np.add.reduceat(share, starts)[group]
+    order = np.argsort(-p, kind="stable")[: _OPTIONS.max_beliefs]
+    return tuple((int(k), float(p[k])) for k in order if p[k] >= _OPTIONS.min_belief)
 
 
 def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray, miss: float) -> tuple[float, ...]:

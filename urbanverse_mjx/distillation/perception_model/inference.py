@@ -83,6 +83,10 @@ def full_size(seen: Decoded, height: int, width: int) -> FrameObservation:
     rows = np.minimum(((np.arange(height) + 0.5) * seen.kinds.shape[0] / height).astype(int), seen.kinds.shape[0] - 1)
     columns = np.minimum(((np.arange(width) + 0.5) * seen.kinds.shape[1] / width).astype(int), seen.kinds.shape[1] - 1)
     at = np.ix_(rows, columns)
-    found = tuple(Detection(label_of(obj), obj.score) for obj in seen.objects)
+    leaves = classes.leaves()
+    found = tuple(
+        Detection(label_of(obj), obj.score, beliefs=tuple((leaves[k], round(p, 3)) for k, p in obj.beliefs))
+        for obj in seen.objects
+    )
     # Depth is upsampled by repetition, because it is discontinuous between objects.
     return FrameObservation(classes.surface_codes()[seen.kinds[at]], seen.masks[at], found, seen.depth[at])
