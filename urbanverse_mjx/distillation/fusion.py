@@ -34,8 +34,8 @@ class FusionOptions:
       max_gap: m; boxes farther apart than this are not compared.
       trim: quantile of a view's points that its box leaves out at each end.
       max_sigma: m; boxes of views with a larger standard error are not merged with more accurate ones.
-      belief_power: beliefs of views are raised to this power before they are compared; with 1, neighbours that are
-        believed to be several things each are merged too often.
+      belief_power: beliefs of views are raised to this power before they are compared; with 1, neighbours with
+        several likely labels each are merged too often.
     """
 
     min_view_score: float = 0.22
