@@ -8,7 +8,7 @@ import pytest
 
 from urbanverse_mjx.datatypes import LabelPrior
 from urbanverse_mjx.distillation.boxes import Box
-from urbanverse_mjx.distillation.objects import FusedObject, without_fragments
+from urbanverse_mjx.distillation.objects import FusedObject, mean_belief, without_fragments
 
 LABELS = ("house", "pharmacy", "car")
 #: A pharmacy is a house; a car is neither.
@@ -34,7 +34,7 @@ def scene(label: str, frames: list[int], shift: float = 0.0, votes: Any = None) 
         votes=beliefs,
     )
     objects = [
-        FusedObject(k, name, 0.9, Box(at, size, 0.0, 0.1, 0.0, (False,) * 3, size), LabelPrior(), row)
+        FusedObject(k, name, 0.9, Box(at, size, 0.0, 0.1, 0.0, (False, False, False), size), LabelPrior(), row)
         for k, (name, at, size, row) in enumerate(zip(("house", label), centers, sizes, rows, strict=True))
     ]
     return objects, fused
@@ -63,3 +63,11 @@ def test_beliefs_tell_a_fragment_with_a_dissimilar_label() -> None:
     """Named a car by a hair, but its views believe in a house."""
     objects, fused = scene("car", [30, 31, 32, 33], votes=[1.0, 0.0, 0.0])
     assert [t.number for t in without_fragments(objects, fused)] == [0]
+
+
+def test_near_and_certain_views_believe_more() -> None:
+    views = SimpleNamespace(belief=np.eye(3)[[0, 1, 2]], score=np.array([0.5, 1.0, 1.0]))
+    fused: Any = SimpleNamespace(views=views, placed=SimpleNamespace(sigma=np.array([0.5, 1.0, 4.0])))
+    found = mean_belief(fused, np.arange(3))  # weights 1, 1 and a quarter
+    np.testing.assert_allclose(found, np.array([4.0, 4.0, 1.0]) / 9.0)
+    np.testing.assert_allclose(mean_belief(fused, np.array([2])), [0.0, 0.0, 1.0])
