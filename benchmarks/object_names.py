@@ -32,7 +32,7 @@ from urbanverse_mjx.distillation.objects import Fused, height, mean_belief, view
 from urbanverse_mjx.distillation.perception_model import classes, naming
 
 #: Pixels of a view that count at most, so that one near view does not decide alone; and the share of an object's pixels
-#: that have to show the same thing.
+#: that have to show the same object.
 _MOST_PIXELS, _LEAST_SHARE = 2000, 0.5
 #: Parts of the streets that are held out in turn.
 _FOLDS = 5

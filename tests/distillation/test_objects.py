@@ -45,7 +45,7 @@ def scene(label: str, frames: list[int], shift: float = 0.0, votes: Any = None) 
     [
         ("house", [30, 31, 32, 33], 0.0, [0]),
         ("pharmacy", [30, 31, 32, 33], 0.0, [0]),  # labels that are nearly one
-        ("car", [30, 31, 32, 33], 0.0, [0, 1]),  # another thing, such as a car before it
+        ("car", [30, 31, 32, 33], 0.0, [0, 1]),  # an object of another kind, such as a car before it
         ("house", [30, 31, 32, 33], 6.0, [0, 1]),  # beside it
         ("house", [0, 1, 32, 33], 0.0, [0]),  # half of its frames show both
         ("house", [0, 1, 2, 33], 0.0, [0, 1]),  # most do: two objects
