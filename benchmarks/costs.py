@@ -30,6 +30,7 @@ from typing import Any
 
 import psutil
 
+from benchmarks.lib import tables
 from benchmarks.results import with_table
 from benchmarks.robots import keep, kept
 from urbanverse_mjx import settings
@@ -229,19 +230,18 @@ def page_text(path: pathlib.Path = SCORES) -> str:
     if sets:
         head = ["set", "scenes", "objects a scene", "processor a scene, s", "most, s", "scenes an hour, 2 cores"]
         head += ["16 cores (estimated)", "cents a scene"]
-        lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
-        for name, one in sets.items():
-            cells = [name, one["scenes"], one["objects"], one["processor_s"], one["most_s"]]
-            cells += [one["scenes_an_hour_2_cores"], one["scenes_an_hour_16_cores_estimated"]]
-            lines.append(f"| {' | '.join(map(str, cells))} | {one['processor_s'] * cents:.3f} |")
-        parts.append("\n".join(lines))
+        fields = ("scenes", "objects", "processor_s", "most_s")
+        fields += ("scenes_an_hour_2_cores", "scenes_an_hour_16_cores_estimated")
+        rows = [
+            [name, *(str(one[field]) for field in fields), f"{one['processor_s'] * cents:.3f}"]
+            for name, one in sets.items()
+        ]
+        parts.append(tables.markdown(head, rows))
     batches = [row["batch"] for row in found.values() if "batch" in row]
     if batches:
         head = ["executor", "sources at a time", "scenes", "s", "scenes an hour", "processor a scene, s"]
-        lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
         fields = ("executor", "workers", "scenes", "seconds", "scenes_an_hour", "processor_s")
-        lines += [f"| {' | '.join(str(one[field]) for field in fields)} |" for one in batches]
-        parts.append("\n".join(lines))
+        parts.append(tables.markdown(head, [[str(one[field]) for field in fields] for one in batches]))
     lines = ["| what | processor, s | tokens sent | answered | dollars |", "| --- | --- | --- | --- | --- |"]
     for row in found.values():
         if "annotation" in row:

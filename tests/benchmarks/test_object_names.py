@@ -1,5 +1,8 @@
 """The fit of the regression that names objects, and the truth it learns from."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -72,3 +75,12 @@ def test_the_gradient_is_that_of_the_loss(monkeypatch: pytest.MonkeyPatch) -> No
     step = 1e-5
     up, down = (seen["loss"](start + sign * step * along)[0] for sign in (1, -1))
     assert seen["loss"](start)[1] @ along == pytest.approx((up - down) / (2 * step), rel=1e-4)
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.6, SEDAN), (0.4, -1)])
+def test_an_object_is_what_half_of_its_pixels_show(share: float, found: int) -> None:
+    """A far view of something else counts by its pixels; what is mixed of many is nothing."""
+    views = SimpleNamespace(pixels=np.array([900, 100]), origin=np.array([[0, 0], [1, 0]]))
+    fused: Any = SimpleNamespace(views=views)
+    shown = {(0, 0): ("car_1", "sedan", share), (1, 0): ("bench_1", "bench", 1.0)}
+    assert object_names._true_leaf(fused, np.arange(2), shown) == found

@@ -96,7 +96,7 @@ def views_of(*beliefs: dict[str, float]) -> Views:
     )  # fmt: skip
 
 
-def test_torn_views_of_one_thing_are_alike() -> None:
+def test_torn_views_of_one_object_are_alike() -> None:
     """By the likeliest label alone, the first two are as different as a house and a bus shelter."""
     torn = {"bakery": 0.35, "pharmacy": 0.33, "cafe": 0.32}
     other = {"bakery": 0.32, "pharmacy": 0.35, "cafe": 0.33}

@@ -62,7 +62,7 @@ class Views:
     belief: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, 0), np.float32))
 
     def __post_init__(self) -> None:
-        if self.belief.shape != (len(self.frame), len(self.labels)):
+        if self.belief.shape == (0, 0):
             certain = np.zeros((len(self.frame), len(self.labels)), np.float32)
             certain[np.arange(len(self.frame)), self.label] = 1.0
             object.__setattr__(self, "belief", certain)
@@ -149,10 +149,11 @@ def _with_beliefs(views: Views, recording: Recording) -> Views:
     found = [recording.frames[frame].detections[row].beliefs for frame, row in views.origin.tolist()]
     for label, _ in itertools.chain(*found):
         number.setdefault(label, len(number))
-    belief = np.zeros((len(views), len(number)), np.float32)
-    for row, (own, beliefs) in enumerate(zip(views.label, found, strict=True)):
-        for label, p in beliefs or ((views.labels[own], 1.0),):
-            belief[row, number[label]] = p
+    belief = np.pad(views.belief, ((0, 0), (0, len(number) - len(views.labels))))
+    for row, beliefs in enumerate(found):
+        if beliefs:
+            belief[row] = 0.0
+            belief[row, [number[label] for label, _ in beliefs]] = [p for _, p in beliefs]
     belief /= np.maximum(belief.sum(1, keepdims=True), 1e-9)
     return dataclasses.replace(views, labels=tuple(number), belief=belief)
 

@@ -33,6 +33,8 @@ POSES, STEP = 12, 0.15
 NEAR = 6
 #: m, largest margin that is told, on both sides of 0.
 MARGIN = 0.4
+#: m along each arc, and rad of a turn on the spot, of each pose.
+_ALONG, _TURN = STEP * np.arange(1, POSES + 1), np.linspace(0.0, np.pi / 2.0, POSES + 1)[1:]
 #: m/s and rad/s at which the robot is taken to go along them, among agents that move.
 SPEED, TURN_RATE = 1.0, 1.0
 #: m, range of distances of the field, which a byte spans: 0.5 cm a unit.
@@ -45,24 +47,21 @@ _READ = ("inst_hull", "inst_position", "inst_rotation", "hull_box", "map_kind", 
 
 def arc_poses() -> Float[np.ndarray, "ARCS POSES 3"]:
     """(ARCS, POSES, 3) x, y (m) and yaw (rad) in the heading frame, along the motions."""
-    along = STEP * np.arange(1, POSES + 1)
     poses = []
     for curvature in CURVATURES:
-        angle = curvature * along
+        angle = curvature * _ALONG
         # sin(a) / k and (1 - cos(a)) / k, which are s and 0 where k is 0.
-        ahead, aside = along * np.sinc(angle / np.pi), along * np.sin(angle / 2.0) * np.sinc(angle / (2.0 * np.pi))
+        ahead, aside = _ALONG * np.sinc(angle / np.pi), _ALONG * np.sin(angle / 2.0) * np.sinc(angle / (2.0 * np.pi))
         poses.append(np.stack([ahead, aside, angle], -1))
     for side in (-1.0, 1.0):
-        angle = side * np.linspace(0.0, np.pi / 2.0, POSES + 1)[1:]
+        angle = side * _TURN
         poses.append(np.stack([0.0 * angle, 0.0 * angle, angle], -1))
     return np.stack(poses)
 
 
 def arc_times() -> Float[np.ndarray, "ARCS POSES"]:
     """(ARCS, POSES) s until the poses of `arc_poses`, at `SPEED` and `TURN_RATE`."""
-    along = STEP * np.arange(1, POSES + 1) / SPEED
-    turn = np.linspace(0.0, np.pi / 2.0, POSES + 1)[1:] / TURN_RATE
-    return np.stack([along] * len(CURVATURES) + [turn] * (ARCS - len(CURVATURES)))
+    return np.stack([_ALONG / SPEED] * len(CURVATURES) + [_TURN / TURN_RATE] * (ARCS - len(CURVATURES)))
 
 
 #: Function (points (..., 2) m, s from now (...)) -> (..., A) m to the bodies of agents that go on as they do.
