@@ -38,6 +38,14 @@ class BoxOptions:
         100 objects are within 6° of the surrounding axes.
       center_share: standard error of the middle of an object's visible part, as a share of its longer side.
       max_side_error: relative standard error up to which a side's length comes from the outline and not from the label.
+      facade_relief: m, how far the points of a side scatter besides the depth error.
+      min_oblique, oblique_errors: a building stands along the street unless its own direction differs by more than
+        `min_oblique` rad and by this number of its standard errors.
+      inner_points: quantiles of an object's points between which its inner sides lie.
+      misfit_floors, cue_weights: of the four cues to which side is the heading (sides of all points and of the inner
+        ones, outline, known shapes): what is added to their misfits, and the weights of the logarithms of the ratios.
+        A logistic regression over the objects of 12 training streets with true poses and depth, three
+        from images alone and four with exact inputs, but for buildings.
       bins: of the histogram from which the density of points along a direction is computed.
     """
 
@@ -57,6 +65,12 @@ class BoxOptions:
     bins: int = 128
     center_share: float = 0.1
     max_side_error: float = 0.15
+    facade_relief: float = 0.3
+    min_oblique: float = np.radians(20.0)
+    oblique_errors: float = 4.0
+    inner_points: tuple[float, float] = (0.05, 0.95)
+    misfit_floors: tuple[float, float, float, float] = (0.1, 0.1, 2.0, 0.01)
+    cue_weights: tuple[float, float, float, float] = (1.7, 1.7, 1.9, 2.3)
 
 
 _OPTIONS = BoxOptions()
@@ -175,6 +189,7 @@ def fit(
     sigma: float,
     seen: Bearings | None = None,
     axis: float | None = None,
+    exact: bool = False,
 ) -> Box:
     """Fits a box to corrected points.
 
@@ -187,6 +202,7 @@ def fit(
       sigma: m, standard error of the centre.
       seen: the object's views that the image's sides do not cut off, in the ground plane; None if there are none.
       axis: rad, direction of the surrounding objects, modulo a quarter turn; None where unknown.
+      exact: whether masks and depth are exact; then the sides alone decide which of them is the heading.
     """
     nearest = float(np.linalg.norm(viewpoints - points.mean(0), axis=1).min())
     blur = noise * nearest
@@ -196,11 +212,26 @@ def fit(
         yaw = axis
     else:
         yaw = direction(points[:: max(1, len(points) // _OPTIONS.direction_points), :2], 0.5 * blur)
+        if axis is not None and not (prior.faces_road and _is_oblique(yaw, axis, points, blur)):
+            # The side that the points show keeps its middle and its length.
+            points = _turned_about_middle(points, _quarter_apart(axis, yaw))
+            yaw = axis
     low, high, seen_from = _seen_along(yaw, points, viewpoints, noise, top)
-    quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
-    sides = yaw + np.arange(quarter, quarter + 4) * np.pi / 2
-    outlined = silhouettes.face(seen, prior) if blurred and seen is not None else None
-    oriented = _facing(points, sides, prior, blur) if outlined is None else _outlined(outlined, sides, axis)
+    sides = yaw + np.arange(4) * np.pi / 2
+    outlined = None
+    if seen is not None and (blurred or not (exact or prior.faces_road)):
+        outlined = silhouettes.face(seen if exact else silhouettes.thinned(seen), prior)
+    by_outline = outlined is not None and (blurred or axis is not None)
+    laid = None
+    if prior.shapes and not (exact and by_outline):
+        laid = shapes.lay_at(points, prior, sides) if by_outline else shapes.lay(points, prior, sides)
+    odds = None if exact else _lengthwise_odds(points, yaw, high - low, prior, outlined, laid)
+    quarter = _heading(high - low, (low + high) / 2, seen_from, prior, odds)
+    sides = np.roll(sides, -quarter)
+    if by_outline and outlined is not None:
+        oriented = _outlined(outlined, sides, axis)
+    else:
+        oriented = _facing(laid, sides, points, blur)
     if oriented is not None:
         yaw, quarter = oriented, 0
         low, high, seen_from = _seen_along(yaw, points, viewpoints, noise, top)
@@ -241,16 +272,16 @@ def _footprint(points: np.ndarray, prior: LabelPrior) -> float:
     return min(known, float(np.ptp(points[:, :2], axis=0).max()))
 
 
-def _facing(points: np.ndarray, sides: np.ndarray, prior: LabelPrior, blur: float) -> float | None:
+def _facing(laid: shapes.Laid | None, sides: np.ndarray, points: np.ndarray, blur: float) -> float | None:
     """rad, the heading at which the points fit the known shapes best; None if the shapes do not determine it.
 
     Args:
+      laid: the points on the known shapes; None if the label has none.
       sides: (4,) rad, normals of the sides, beginning with the assumed front. Visible sides are accurate, so another
         direction has to fit much better than theirs, and another front much better than the first.
     """
-    if not prior.shapes or blur > _OPTIONS.shape_blur * np.ptp(points[:, :2], axis=0).max():
+    if laid is None or blur > _OPTIONS.shape_blur * np.ptp(points[:, :2], axis=0).max():
         return None
-    laid = shapes.lay(points, prior, sides)
     along = np.array([laid.at(side) for side in sides])
     if laid.misfit.min() >= _OPTIONS.heading_gain * along[0]:
         return None
@@ -265,10 +296,8 @@ def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> fl
     """
     best, least = fit.best, float(fit.misfit.min())
     if axis is not None:
-        along = np.array([fit.at(side) for side in sides])
-        k = int(along[:2].argmin()) if abs(along[0] - along[1]) > 1.0 else 0
-        if along[k] < least + _OPTIONS.oblique_misfit_reduction:
-            best = float(sides[k])
+        if fit.at(sides[0]) < least + _OPTIONS.oblique_misfit_reduction:
+            best = float(sides[0])
     elif not fit.clear:
         return None
     if fit.tells_front(best) or np.cos(best - sides[0]) >= -1e-6:
@@ -286,18 +315,75 @@ def _turned(yaw: float, low: np.ndarray, high: np.ndarray, viewpoints: np.ndarra
     return yaw, low, high, viewpoints
 
 
-def _heading(size: np.ndarray, middle: np.ndarray, viewpoints: np.ndarray, prior: LabelPrior) -> int:
+def heading_error(size: np.ndarray, blur: float) -> float:
+    """rad, standard error of the heading of a box: its longer side, whose points scatter by the depth error and by what
+    juts out of a facade, is turned by their ratio."""
+    return (_OPTIONS.facade_relief + blur) / float(size[:2].max())
+
+
+def _quarter_apart(a: float, b: float) -> float:
+    """rad, direction a minus direction b, modulo a quarter turn."""
+    return (a - b + np.pi / 4) % (np.pi / 2) - np.pi / 4
+
+
+def _turned_about_middle(points: np.ndarray, angle: float) -> np.ndarray:
+    """(p, 3) m, points turned about the vertical through their median."""
+    middle = np.append(np.median(points[:, :2], axis=0), 0.0)
+    return (points - middle) @ rotations.about_z(angle).T + middle
+
+
+def _is_oblique(own: float, axis: float, points: np.ndarray, blur: float) -> bool:
+    """Whether the direction of a building's points contradicts that of the street by more than its error."""
+    seen = np.ptp(np.quantile(points @ rotations.about_z(-own).T, (0.02, 0.98), axis=0), axis=0)
+    return abs(_quarter_apart(own, axis)) > max(
+        _OPTIONS.min_oblique, _OPTIONS.oblique_errors * heading_error(seen, blur)
+    )
+
+
+def _lengthwise_odds(
+    points: np.ndarray,
+    yaw: float,
+    size: np.ndarray,
+    prior: LabelPrior,
+    outlined: silhouettes.Fit | None,
+    laid: shapes.Laid | None,
+) -> float | None:
+    """Log odds that an object's heading is along `yaw` and not across it; None for houses and labels without known
+    sizes.
+
+    The sides of all points and of all but the outermost, the outline's edges and the points on the known shapes each
+    have a misfit at both headings. The logarithm of their ratio counts: where neither fits (masks hold parts of the
+    ground and of neighbours), a cue says little.
+    """
+    if prior.faces_road or not len(prior.extents):
+        return None
+    turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    low, high = np.quantile(points[:, :2] @ turn, _OPTIONS.inner_points, axis=0)
+    inner = np.append(np.maximum(high - low, _OPTIONS.min_side), size[2])
+    ways = yaw + np.array([0.0, np.pi / 2])
+    misfits = [[misfit(s[[0, 1, 2]], prior), misfit(s[[1, 0, 2]], prior)] for s in (size, inner)]
+    misfits.append([1.0, 1.0] if outlined is None else [min(outlined.at(a), outlined.at(a + np.pi)) for a in ways])
+    misfits.append([1.0, 1.0] if laid is None else [min(laid.at(a), laid.at(a + np.pi)) for a in ways])
+    along, across = np.array(misfits).T + np.array(_OPTIONS.misfit_floors)
+    return float(np.array(_OPTIONS.cue_weights) @ np.log(across / along))
+
+
+def _heading(
+    size: np.ndarray, middle: np.ndarray, viewpoints: np.ndarray, prior: LabelPrior, odds: float | None
+) -> int:
     """Quarter turns from the box's first axis to the object's heading.
 
-    Known sizes select the axis; where both fit, and for the sign of the axis, the visible side decides: captures pass
-    fronts of houses, signs and benches.
+    The odds, for houses the known sizes, select the axis; where both fit, and for the sign of the axis, the visible
+    side decides: captures pass fronts of houses, signs and benches.
     """
     towards = (viewpoints - middle)[:, :2]
     near = 1.0 / np.maximum(np.linalg.norm(towards, axis=1), 1.0) ** 2
     towards = (towards * near[:, None]).sum(0)
     facing = [towards[0], towards[1], -towards[0], -towards[1]]
     axis = int(np.argmax(np.abs(towards)))
-    if len(prior.extents):
+    if odds is not None:
+        axis = 0 if odds > 0 else 1 if odds < 0 else axis
+    elif len(prior.extents):
         known = _front_misfit if prior.faces_road else misfit
         fits = [known(size[[0, 1, 2]], prior), known(size[[1, 0, 2]], prior)]
         if abs(fits[0] - fits[1]) > np.log(_OPTIONS.side_ratio):

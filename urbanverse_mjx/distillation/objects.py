@@ -2,7 +2,7 @@
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -34,6 +34,11 @@ class ObjectOptions:
       axis_radius: m; radius around an object within which the axes of others are used.
       min_axis_weight: least sum of their weights (1 = one object at the same position).
       min_axis_agreement: least agreement of their directions (1 = identical).
+      vehicle_weight: weight of another large object's direction relative to that of a building; vehicles stand less
+        exactly along the street.
+      facade_spread: rad, deviation from the common direction at which the weight of an object's direction is halved;
+        houses of side streets and at bends deviate.
+      axis_rounds: rounds of this weighting.
       max_sharp_noise: relative depth noise below which an object's own points determine its heading.
       sectors: number of directions from which views of one object are taken.
       views_per_sector: largest number of views from each direction.
@@ -50,9 +55,12 @@ class ObjectOptions:
     fragment_frames: float = 0.5
     min_axis_length: float = 4.0
     min_axis_ratio: float = 1.25
-    axis_radius: float = 15.0
+    axis_radius: float = 25.0
     min_axis_weight: float = 0.3
     min_axis_agreement: float = 0.5
+    vehicle_weight: float = 0.25
+    facade_spread: float = np.radians(6.0)
+    axis_rounds: int = 3
     max_sharp_noise: float = 0.01
     sectors: int = 8
     views_per_sector: int = 4
@@ -96,6 +104,12 @@ class Fused:
         return None if None in found else [k for k in found if k is not None]
 
     @functools.cached_property
+    def exact(self) -> bool:
+        """Whether depth and masks can be trusted to the pixel: the depth agrees, and all views are certain of their
+        labels, as annotations are and detections are not. Single views are taken as they are."""
+        return self.single_view or (shows_shapes(self.depth) and bool((self.views.belief.max(1) == 1.0).all()))
+
+    @functools.cached_property
     def votes(self) -> np.ndarray:
         """(n, L), see `fusion.directions`."""
         return fusion.directions(self.views, self.alike)
@@ -123,22 +137,31 @@ def views_of_objects(object_of_view: np.ndarray) -> list[np.ndarray]:
 def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[FusedObject]:
     """Computes the objects of all views, in the order in which they were first seen.
 
-    Large objects are computed first, because they determine the street's direction, and most other objects are parallel
-    or perpendicular to it.
+    Where depth is blurred, the direction of the street comes first, from the sides of large objects; most objects are
+    parallel or perpendicular to it.
     """
     groups = views_of_objects(fused.object_of_view)
     label = [_label(fused, rows) for rows in groups]
-    known = [prior_of(fused.views.labels[k]).extents for k in label]
-    large = [not len(e) or e[:, :2].max() > _OPTIONS.min_axis_length for e in known]
-    objects = [
-        _object(fused, rows, k, prior_of) if big else None for rows, k, big in zip(groups, label, large, strict=True)
-    ]
-    sharp = fused.single_view or shows_shapes(fused.depth)
-    street = Street.of([t.box for t in objects if t is not None and not sharp and shows_street(t.box)])
-    return [
-        _object(fused, rows, k, prior_of, street) if t is None else t
-        for rows, k, t in zip(groups, label, objects, strict=True)
-    ]
+    street = None
+    if not (fused.single_view or shows_shapes(fused.depth)):
+        street = _street(fused, groups, label, prior_of)
+    return [_object(fused, rows, k, prior_of, street) for rows, k in zip(groups, label, strict=True)]
+
+
+def _street(
+    fused: Fused, groups: list[np.ndarray], label: list[int], prior_of: Callable[[str], LabelPrior]
+) -> "Street":
+    """The directions of the objects that may be long, by their own points."""
+    found, houses = [], []
+    for rows, k in zip(groups, label, strict=True):
+        prior = prior_of(fused.views.labels[k])
+        if not len(prior.extents) or prior.extents[:, :2].max() > _OPTIONS.min_axis_length:
+            bare = dataclasses.replace(prior, extents=np.zeros((0, 3)), shapes=())
+            box = _object(fused, rows, k, lambda _, bare=bare: bare).box
+            if shows_street(box):
+                found.append(box)
+                houses.append(prior.faces_road)
+    return Street.of(found, houses)
 
 
 def shows_shapes(depth: DepthScale) -> bool:
@@ -154,24 +177,33 @@ def shows_street(box: boxes.Box) -> bool:
 
 @dataclasses.dataclass(frozen=True)
 class Street:
-    """Directions of large objects: center (n, 2) m, and turn (n,), their headings as exp(4 i yaw)."""
+    """Directions of large objects: center (n, 2) m; turn (n,), their headings as exp(4 i yaw); weight (n,)."""
 
     center: np.ndarray
     turn: np.ndarray
+    weight: np.ndarray
 
     @classmethod
-    def of(cls, objects: list[boxes.Box]) -> "Street":
-        """Makes the directions from the boxes of objects for which `shows_street` holds."""
+    def of(cls, objects: Sequence[boxes.Box], houses: Sequence[bool]) -> "Street":
+        """Makes the directions from the boxes of objects for which `shows_street` holds, weighted by the inverse square
+        of the error of their headings. houses: which are buildings."""
         center = np.array([t.center[:2] for t in objects]).reshape(-1, 2)
-        return cls(center, np.exp(4j * np.array([t.yaw for t in objects])))
+        error = np.array([boxes.heading_error(t.seen, t.blur) for t in objects])
+        weight = np.where(np.asarray(houses, bool), 1.0, _OPTIONS.vehicle_weight) / error**2
+        return cls(center, np.exp(4j * np.array([t.yaw for t in objects])), weight)
 
     def axis(self, place: np.ndarray) -> float | None:
         """rad modulo a quarter turn, direction of the large objects near (2,) m; None if there are none or they
         disagree."""
-        weight = 1.0 / (1.0 + (np.linalg.norm(self.center - place, axis=1) / _OPTIONS.axis_radius) ** 2) ** 2
+        near = 1.0 / (1.0 + (np.linalg.norm(self.center - place, axis=1) / _OPTIONS.axis_radius) ** 2) ** 2
+        weight = near * self.weight
         agreed = (weight * self.turn).sum() / max(weight.sum(), 1e-9)
-        agree = weight.sum() > _OPTIONS.min_axis_weight and abs(agreed) > _OPTIONS.min_axis_agreement
-        return float(np.angle(agreed) / 4) if agree else None
+        if near.sum() <= _OPTIONS.min_axis_weight or abs(agreed) <= _OPTIONS.min_axis_agreement:
+            return None
+        for _ in range(_OPTIONS.axis_rounds):
+            off = np.angle(self.turn * np.conj(agreed)) / 4
+            agreed = (weight * self.turn / (1.0 + (off / _OPTIONS.facade_spread) ** 2)).sum()
+        return float(np.angle(agreed) / 4)
 
 
 def _label(fused: Fused, rows: np.ndarray) -> int:
@@ -223,7 +255,8 @@ def _object(
     top = _top(own if len(chosen) > 1 else chosen, views, placed)
     whole = own[~views.clipped[own, :2].any(1)]
     axis = None if street is None else street.axis(np.median(placed.center[own, :2], axis=0))
-    box = boxes.fit(points.reshape(-1, 3), placed.viewpoint[own], prior, noise, top, sigma, fused.seen.of(whole), axis)
+    seen = fused.seen.of(whole)
+    box = boxes.fit(points.reshape(-1, 3), placed.viewpoint[own], prior, noise, top, sigma, seen, axis, fused.exact)
     name = views.labels[label]
     return FusedObject(int(fused.object_of_view[rows[0]]), name, _confidence(fused, rows, box, prior), box, prior, rows)
 

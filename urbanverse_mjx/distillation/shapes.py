@@ -57,13 +57,21 @@ class Laid:
 
 
 def lay(points: np.ndarray, prior: LabelPrior, also: np.ndarray) -> Laid:
-    """Fits points to the known shapes of a label.
+    """Fits points to the known shapes of a label at all headings.
 
     Args:
       points: (p, 3) m, world.
       prior: a prior that has shapes.
       also: (k,) rad, additional headings to try.
     """
+    first = lay_at(points, prior, np.concatenate([_COARSE_HEADINGS, also]))
+    best = first.yaw[np.argsort(first.misfit, kind="stable")[:2]]
+    finer = lay_at(points, prior, np.concatenate([yaw + _FINE_HEADINGS for yaw in best]))
+    return Laid(np.concatenate([first.yaw, finer.yaw]), np.concatenate([first.misfit, finer.misfit]))
+
+
+def lay_at(points: np.ndarray, prior: LabelPrior, yaw: np.ndarray) -> Laid:
+    """Fits points to the known shapes of a label at given headings; args as in `lay`, yaw (k,) rad."""
     points = points[:: max(1, len(points) // _OPTIONS.points)]
     low, high = np.quantile(points, (0.01, 0.99), axis=0)
     height = max(float(high[2] - low[2]), 0.05)
@@ -72,11 +80,7 @@ def lay(points: np.ndarray, prior: LabelPrior, also: np.ndarray) -> Laid:
     for shape, extent in zip(prior.shapes, prior.extents, strict=True):
         scale = float(np.clip(height / extent[2], *_OPTIONS.scale_limits))
         trees.append(scipy.spatial.cKDTree(scale * (shape - [0.0, 0.0, shape[:, 2].min()])))
-    yaw = np.concatenate([_COARSE_HEADINGS, also])
-    misfit = np.array([min(_misfit(points, tree, y, height) for tree in trees) for y in yaw])
-    near = np.concatenate([yaw[k] + _FINE_HEADINGS for k in np.argsort(misfit, kind="stable")[:2]])
-    finer = np.array([min(_misfit(points, tree, y, height) for tree in trees) for y in near])
-    return Laid(np.concatenate([yaw, near]), np.concatenate([misfit, finer]))
+    return Laid(yaw, np.array([min(_misfit(points, tree, y, height) for tree in trees) for y in yaw]))
 
 
 def _misfit(points: np.ndarray, tree: scipy.spatial.cKDTree, yaw: float, height: float) -> float:

@@ -35,7 +35,7 @@ class SilhouetteOptions:
       rounds: iterations of least squares with robust weights.
       size_sigma, ratio_sigma: spread (log) of the sizes of a label's objects about each known one, and of the ratio of
         their sides: what the images do not show comes from the known sizes.
-      max_views: largest number of views, evenly over all, from which sides are estimated.
+      max_views: largest number of views, evenly over all, from which headings and sides are estimated.
       step: difference of the stretches (log) over which slopes are taken.
       min_misfit_difference: half the difference of misfits from which one heading is distinguished from most others;
         the mean error is 16° above it and 39° below (four captures).
@@ -95,6 +95,13 @@ def supports(prior: LabelPrior) -> np.ndarray:
     return (prior.extents[:, :2] / 2) @ np.abs(normal)
 
 
+def thinned(seen: Bearings) -> Bearings:
+    """At most `max_views` of the views of an object, evenly over all."""
+    if not len(seen.frame):
+        return seen
+    return seen.of(np.unique(np.linspace(0, len(seen.frame) - 1, _OPTIONS.max_views).round().astype(int)))
+
+
 def face(seen: Bearings, prior: LabelPrior) -> Fit | None:
     """Misfit of every heading to the views of an object; None if there are too few views.
 
@@ -150,8 +157,7 @@ def sides(seen: Bearings, prior: LabelPrior, yaw: float, center: np.ndarray, sig
     """
     if len(seen.frame) < _OPTIONS.min_views or not len(prior.extents):
         return None
-    rows = np.unique(np.linspace(0, len(seen.frame) - 1, _OPTIONS.max_views).round().astype(int))
-    outward, normal, right, error = _tangents(seen.of(rows))
+    outward, normal, right, error = _tangents(thinned(seen))
     own = np.stack([np.cos(outward - yaw), np.sin(outward - yaw)], -1)
     error = error[::2, None]
     away = right - normal @ center
