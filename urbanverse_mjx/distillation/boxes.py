@@ -360,10 +360,10 @@ def _lengthwise_odds(
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
     low, high = np.quantile(points[:, :2] @ turn, _OPTIONS.inner_points, axis=0)
     inner = np.append(np.maximum(high - low, _OPTIONS.min_side), size[2])
-    ways = yaw + np.array([0.0, np.pi / 2])
+    yaws = yaw + np.array([0.0, np.pi / 2])
     misfits = [[misfit(s[[0, 1, 2]], prior), misfit(s[[1, 0, 2]], prior)] for s in (size, inner)]
-    misfits.append([1.0, 1.0] if outlined is None else [min(outlined.at(a), outlined.at(a + np.pi)) for a in ways])
-    misfits.append([1.0, 1.0] if laid is None else [min(laid.at(a), laid.at(a + np.pi)) for a in ways])
+    misfits.append([1.0, 1.0] if outlined is None else [min(outlined.at(a), outlined.at(a + np.pi)) for a in yaws])
+    misfits.append([1.0, 1.0] if laid is None else [min(laid.at(a), laid.at(a + np.pi)) for a in yaws])
     along, across = np.array(misfits).T + np.array(_OPTIONS.misfit_floors)
     return float(np.array(_OPTIONS.cue_weights) @ np.log(across / along))
 
