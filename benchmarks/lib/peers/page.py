@@ -184,7 +184,9 @@ def draw(rows: Sequence[Mapping[str, str]], path: pathlib.Path) -> None:
     devices = [row["device"] for row in rows]
     rows = [row for row in rows if row["device"] == max(devices, key=devices.count)]
     panels = sorted({row["pixels"] for row in rows}, key=_area)
-    figure, axes = plt.subplots(1, len(panels), figsize=(3.6 * len(panels), 3.6), squeeze=False, layout="constrained")
+    figure, axes = plt.subplots(
+        1, len(panels), figsize=(3.6 * len(panels), 3.6), sharey=True, squeeze=False, layout="constrained"
+    )
     ticks = sorted({int(row["num_envs"]) for row in rows})
     for axis, pixels in zip(axes[0], panels, strict=True):
         for peer, engine in PEERS.items():
