@@ -146,9 +146,15 @@ def fit(data: Examples, regularisation: float, balance: float) -> naming.Naming:
 
 def scores(data: Examples, regularisation: float, balance: float) -> dict[str, Any]:
     """Shares of right leaves among objects of streets that are held out, by the mean belief and by the regression; of
-    houses and of the others; and for each range of probability the objects and the share of right names."""
+    houses and of the others; and for each range of probability the objects and the share of right names.
+
+    Raises:
+      ValidationError: there is only one street, so that none can be held out.
+    """
     p = np.zeros(data.belief.shape)
     _, number = np.unique(data.street, return_inverse=True)
+    if number.max() == 0:
+        raise ValidationError("recordings: found those of one street, needed two or more, to hold one out.")
     for fold in range(_FOLDS):
         out = number % _FOLDS == fold
         if out.any() and not out.all():

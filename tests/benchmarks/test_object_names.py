@@ -8,6 +8,7 @@ import pytest
 
 from benchmarks import object_names
 from benchmarks.object_names import Examples
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation.perception_model import classes
 
 LEAVES = classes.leaves()
@@ -57,6 +58,12 @@ def test_scores_are_of_streets_that_are_held_out(monkeypatch: pytest.MonkeyPatch
     assert table["by_regression"]["all"] == pytest.approx(1.0 - odd.mean(), abs=0.04)
     assert table["by_belief"]["all"] < 0.7
     assert sum(count for _, count, _ in table["right_by_probability"]) == 120
+
+
+def test_one_street_alone_has_no_scores() -> None:
+    data = confused(20, 0, True)
+    with pytest.raises(ValidationError, match="found those of one street"):
+        object_names.scores(data._replace(street=np.full(20, 3)), 1e-3, 0.5)
 
 
 def test_the_gradient_is_that_of_the_loss(monkeypatch: pytest.MonkeyPatch) -> None:
