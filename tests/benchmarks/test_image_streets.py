@@ -38,6 +38,19 @@ def test_the_camera_makes_equal_steps_along_a_bent_way() -> None:
     assert np.ptp(position[:, 2]) == pytest.approx(0.2, abs=0.01)
 
 
+def test_a_camera_that_turns_around_on_the_spot_takes_three_seconds() -> None:
+    places = np.array([[0, 0, 1.5, 0.0], [20, 0, 1.5, 0.0], [20, 0.6, 1.5, np.pi], [0, 0.6, 1.5, np.pi]])
+    path = image_streets.camera_path(places)
+    position, forward = path.T_world_camera[:, :3, 3], path.T_world_camera[:, :3, 2]
+    on_the_spot = (position[:, 0] > 19.99).sum()
+    assert on_the_spot == pytest.approx(3.0 * image_streets.RATE, abs=1)
+    turns = np.degrees(np.arccos(np.clip((forward[1:] * forward[:-1]).sum(1), -1, 1)))
+    # Half a second at 60 degrees/s, and the sway on top.
+    assert turns.max() < 40.0
+    steps = np.linalg.norm(np.diff(position[:, :2], axis=0), axis=1)
+    assert np.median(steps) == pytest.approx(0.7)
+
+
 @pytest.fixture
 def out(tmp_path: pathlib.Path) -> pathlib.Path:
     """One street with both arms, and one from whose images nothing came."""
