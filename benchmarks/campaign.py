@@ -422,7 +422,7 @@ def _image_streets(args: argparse.Namespace) -> Iterator[Job]:
         for arm, called in IMAGE_ARMS.items():
             folder = args.out / IMAGE_STREETS
             trained = folder / arm / image_streets.BANK
-            sets = ("validation", *BENCHMARKS)
+            sets = ("validation", "craftbench")
             held = (2 * image_streets.COUSINS,)
             words = _words("teacher", [trained], held, sets, seed, _of_teacher(args.street_steps))
             row = Row("teacher", seed=seed, comparison="image_streets", arm=called)
