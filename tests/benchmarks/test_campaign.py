@@ -246,11 +246,14 @@ def test_rows_bring_the_scenes_they_need(tmp_path: pathlib.Path, monkeypatch: py
     ]  # fmt: skip
     assert [job.memory > 0 for job in jobs] == 4 * [False] + 3 * [True]
     jobs = campaign.chosen(_args(tmp_path, "--rows", "image-streets-*-4", "--seeds", "4"))
-    sets = ["catalogue", "scenes-craftbench", "scenes-autobench", "scenes-validation", "prepare-image-streets"]
+    sets = ["catalogue", "scenes-craftbench", "scenes-validation", "prepare-image-streets"]
     assert [job.name for job in jobs] == [*sets, "image-streets-exact-4", "image-streets-images-4"]
     trained = [job.command[job.command.index("--train") + 1] for job in jobs[-2:]]
     folder = tmp_path / "out" / "image-streets"
     assert trained == [str(folder / arm / "bank.npz") for arm in ("exact", "images")]
+    shown = campaign.results.COMPARISONS["image_streets"].sets
+    driven = {path.parent.name for path in jobs[-1].needs if path.name == "bank.npz"}
+    assert {name.split("_")[0] for name in shown} == driven, "the table shows other sets than are driven"
     with pytest.raises(SystemExit, match="'papers-x', which names no row, needed a pattern of teacher-0"):
         campaign.chosen(_args(tmp_path, "--rows", "papers-x"))
 
