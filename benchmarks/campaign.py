@@ -253,18 +253,20 @@ def _of_teacher(steps: int, robot: str = "CocoNav") -> dict[str, object]:
     return {"steps": steps, "seconds": ENDLESS, "checkpoints": max(8, steps // 300_000), "environment": robot}
 
 
+def _tests(rows: Sequence[Row]) -> tuple[str, ...]:
+    """The sets that the tables of rows show: arms of a comparison of validation sets are not driven on benchmarks."""
+    sets = {
+        kept for row in rows for kept in (results.COMPARISONS[row.comparison].sets if row.comparison else BENCHMARKS)
+    }
+    return ("validation", *(x for x in BENCHMARKS if x in sets))
+
+
 def _generalise(
     args: argparse.Namespace, name: str, role: str, held: dict[str, int], seed: int, own: dict[str, object],
     rows: Sequence[Row], *needs: pathlib.Path, env: Sequence[str] = (),
 ) -> Job:  # fmt: skip
-    """A job of `benchmarks.generalise` on the sets `held`, without their last scenes, with options of its `own`.
-
-    Arms (rows of a comparison of validation sets) are not driven on benchmarks.
-    """
-    sets = {
-        kept for row in rows for kept in (results.COMPARISONS[row.comparison].sets if row.comparison else BENCHMARKS)
-    }
-    tests = ("validation", *(x for x in BENCHMARKS if x in sets))
+    """A job of `benchmarks.generalise` on the sets `held`, without their last scenes, with options of its `own`."""
+    tests = _tests(rows)
     words = _words(role, _banks(held), tuple(held.values()), tests, seed, own, env)
     memory = TEACHER if role == "teacher" else STUDENT if "finetune_steps" in own else IMITATION
     return _job(args, name, words, (*held, *tests), memory, rows, *needs)
@@ -422,10 +424,9 @@ def _image_streets(args: argparse.Namespace) -> Iterator[Job]:
         for arm, called in IMAGE_ARMS.items():
             folder = args.out / IMAGE_STREETS
             trained = folder / arm / image_streets.BANK
-            sets = ("validation", "craftbench")
-            held = (2 * image_streets.COUSINS,)
-            words = _words("teacher", [trained], held, sets, seed, _of_teacher(args.street_steps))
             row = Row("teacher", seed=seed, comparison="image_streets", arm=called)
+            sets, held = _tests([row]), (2 * image_streets.COUSINS,)
+            words = _words("teacher", [trained], held, sets, seed, _of_teacher(args.street_steps))
             name = f"{IMAGE_STREETS}-{arm}-{seed}"
             yield _job(args, name, words, sets, TEACHER, [row], folder / image_streets.BANKS)
 

@@ -43,9 +43,6 @@ STREETS = 10
 COUSINS = 5
 #: Frames per second, m between frames (a walk of 1.4 m/s), and pixels of the film.
 RATE, STEP, SIZE = 2.0, 0.7, (480, 270)
-#: rad and s, amplitude and period of the camera's yaw, and its pitch, and rad/s at which it turns around at most: those
-#: of `urbanverse capture`.
-SWAY, PERIOD, PITCH, TURN = np.radians(35.0), 12.0, np.radians(4.0), np.radians(60.0)
 BANK, DONE, FAILED, BANKS = "bank.npz", "done.json", "failed.txt", "banks.json"
 _COLUMNS = ("cat_percent", "dist_m", "ori_deg", "map25", "recall_percent", "precision_percent", "trajectory_m")
 
@@ -59,25 +56,28 @@ def streets() -> list[str]:
 
 
 def camera_path(places: np.ndarray) -> Any:
-    """The way (n, 4) of a block's camera (x, y, z in m, yaw in rad) as a film: a step of `STEP`, swaying.
+    """The way (n, 4) of a block's camera (x, y, z in m, yaw in rad) as a film: a step of `STEP`, swaying
+    and turning as the camera of `urbanverse capture`.
 
-    Where the way turns faster than `TURN`, as that of a vehicle at the end of a block, the camera is slower: between
+    Where the way turns faster than that, as that of a vehicle at the end of a block, the camera is slower: between
     frames without a common view no pose can be found.
 
     Returns:
       `capture.CameraPath`.
     """
     from urbanverse_mjx.capture import CameraPath
-    from urbanverse_mjx.capture.path import camera_poses
+    from urbanverse_mjx.capture.path import PathOptions, camera_poses
 
+    camera = PathOptions()
     heading = np.unwrap(places[:, 3])
     moved = np.linalg.norm(np.diff(places[:, :2], axis=0), axis=1)
-    along = np.r_[0.0, np.cumsum(np.maximum(moved, np.abs(np.diff(heading)) / TURN * RATE * STEP))]
+    turn_s = np.abs(np.diff(heading)) / np.pi * camera.turn_time
+    along = np.r_[0.0, np.cumsum(np.maximum(moved, turn_s * RATE * STEP))]
     at = np.arange(0.0, along[-1], STEP)
     x, y, z, yaw = (np.interp(at, along, column) for column in (*places[:, :3].T, heading))
     time_s = np.arange(len(at)) / RATE
-    yaw = yaw + SWAY * np.sin(2 * np.pi * time_s / PERIOD)
-    return CameraPath(time_s, camera_poses(np.stack([x, y, z], -1), yaw, PITCH))
+    yaw = yaw + camera.sway * np.sin(2 * np.pi * time_s / camera.sway_period)
+    return CameraPath(time_s, camera_poses(np.stack([x, y, z], -1), yaw, camera.pitch))
 
 
 def film(street: str, work: pathlib.Path, length: float) -> Any:

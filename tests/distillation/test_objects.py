@@ -8,7 +8,8 @@ import pytest
 
 from urbanverse_mjx.datatypes import LabelPrior
 from urbanverse_mjx.distillation.boxes import Box
-from urbanverse_mjx.distillation.objects import FusedObject, mean_belief, without_fragments
+from urbanverse_mjx.distillation.depth_scale import DepthScale
+from urbanverse_mjx.distillation.objects import Fused, FusedObject, mean_belief, without_fragments
 
 LABELS = ("house", "pharmacy", "car")
 #: A pharmacy is a house; a car is neither.
@@ -71,3 +72,23 @@ def test_near_and_certain_views_believe_more() -> None:
     found = mean_belief(fused, np.arange(3))  # weights 1, 1 and a quarter
     np.testing.assert_allclose(found, np.array([4.0, 4.0, 1.0]) / 9.0)
     np.testing.assert_allclose(mean_belief(fused, np.array([2])), [0.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("single_view", "noise", "doubtful", "exact"),
+    [
+        (False, 0.001, False, True),
+        (False, 0.001, True, False),  # true depth below detections
+        (False, 0.05, False, False),  # certain labels over estimated depth
+        (True, 0.05, True, True),
+    ],
+)
+def test_annotations_with_agreeing_depth_are_exact(
+    single_view: bool, noise: float, doubtful: bool, exact: bool
+) -> None:
+    belief = np.array([[1.0, 0.0], [0.4, 0.6] if doubtful else [0.0, 1.0]], np.float32)
+    unused: Any = None
+    views: Any = SimpleNamespace(belief=belief)
+    depth = DepthScale(np.ones(2), noise)
+    fused = Fused(unused, views, unused, unused, unused, unused, unused, unused, depth, single_view)
+    assert fused.exact == exact

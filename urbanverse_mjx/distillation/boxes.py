@@ -357,8 +357,7 @@ def _lengthwise_odds(
     """
     if prior.faces_road or not len(prior.extents):
         return None
-    turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
-    low, high = np.quantile(points[:, :2] @ turn, _OPTIONS.inner_points, axis=0)
+    low, high = np.quantile(points[:, :2] @ rotations.about_z(-yaw)[:2, :2].T, _OPTIONS.inner_points, axis=0)
     inner = np.append(np.maximum(high - low, _OPTIONS.min_side), size[2])
     yaws = yaw + np.array([0.0, np.pi / 2])
     misfits = [[misfit(s[[0, 1, 2]], prior), misfit(s[[1, 0, 2]], prior)] for s in (size, inner)]
