@@ -68,8 +68,8 @@ _ENDS: tuple[section.End, section.End] = ("court", "junction")
 MAX_TEXTURE = 256
 #: Share of the leaves of a training street that are replaced by `_kin`.
 KIN_SHARE = 0.5
-#: Share of the training instances that are made of two shapes.
-JOINED = 0.45
+#: Share of the training instances that are deformed, and share of those that are made of two shapes.
+DEFORMED, JOINED = 0.5, 0.45
 MAP_CELL = 0.25  # m; the map only gives camera positions
 
 HOUSES = (*streets.HOUSES, "school", "garage", "library", "post office", "bistro", "shoe store", "ice cream shop")
@@ -209,12 +209,14 @@ def _point_hull(_: AssetRecord) -> HullSet:
 
 
 def _train_mesh(record: AssetRecord, kin: bool = False) -> AssetMesh:
-    """The mesh of a record with a texture of moderate size. An instance is deformed, and a share of them have the upper
-    part of another training shape of their leaf, or of their class where the leaf has one alone."""
+    """The mesh of a record with a texture of moderate size. A share of the instances are deformed, and a share of those
+    have the upper part of another training shape of their leaf, or of their class where the leaf has one alone."""
     mesh = _with_small_texture(build_mesh(record))
     if KEY not in record.params:
         return mesh
     rng = shape_variation.seeded(record)
+    if rng.random() >= DEFORMED:
+        return mesh
     if class_of_leaf(record.leaf) == HOUSE:
         return shape_variation.deformed(mesh, rng, shape_variation.STRAIGHT)
     others = _others(record.leaf, str(record.params[KEY]["base"]), kin)

@@ -141,13 +141,13 @@ def test_library_streets_are_asked_for_by_set_and_number(tmp_path: pathlib.Path,
     assert len(found) == len(set(found)) == 3
 
 
-def test_only_instances_of_training_are_deformed(splits: dict[str, AssetIndex]):
+def test_a_share_of_the_instances_of_training_is_deformed(splits: dict[str, AssetIndex]):
     records = splits["train"].by_leaf("bollard")
-    base, instance = (next(r for r in records if (KEY in r.params) == made) for made in (False, True))
+    base = next(r for r in records if KEY not in r.params)
+    instances = [r for r in records if KEY in r.params]
     train, test = perception_streets.source("train"), perception_streets.source("test")
     np.testing.assert_array_equal(train.mesh(base).vertices, build_mesh(base).vertices)
-    np.testing.assert_array_equal(test.mesh(instance).vertices, build_mesh(instance).vertices)
-    mesh = train.mesh(instance)
-    assert mesh.vertices.shape != build_mesh(instance).vertices.shape or not np.array_equal(
-        mesh.vertices, build_mesh(instance).vertices
-    )
+    plain = [build_mesh(r).vertices for r in instances]
+    np.testing.assert_array_equal(test.mesh(instances[0]).vertices, plain[0])
+    kept = sum(np.array_equal(train.mesh(r).vertices, x) for r, x in zip(instances, plain, strict=True))
+    assert 0.2 < kept / len(instances) < 0.8

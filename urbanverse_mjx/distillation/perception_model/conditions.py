@@ -26,10 +26,12 @@ class ConditionOptions:
     bonnet: float = 0.15
     shake: float = 0.25
     grey: float = 0.12
+    soft: float = 0.3
 
 
 _OPTIONS = ConditionOptions()
 _SHAKE_RADIUS = 9  # pixels
+_SOFT_RADIUS = 4  # pixels
 _LAMPS = 6
 _STREAK = 14  # pixels
 
@@ -41,7 +43,7 @@ def vary(key: jax.Array, image: jax.Array) -> tuple[jax.Array, jax.Array]:
       the image as floats in [0, 1], and (H, W) bool where a bonnet hides the street.
     """
     x = image.astype(jnp.float32) / 255.0
-    gate, *keys = jax.random.split(key, 11)
+    gate, *keys = jax.random.split(key, 12)
     may = jax.random.bernoulli(gate, _OPTIONS.any)
     hidden = jnp.zeros(x.shape[:2], bool)
     steps = (
@@ -54,6 +56,7 @@ def vary(key: jax.Array, image: jax.Array) -> tuple[jax.Array, jax.Array]:
         (_OPTIONS.flare, _flare),
         (_OPTIONS.shake, _shake),
         (_OPTIONS.grey, _grey),
+        (_OPTIONS.soft, _soft),
     )
     for of, (share, change) in zip(keys, steps, strict=False):
         decide, draw = jax.random.split(of)
@@ -154,6 +157,11 @@ def _shake(key: jax.Array, x: jax.Array) -> jax.Array:
     along = _between(a, 1.0, 3.5)
     axes = jnp.where(jax.random.bernoulli(b), jnp.array([0.3, 1.0]), jnp.array([1.0, 0.3]))
     return blur(x, along * axes, _SHAKE_RADIUS)
+
+
+def _soft(key: jax.Array, x: jax.Array) -> jax.Array:
+    """The detail of a smaller image that was enlarged: films of fewer pixels than the network's."""
+    return blur(x, jnp.repeat(_between(key, 0.5, 1.5), 2), _SOFT_RADIUS)
 
 
 def _grey(key: jax.Array, x: jax.Array) -> jax.Array:

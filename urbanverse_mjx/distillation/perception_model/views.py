@@ -46,7 +46,7 @@ class ViewOptions:
     )
     places: int = 1024
     ahead_share: float = 0.65
-    plain_share: float = 0.35
+    plain_share: float = 0.5
     min_distance: float = 0.35
     targets: int = 192
     target_distance: tuple[float, float] = (2.0, 16.0)
