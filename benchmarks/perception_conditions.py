@@ -38,9 +38,9 @@ from urbanverse_mjx.datatypes import SceneBank, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.distillation.perception.published import fusion, groups
 from urbanverse_mjx.distillation.perception.published.opinion import DETECTORS
-from urbanverse_mjx.distillation.perception_model import classes, network, score, weights
+from urbanverse_mjx.distillation.perception_model import classes, network, scales, score, weights
 from urbanverse_mjx.distillation.perception_model.augment import augment
-from urbanverse_mjx.distillation.perception_model.decode import Decoded, decode
+from urbanverse_mjx.distillation.perception_model.decode import Decoded
 from urbanverse_mjx.distillation.perception_model.inference import MIN_SCORE
 from urbanverse_mjx.distillation.perception_model.views import Views
 from urbanverse_mjx.scene.bank import pack
@@ -171,9 +171,10 @@ def look(
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
         images, wanted, counts, scene, focal = draw(keys)
         shown = fault(keys, images)
-        outputs = apply(shown)
+        outputs = scales.outputs(apply, shown)
         for i in np.flatnonzero(np.asarray(counts)):
-            found = decode(jax.tree.map(lambda x, i=i: np.asarray(x[i]), outputs), network.CANONICAL_FOCAL)
+            fine, coarse = jax.tree.map(lambda x, i=i: np.asarray(x[i]), outputs)
+            found = scales.decoded(fine, coarse, network.CANONICAL_FOCAL)
             rgb = np.round(np.clip(np.asarray(shown[i]), 0.0, 1.0) * 255.0).astype(np.uint8)
             # Targets of depth are those of the canonical camera.
             metres = (

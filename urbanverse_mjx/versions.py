@@ -108,7 +108,7 @@ CODE: Mapping[str, Code] = {
     "cards": Code(2, _below("viz", "graphs", "images", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.
     "perception": Code(
-        6,
+        7,
         (
             *("distillation.perception", "distillation.perception_model", "assets.importing.vision"),
             *_below("pipeline.generation", "listing", "perceiving", "predictors", "video_options"),
@@ -117,14 +117,14 @@ CODE: Mapping[str, Code] = {
         _below("distillation.perception_model", "augment", "conditions", "naming", "score", "targets", "views"),
     ),
     "distillation": Code(
-        7,
+        8,
         ("distillation", "pipeline.generation.distilling", "assets.selection.label_priors"),
         ("appearances",),
         (
             *_below("distillation", "fit_trust", "perception", "readers", "train_perception"),
             # Objects are named by the leaves and by `naming`; the network itself is a part of perception.
             *_below("distillation.perception_model", "augment", "conditions", "decode", "inference", "network"),
-            *_below("distillation.perception_model", "score", "targets", "views", "weights"),
+            *_below("distillation.perception_model", "scales", "score", "targets", "views", "weights"),
         ),
     ),
     "report": Code(

@@ -79,10 +79,10 @@ def test_true_and_false_objects_have_a_distance():
     kinds, owner, masks = np.full((40, 60), ROAD), np.full((40, 60), -1), np.full((40, 60), -1)
     distance = np.tile(np.linspace(1.0, 60.0, 60), (40, 1))
     for number, (at, kind) in enumerate(
-        ((np.s_[5:20, 0:10], CAR), (np.s_[5:20, 40:50], TREE), (np.s_[30:33, 20:23], CAR))
+        ((np.s_[5:20, 0:10], CAR), (np.s_[5:20, 40:50], TREE), (np.s_[30:39, 20:30], CAR))
     ):
         kinds[at], owner[at] = kind, number
-    masks[5:20, 0:10], masks[5:20, 40:50], masks[25:35, 52:60] = 0, 1, 2
+    masks[5:20, 0:10], masks[5:20, 40:50], masks[20:35, 52:60] = 0, 1, 2
     seen = Decoded(kinds, masks, tuple(FoundObject(CAR, 0.9, 0) for _ in range(3)), distance)
     out = judged(seen, kinds, owner, distance, (3, 7))
     assert [(x.kind, x.true, x.found) for x in out] == [

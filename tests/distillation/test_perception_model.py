@@ -328,7 +328,7 @@ def test_missing_and_foreign_weights_are_named(tmp_path: pathlib.Path, variables
 
 @pytest.mark.parametrize("size", [(45, 80), (80, 45), (33, 31)])
 def test_the_model_takes_images_of_any_size(variables, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]):
-    monkeypatch.setattr(inference, "SIZE", (32, 64))
+    monkeypatch.setattr(inference, "SIZE", (64, 128))
     image = np.random.default_rng(0).integers(0, 255, (*size, 3), dtype=np.uint8)
     observation = inference.PerceptionModel(variables, {})(image, 60.0)
     assert observation.surfaces.shape == observation.masks.shape == size

@@ -1,7 +1,11 @@
 """Training of the perception model: the clock's schedule, and going on where a run was stopped."""
 
 import argparse
+import json
+import os
 import pathlib
+import subprocess
+import sys
 from typing import Any
 
 import jax
@@ -13,6 +17,8 @@ from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation import train_perception
 from urbanverse_mjx.distillation.perception_model import network, weights
 from urbanverse_mjx.distillation.train_perception import Learner, Progress
+
+ROOT = pathlib.Path(__file__).parents[2]
 
 
 def _learner(width: int = 4) -> Learner:
@@ -119,3 +125,22 @@ def test_a_grown_network_gives_the_outputs_of_the_smaller_one(small: dict[str, A
     foreign = _random(network.PerceptionNetwork(**{**small, "leaves": 5}, blocks=(1, 1, 2, 1, 1)), 2)
     with pytest.raises(ValidationError, match="needed a part of today's network"):
         network.grown(foreign, fresh)
+
+
+def test_devices_have_to_share_a_batch_evenly(capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit):
+        train_perception.parse(["--train", "a", "--test", "b", "--out", "c", "--devices", "0"])
+    assert "--devices" in capsys.readouterr().err
+
+
+@pytest.mark.extended
+def test_two_devices_compute_the_mean_gradient_of_their_halves():
+    flags = "--xla_force_host_platform_device_count=2"
+    env = {**os.environ, "JAX_PLATFORMS": "cpu", "PYTHONPATH": str(ROOT), "XLA_FLAGS": flags}
+    command = [sys.executable, "-m", "tests.support.perception_step_on_devices"]
+    done = subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr[-3000:]
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert found["devices"] == 2
+    assert found["apart"] < 1e-3
+    assert found["halves_apart"] > 0.1

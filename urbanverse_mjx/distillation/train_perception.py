@@ -29,15 +29,16 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 from flax import traverse_util
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from .. import settings
 from ..datatypes import SceneBank, ValidationError
 from ..datatypes.validation import write_atomically
-from .perception_model import inference, network, score, weights
+from .perception_model import inference, network, scales, score, weights
 from .perception_model.augment import augment, with_faults
 from .perception_model.conditions import vary
-from .perception_model.decode import Decoded, decode
-from .perception_model.network import OUTPUT_STRIDE
+from .perception_model.decode import Decoded
+from .perception_model.network import OUTPUT_STRIDE, Seen
 from .perception_model.targets import GroundTruth, loss, without
 from .perception_model.views import Views
 
@@ -124,37 +125,69 @@ def _initial(path: tuple[str, ...], shape: tuple[int, ...], rng: np.random.Gener
     return jnp.full(shape, 1.0 if one else 0.0)
 
 
+#: Axis of the devices that a batch is divided over.
+_DEVICES = "devices"
+
+
 class Step:
     """One training step: renders a batch, varies its images, computes the gradient and updates the network.
 
     These are four programs, not one, because XLA compiles them at the same time and each much faster than their
-    union: the graphs are optimised as a whole, in one thread.
+    union: the graphs are optimised as a whole, in one thread. A batch is divided evenly over `devices`; each normalises
+    by the statistics of its part, and the mean gradient updates equal copies of the network.
     """
 
-    def __init__(self, model: Any, views: Views, batch: int, options: dict[str, Any] | None = None) -> None:
+    def __init__(
+        self,
+        model: Any,
+        views: Views,
+        batch: int,
+        options: dict[str, Any] | None = None,
+        devices: Sequence[Any] | None = None,
+    ) -> None:
         """Makes the programs, which are compiled by `compile` or by the first call.
 
         Args:
+          batch: images of a step, a multiple of the number of devices.
           options: of XLA for the program with the convolutions, see `convolution_options`.
+          devices: that share the work; default: the first one.
         """
+        mesh = Mesh(np.array(list(devices or jax.devices()[:1])), (_DEVICES,))
+        part, whole = PartitionSpec(_DEVICES), PartitionSpec()
+        shared = functools.partial(jax.shard_map, mesh=mesh, check_vma=False)
+        slopes = shared(
+            functools.partial(_slopes, model), in_specs=(whole, part, part, part, whole), out_specs=(whole,) * 3
+        )
         self._programs: dict[str, Any] = {
-            "draw": jax.jit(functools.partial(_drawn, views, batch)),
-            "vary": jax.jit(_varied),
-            "slopes": jax.jit(functools.partial(_slopes, model), compiler_options=options),
+            "draw": jax.jit(shared(views, in_specs=part, out_specs=part)),
+            "vary": jax.jit(shared(_varied, in_specs=part, out_specs=part)),
+            "slopes": jax.jit(slopes, compiler_options=options),
             "update": jax.jit(_updated, donate_argnums=0),
         }
-        self._balance = views.balance  # an argument, not a constant: the program is the same for all streets
+        self._batch, self._part, self._whole = batch, NamedSharding(mesh, part), NamedSharding(mesh, whole)
+        # An argument, not a constant: the program is the same for all streets.
+        self._balance = None if views.balance is None else jax.device_put(views.balance, self._whole)
+
+    def placed(self, learner: Learner) -> Learner:
+        """A copy of the learner on each of the devices."""
+        return jax.device_put(learner, self._whole)
+
+    def _keys(self, key: jax.Array) -> tuple[jax.Array, jax.Array]:
+        """Keys (batch,) of the views and of the conditions, divided over the devices."""
+        view_key, change_key = jax.random.split(key)
+        keys = jax.random.split(view_key, self._batch), jax.random.split(change_key, self._batch)
+        return jax.device_put(keys[0], self._part), jax.device_put(keys[1], self._part)
 
     def compile(self, learner: Learner, key: jax.Array, say: Callable[[str, float], None]) -> None:
         """Compiles the programs in as many threads; `say` is called with a program's name and its time in s."""
-        view_key, change_key = jax.random.split(key)
-        images, wanted, counts = jax.eval_shape(self._programs["draw"], view_key)
-        inputs, wanted = jax.eval_shape(self._programs["vary"], change_key, images, wanted)
-        of_slopes = (learner.variables, inputs, wanted, counts, self._balance)
-        slopes, _, statistics = jax.eval_shape(self._programs["slopes"], *of_slopes)
+        view_keys, change_keys = self._keys(key)
+        images, wanted, counts = self._shapes(self._part, self._programs["draw"], view_keys)
+        inputs, varied = self._shapes(self._part, self._programs["vary"], change_keys, images, wanted)
+        of_slopes = (learner.variables, inputs, varied, counts, self._balance)
+        slopes, _, statistics = self._shapes(self._whole, self._programs["slopes"], *of_slopes)
         arguments = {
-            "draw": (view_key,),
-            "vary": (change_key, images, wanted),
+            "draw": (view_keys,),
+            "vary": (change_keys, images, wanted),
             "slopes": of_slopes,
             "update": (learner, slopes, statistics, jnp.asarray(0.0)),
         }
@@ -168,31 +201,34 @@ class Step:
         with concurrent.futures.ThreadPoolExecutor(len(arguments)) as pool:
             self._programs = dict(zip(arguments, pool.map(compiled, arguments), strict=True))
 
+    @staticmethod
+    def _shapes(sharding: NamedSharding, program: Any, *arguments: Any) -> Any:
+        """Shapes of a program's results, placed as `sharding` says."""
+        return jax.tree.map(
+            lambda x: jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=sharding), jax.eval_shape(program, *arguments)
+        )
+
     def __call__(self, learner: Learner, key: jax.Array, rate: jax.Array) -> tuple[Learner, dict[str, jax.Array]]:
-        """The learner after a step with the learning rate () `rate`, and the parts of the loss."""
-        view_key, change_key = jax.random.split(key)
-        images, wanted, counts = self._programs["draw"](view_key)
-        inputs, wanted = self._programs["vary"](change_key, images, wanted)
+        """The learner, `placed`, after a step with the learning rate () `rate`, and the parts of the loss."""
+        view_keys, change_keys = self._keys(key)
+        images, wanted, counts = self._programs["draw"](view_keys)
+        inputs, wanted = self._programs["vary"](change_keys, images, wanted)
         slopes, parts, statistics = self._programs["slopes"](learner.variables, inputs, wanted, counts, self._balance)
         return self._programs["update"](learner, slopes, statistics, rate), parts
 
 
-def _drawn(views: Views, batch: int, key: jax.Array) -> tuple[jax.Array, GroundTruth, jax.Array]:
-    return views(jax.random.split(key, batch))
-
-
-def _varied(key: jax.Array, images: jax.Array, wanted: GroundTruth) -> tuple[jax.Array, GroundTruth]:
+def _varied(keys: jax.Array, images: jax.Array, wanted: GroundTruth) -> tuple[jax.Array, GroundTruth]:
     """Images (n, H, W, 3) as floats with random conditions and camera faults, and the targets of what they show."""
-    vary_key, fault_key = jax.random.split(key)
-    varied, hidden = jax.vmap(vary)(jax.random.split(vary_key, len(images)), images)
-    inputs = jax.vmap(with_faults)(jax.random.split(fault_key, len(images)), varied)
+    vary_keys, fault_keys = jnp.moveaxis(jax.vmap(jax.random.split)(keys), 1, 0)
+    varied, hidden = jax.vmap(vary)(vary_keys, images)
+    inputs = jax.vmap(with_faults)(fault_keys, varied)
     return inputs, without(wanted, hidden[:, 1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE])
 
 
 def _slopes(
     model: Any, variables: Any, inputs: jax.Array, wanted: GroundTruth, counts: jax.Array, balance: jax.Array | None
 ) -> tuple[Any, dict[str, jax.Array], Any]:
-    """Gradient of the loss, its parts, and the updated statistics of the normalisation."""
+    """Gradient of the loss, its parts, and the updated statistics of the normalisation; means over the devices."""
 
     def answer(params: Any) -> Any:
         seen, updated = model.apply({**variables, "params": params}, inputs, train=True, mutable=["batch_stats"])
@@ -200,7 +236,7 @@ def _slopes(
         return total, (parts, updated["batch_stats"])
 
     slopes, (parts, statistics) = jax.grad(answer, has_aux=True)(variables["params"])
-    return slopes, parts, statistics
+    return jax.lax.pmean((slopes, parts, statistics), _DEVICES)
 
 
 def _updated(learner: Learner, slopes: Any, statistics: Any, rate: jax.Array) -> Learner:
@@ -239,38 +275,50 @@ class Frame(NamedTuple):
     leaf: np.ndarray
 
 
-def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> Iterator[Frame]:
-    """Yields predictions for seeded frames with the same camera faults as the images of training, without hard
-    conditions; frames without objects are left out."""
-    return make_predict(model, views)(variables, frames, batch, seed)
-
-
 def make_predict(
     model: Any, views: Views, options: dict[str, Any] | None = None
 ) -> Callable[[Any, int, int, int], Iterator[Frame]]:
-    """`predict` as a function of (variables, frames, batch, seed) that is compiled once, the network with options of
-    XLA."""
-    apply = jax.jit(functools.partial(model.apply, train=False), compiler_options=options)
-    draw = jax.jit(lambda keys: views(keys, dye=False))
-    fault = jax.jit(jax.vmap(augment))
+    """A function of (variables, frames, batch, seed) that yields what is found in seeded frames with the same camera
+    faults as the images of training, without hard conditions; frames without objects are left out.
+
+    Args:
+      options: of XLA for the network.
+    """
+    outputs = make_outputs(model, views, options)
 
     def frames_of(variables: Any, frames: int, batch: int, seed: int) -> Iterator[Frame]:
-        for start in range(0, frames, batch):
-            keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
-            images, wanted, counts = draw(keys)
-            seen = apply(variables, fault(keys, images))
-            for i in range(batch):
-                if counts[i]:
-                    yield _frame(jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)
+        for fine, coarse, wanted in outputs(variables, frames, batch, seed):
+            # Depths are compared in the canonical camera, which does not depend on the lens.
+            yield frame_of(scales.decoded(fine, coarse, network.CANONICAL_FOCAL), wanted)
 
     return frames_of
 
 
-def _frame(seen: Any, wanted: GroundTruth, i: int) -> Frame:
-    # Depths are compared in the canonical camera, which does not depend on the lens.
-    decoded = decode(seen, network.CANONICAL_FOCAL)
-    depth = network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * np.asarray(wanted.has_depth[i])
-    kinds, owner, leaf = (np.asarray(x[i]) for x in (wanted.classes, wanted.owner, wanted.leaf))
+def make_outputs(
+    model: Any, views: Views, options: dict[str, Any] | None = None
+) -> Callable[[Any, int, int, int], Iterator[tuple[Seen, Seen, GroundTruth]]]:
+    """A function of (variables, frames, batch, seed) that yields the outputs for seeded frames at both of `scales` and
+    their targets, as NumPy arrays of one frame."""
+    apply = jax.jit(functools.partial(model.apply, train=False), compiler_options=options)
+    draw = jax.jit(lambda keys: views(keys, dye=False))
+    fault = jax.jit(jax.vmap(augment))
+
+    def outputs_of(variables: Any, frames: int, batch: int, seed: int) -> Iterator[tuple[Seen, Seen, GroundTruth]]:
+        for start in range(0, frames, batch):
+            keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
+            images, wanted, counts = draw(keys)
+            seen = scales.outputs(functools.partial(apply, variables), fault(keys, images))
+            for i in range(batch):
+                if counts[i]:
+                    yield jax.tree.map(lambda x, i=i: np.asarray(x[i]), (*seen, wanted))
+
+    return outputs_of
+
+
+def frame_of(decoded: Decoded, wanted: GroundTruth) -> Frame:
+    """What was decoded in a frame, and its targets."""
+    depth = network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth)) * np.asarray(wanted.has_depth)
+    kinds, owner, leaf = (np.asarray(x) for x in (wanted.classes, wanted.owner, wanted.leaf))
     return Frame(decoded, kinds, owner, depth, leaf)
 
 
@@ -313,10 +361,17 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.state is not None and arguments.state.is_file():
         learner, progress = _read_state(arguments.state, learner)
     if arguments.minutes > 0:
-        step = Step(model, views, arguments.batch, options)
+        devices = jax.devices()[: arguments.devices]
+        if arguments.batch % len(devices):
+            raise ValidationError(
+                f"--batch: found {arguments.batch}, needed a multiple of {len(devices)}, the number of devices."
+            )
+        step = Step(model, views, arguments.batch, options, devices)
+        learner = step.placed(learner)
         _say({"event": "read", "seconds": round(time.monotonic() - started, 1)})
 
         def validate(average: Any) -> None:
+            average = jax.device_put(average, devices[0])
             _validate(list(predicted(average, arguments.validation_frames, *seeded)), progress)
 
         # The initial weights are scored while the programs of a step compile; validation is then compiled as well.
@@ -459,8 +514,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--autotune", type=int, choices=range(5), default=0, help=tuned)
     parser.add_argument("--batch", type=int, default=32)
+    several = "GPUs that share each batch, at most those of the machine"
+    parser.add_argument("--devices", type=int, default=1, help=several)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
-    parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 32")
+    parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 64")
     parser.add_argument("--width", type=int, default=width)
     parser.add_argument("--samples", type=int, default=2, help="rays per pixel and side of the images")
     parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
@@ -470,8 +527,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--cut", type=float, default=0.0, help=cut)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args(argv)
-    if arguments.height % network.STRIDE or arguments.width % network.STRIDE or arguments.minutes < 0:
-        parser.error(f"--height and --width must be multiples of {network.STRIDE}, --minutes 0 or more")
+    if arguments.devices < 1:
+        parser.error("--devices must be at least 1")
+    if arguments.height % (2 * network.STRIDE) or arguments.width % (2 * network.STRIDE) or arguments.minutes < 0:
+        parser.error(f"--height and --width must be multiples of {2 * network.STRIDE}, --minutes 0 or more")
     if arguments.pause_after is not None and arguments.state is None:
         parser.error("--pause-after needs --state, or what was learnt is lost")
     if arguments.keep_size and arguments.init is None:

@@ -25,9 +25,9 @@ class DecodeOptions:
       max_objects: largest number of objects in an image, the highest peaks first.
       min_pixels: smaller objects are dropped.
       max_miss: largest distance between the position to which a pixel points and the peak it is assigned to;
-        chosen on three captures (docs/decisions/gen_perception.md).
+        chosen on captures and test streets (docs/decisions/gen_perception.md).
       trust: coefficients of the evidence in the log odds that an object is right (its class and half of its mask),
-        fitted by `fit_trust` to the 1,376 objects that the shipped weights detect in 96 frames of held-out streets.
+        fitted by `fit_trust` to what the shipped weights detect in frames of held-out streets.
       min_belief, max_beliefs: least probability of a leaf that an object keeps, and how many it keeps.
     """
 
@@ -35,13 +35,15 @@ class DecodeOptions:
     peak_window: int = 7
     max_objects: int = 200
     min_pixels: int = 12
-    max_miss: float = 12.0
-    trust: tuple[float, float, float, float, float] = (-2.78, 1.23, 2.64, -4.05, 1.4)
+    max_miss: float = 24.0
+    trust: tuple[float, float, float, float, float] = (-3.68, 0.88, 2.34, -4.68, 2.38)
     min_belief: float = 0.02
     max_beliefs: int = 12
 
 
-_OPTIONS = DecodeOptions()
+#: Options for images of the network's size and of half of it (`scales`).
+FINE = DecodeOptions()
+COARSE = DecodeOptions(max_miss=12.0, trust=(-5.49, 1.19, 3.04, -3.41, 3.26))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,31 +81,32 @@ class Decoded:
         return dataclasses.replace(self, masks=number[self.masks], objects=tuple(self.objects[k] for k in kept))
 
 
-def decode(seen: Seen, focal: float) -> Decoded:
+def decode(seen: Seen, focal: float, options: DecodeOptions = FINE) -> Decoded:
     """Decodes the outputs for one image.
 
     Args:
       seen: arrays of one image, without the leading axis.
       focal: focal length of the network's input image, pixels.
+      options: those of the image's size.
     """
     p = np.exp(seen.classes - seen.classes.max(-1, keepdims=True))
     p /= p.sum(-1, keepdims=True)
     kinds = p.argmax(-1).astype(np.int32)
-    masks, objects = _group(kinds, p, seen, _peaks(np.asarray(seen.centre)))
+    masks, objects = _group(kinds, p, seen, _peaks(np.asarray(seen.centre), options), options)
     depth = DEPTH_UNIT * np.exp(np.clip(seen.log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
     return Decoded(kinds, masks, objects, depth.astype(np.float32))
 
 
-def _peaks(centre: np.ndarray) -> np.ndarray:
+def _peaks(centre: np.ndarray, options: DecodeOptions) -> np.ndarray:
     """(k, 2) rows and columns of the highest peaks."""
-    top = (centre == ndimage.maximum_filter(centre, _OPTIONS.peak_window)) & (centre > _OPTIONS.min_peak)
+    top = (centre == ndimage.maximum_filter(centre, options.peak_window)) & (centre > options.min_peak)
     where = np.argwhere(top)
     order = np.argsort(-centre[top], kind="stable")
-    return where[order[: _OPTIONS.max_objects]]
+    return where[order[: options.max_objects]]
 
 
 def _group(
-    kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray
+    kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray, options: DecodeOptions
 ) -> tuple[np.ndarray, tuple[FoundObject, ...]]:
     """Groups pixels into masks and objects. A house and an object in front of it are never merged, though they may
     share a centre."""
@@ -115,11 +118,11 @@ def _group(
     miss, owner = cKDTree(peaks).query(aim)
     heights = np.asarray(seen.centre)[peaks[:, 0], peaks[:, 1]]
     found = kinds[rows, columns]
-    group = np.where(miss <= _OPTIONS.max_miss, 2 * owner + (found == classes.HOUSE), -1)
+    group = np.where(miss <= options.max_miss, 2 * owner + (found == classes.HOUSE), -1)
     order = np.argsort(group, kind="stable")
     objects: list[FoundObject] = []
     for part in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
-        if group[part[0]] < 0 or len(part) < _OPTIONS.min_pixels:
+        if group[part[0]] < 0 or len(part) < options.min_pixels:
             continue
         votes = p[rows[part], columns[part]].mean(0)
         is_house = found[part[0]] == classes.HOUSE
@@ -133,12 +136,12 @@ def _group(
         leaf = int(own.argmax())
         certainty = float(1.0 / np.exp(own - own[leaf]).sum())
         evidence = _evidence(votes[kind], float(heights[owner[part[0]]]), rows[part], columns[part], miss[part].mean())
-        right = float(expit(np.dot(_OPTIONS.trust, evidence)))
-        objects.append(FoundObject(kind, right, leaf, evidence, certainty, _beliefs(votes, likeness)))
+        right = float(expit(np.dot(options.trust, evidence)))
+        objects.append(FoundObject(kind, right, leaf, evidence, certainty, _beliefs(votes, likeness, options)))
     return masks, tuple(objects)
 
 
-def _beliefs(votes: np.ndarray, likeness: np.ndarray) -> tuple[tuple[int, float], ...]:
+def _beliefs(votes: np.ndarray, likeness: np.ndarray, options: DecodeOptions) -> tuple[tuple[int, float], ...]:
     """The likely leaves of an object: the probability of each class among those of objects, times that of the leaf
     within it.
 
@@ -152,8 +155,8 @@ def _beliefs(votes: np.ndarray, likeness: np.ndarray) -> tuple[tuple[int, float]
     group = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(kinds)))
     share = np.exp(likeness - np.maximum.reduceat(likeness, starts)[group])
     p = among * share / np.add.reduceat(share, starts)[group]
-    order = np.argsort(-p, kind="stable")[: _OPTIONS.max_beliefs]
-    return tuple((int(k), float(p[k])) for k in order if p[k] >= _OPTIONS.min_belief)
+    order = np.argsort(-p, kind="stable")[: options.max_beliefs]
+    return tuple((int(k), float(p[k])) for k in order if p[k] >= options.min_belief)
 
 
 def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray, miss: float) -> tuple[float, ...]:

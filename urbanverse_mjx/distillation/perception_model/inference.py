@@ -10,8 +10,8 @@ from PIL import Image
 
 from ...datatypes import Detection
 from ..perception.observation import FrameObservation
-from . import classes, weights
-from .decode import Decoded, FoundObject, decode
+from . import classes, scales, weights
+from .decode import Decoded, FoundObject
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen, blocks_of
 
 #: Least probability of reported objects; fusion over frames would otherwise place false objects on free ground.
@@ -50,10 +50,14 @@ class PerceptionModel:
     def decoded(self, rgb: np.ndarray, focal: float) -> Decoded:
         """All objects of an image (H, W, 3) u8, whatever their score, at the outputs' size.
 
-        The image is scaled so that its longer side is as long as in training.
+        The image is scaled so that its longer side is as long as in training, and to half of that.
         """
+        factor = max(SIZE) / max(rgb.shape[:2])
+        return scales.decoded(self._outputs(rgb, factor), self._outputs(rgb, factor / 2.0), focal * factor)
+
+    def _outputs(self, rgb: np.ndarray, factor: float) -> Seen:
+        """The network's outputs for an image (H, W, 3) u8 that is scaled by a factor."""
         height, width = rgb.shape[:2]
-        factor = max(SIZE) / max(height, width)
         small = round(height * factor), round(width * factor)
         image = Image.fromarray(rgb).resize(small[::-1], Image.Resampling.BILINEAR)
         # Multiples of the network's stride: padding at the bottom and the right repeats the border.
@@ -63,7 +67,7 @@ class PerceptionModel:
         rows, columns = (-(-n // OUTPUT_STRIDE) for n in small)
         leaves = np.asarray(seen.leaves)[0, : -(-rows // LEAF_STRIDE), : -(-columns // LEAF_STRIDE)]
         kinds, centre, offset, log_depth = (np.asarray(x)[0, :rows, :columns] for x in seen[:-1])
-        return decode(Seen(kinds, centre, offset, log_depth, leaves), focal * factor)
+        return Seen(kinds, centre, offset, log_depth, leaves)
 
 
 @jax.jit
@@ -80,13 +84,11 @@ def label_of(obj: FoundObject) -> str:
 
 def full_size(seen: Decoded, height: int, width: int) -> FrameObservation:
     """The decoded outputs at the size of the image, with labels in place of numbers."""
-    rows = np.minimum(((np.arange(height) + 0.5) * seen.kinds.shape[0] / height).astype(int), seen.kinds.shape[0] - 1)
-    columns = np.minimum(((np.arange(width) + 0.5) * seen.kinds.shape[1] / width).astype(int), seen.kinds.shape[1] - 1)
-    at = np.ix_(rows, columns)
+    # Depth is upsampled by repetition, because it is discontinuous between objects.
+    seen = scales.enlarged(seen, height, width)
     leaves = classes.leaves()
     found = tuple(
         Detection(label_of(obj), obj.score, beliefs=tuple((leaves[k], round(p, 3)) for k, p in obj.beliefs))
         for obj in seen.objects
     )
-    # Depth is upsampled by repetition, because it is discontinuous between objects.
-    return FrameObservation(classes.surface_codes()[seen.kinds[at]], seen.masks[at], found, seen.depth[at])
+    return FrameObservation(classes.surface_codes()[seen.kinds], seen.masks, found, seen.depth)

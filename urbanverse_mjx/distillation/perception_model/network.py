@@ -24,7 +24,7 @@ OUTPUT_STRIDE = 2
 #: Output pixels per pixel of the leaf output along each side.
 LEAF_STRIDE = 2
 #: Size that the perception model was trained at: height, width.
-SIZE = (288, 512)
+SIZE = (576, 1024)
 CANONICAL_FOCAL = 300.0  # pixels; about the middle of the lenses it was trained with
 #: Unit of the offset to the centre in output pixels, and unit of depth in m.
 OFFSET_UNIT = 16.0

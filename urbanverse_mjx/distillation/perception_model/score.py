@@ -11,7 +11,7 @@ from .decode import Decoded
 #: Intersection over union from which a mask counts as found (the threshold of panoptic quality, Kirillov et al. 2019).
 MIN_IOU = 0.5
 #: Objects smaller than this, in output pixels, count neither as missed nor as false.
-MIN_PIXELS = 25
+MIN_PIXELS = 100
 
 
 @dataclasses.dataclass

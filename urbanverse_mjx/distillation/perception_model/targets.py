@@ -42,7 +42,7 @@ class LossOptions:
     """
 
     small_object: float = 200.0
-    reference_side: float = 60.0
+    reference_side: float = 120.0
     min_weight: float = 1.0
     max_weight: float = 8.0
     narrow_weight: float = 3.0

@@ -32,7 +32,7 @@ class FusionOptions:
       min_pixels: smaller objects are left out, as by the perception model.
     """
 
-    trust: tuple[float, ...] = (-1.97, 3.04, 1.44, 1.83, -0.38, 3.93)
+    trust: tuple[float, ...] = (-2.02, 2.99, 1.19, 1.99, -0.42, 3.81)
     least: float = 0.5
     same: float = 0.5
     repeated: float = 0.4

@@ -1,0 +1,81 @@
+"""Objects of an image at two scales become one set."""
+
+import dataclasses
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urbanverse_mjx.distillation.perception_model import classes, scales
+from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject
+
+CAR, PERSON = (classes.names().index(n) for n in ("car", "pedestrian adult"))
+
+
+def _seen(
+    boxes: list[tuple[int, float, tuple[slice, slice]]], shape: tuple[int, int] = (40, 60), depth: float = 1.0
+) -> Decoded:
+    """Objects of a class and a score in boxes; later ones cover earlier ones."""
+    masks = np.full(shape, -1, np.int32)
+    for number, (_, _, box) in enumerate(boxes):
+        masks[box] = number
+    objects = tuple(FoundObject(kind, sure, 0) for kind, sure, _ in boxes)
+    return Decoded(np.full(shape, 2, np.int32), masks, objects, np.full(shape, depth, np.float32))
+
+
+def test_an_object_found_at_both_scales_is_one_and_surer():
+    box, half = np.s_[10:30, 20:40], np.s_[5:15, 10:20]
+    twice = scales.merged(_seen([(CAR, 0.6, box)]), _seen([(CAR, 0.6, half)], (20, 30)))
+    once = scales.merged(_seen([(CAR, 0.6, box)]), _seen([], (20, 30)))
+    otherwise = scales.merged(_seen([(CAR, 0.6, box)]), _seen([(PERSON, 0.6, half)], (20, 30)))
+    for found in (twice, once, otherwise):
+        assert len(found.objects) == 1
+        assert found.objects[0].kind == CAR
+        assert (found.masks == 0).sum() == 400
+    assert twice.objects[0].score > max(once.objects[0].score, otherwise.objects[0].score)
+
+
+def test_objects_of_either_scale_are_kept_where_the_other_has_none():
+    found = scales.merged(
+        _seen([(PERSON, 0.9, np.s_[10:20, 5:10])], depth=7.0), _seen([(CAR, 0.8, np.s_[5:15, 15:25])], (20, 30), 3.0)
+    )
+    assert [x.kind for x in found.objects] == [PERSON, CAR]
+    assert (found.masks == 1).sum() == 400
+    assert (found.masks[10:30, 30:50] == 1).all()
+    # Surfaces and depth are those of the full size.
+    assert (found.depth == 7.0).all()
+    assert found.kinds.shape == (40, 60)
+
+
+def test_overlapping_objects_share_no_pixels_and_covered_ones_go():
+    wall = (CAR, 0.95, np.s_[0:40, 0:40])
+    partly = _seen([(PERSON, 0.6, np.s_[5:15, 15:25])], (20, 30))  # columns 30 to 50 of the full size: half is free
+    found = scales.merged(_seen([wall]), partly)
+    assert [x.kind for x in found.objects] == [CAR, PERSON]
+    assert (found.masks == 0).sum() == 1600
+    assert (found.masks == 1).sum() == 200
+    mostly = _seen([(PERSON, 0.6, np.s_[5:15, 11:21])], (20, 30))  # columns 22 to 42: nine tenths are covered
+    assert [x.kind for x in scales.merged(_seen([wall]), mostly).objects] == [CAR]
+
+
+@pytest.mark.parametrize("kind", [CAR, PERSON])
+def test_agreement_tells_alone_from_same_and_from_another(kind: int):
+    box = np.s_[0:10, 0:10]
+    one, other = _seen([(CAR, 0.8, box), (CAR, 0.5, np.s_[20:30, 0:10])]), _seen([(kind, 0.9, box)])
+    first, second = scales.agreement(one, other)
+    odds, others = np.log(4.0), np.log(9.0)
+    same = [1.0, others, 0.0, 0.0] if kind == CAR else [0.0, 0.0, 1.0, others]
+    np.testing.assert_allclose(first, [1.0, odds, 0.0, *same], atol=1e-6)
+    np.testing.assert_allclose(second, [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0], atol=1e-6)
+    assert scales.agreement(dataclasses.replace(one, objects=(), masks=other.masks * 0 - 1), other).shape == (0, 7)
+
+
+def test_half_of_the_size_is_the_mean_of_what_a_pixel_covers():
+    rng = np.random.default_rng(0)
+    images = rng.random((2, 8, 12, 3)).astype(np.float32)
+    small = np.asarray(scales.halved(jnp.asarray(images)))
+    assert small.shape == (2, 4, 6, 3)
+    # A linear filter, half as wide as its spacing allows: every mean lies near that of the covered pixels.
+    np.testing.assert_allclose(small.mean(), images.mean(), atol=0.02)
+    flat = np.asarray(scales.halved(jnp.full((1, 8, 12, 3), 0.25)))
+    np.testing.assert_allclose(flat, 0.25, atol=1e-6)
