@@ -108,7 +108,7 @@ CODE: Mapping[str, Code] = {
     "cards": Code(2, _below("viz", "graphs", "images", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.
     "perception": Code(
-        7,
+        8,
         (
             *("distillation.perception", "distillation.perception_model", "assets.importing.vision"),
             *_below("pipeline.generation", "listing", "perceiving", "predictors", "video_options"),

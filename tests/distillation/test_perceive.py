@@ -17,6 +17,7 @@ from urbanverse_mjx.distillation.perception import (
     Frames,
     Perception,
     StructureOptions,
+    links,
     mapping,
     perceive,
     reconstruct,
@@ -141,6 +142,29 @@ def test_some_frames_are_mapped_alone_with_the_known_lens(frames: Frames, monkey
     assert list(found.registered) == list(range(2, 8))
     assert found.camera.fx == whole.camera.fx
     assert trajectory_error(found.poses, POSES[2:8]).turn < 1.0
+
+
+@pytest.mark.extended
+def test_a_poster_in_two_corridors_does_not_link_them(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Frames 0 to 9 are in one corridor and 10 to 19 in another, with 2.5 x 2.5 m of the same wall in sight of both."""
+    other = [_texture(k) for k in (10, 11, 12)]
+    other[1][60:110, 20:70] = TEXTURES[1][60:110, 20:70]
+    for k in range(20):
+        pose = _pose(0.25 * k, 0.7 + 0.15 * np.sin(k / 1.5))
+        Image.fromarray(_frame(pose, TEXTURES if k < 10 else other)[0]).save(tmp_path / f"{k:02d}.png")
+    linked: list[np.ndarray] = []
+    real = links.split
+
+    def split(structure: Structure, own: np.ndarray, overlap: int) -> Structure:
+        linked.append(structure.model)
+        return real(structure, own, overlap)
+
+    monkeypatch.setattr(links, "split", split)
+    structure = reconstruct(sample(tmp_path, tmp_path / "frames"), StructureOptions(features=1500))
+    assert list(structure.registered) == list(range(20))
+    # COLMAP makes one model of them.
+    assert (linked[0] == 0).all()
+    np.testing.assert_array_equal(structure.model, np.repeat([0, 1], 10))
 
 
 def test_the_metric_scale_is_told_when_frames_were_taken(

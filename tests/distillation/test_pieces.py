@@ -148,7 +148,7 @@ def test_a_way_that_breaks_is_made_again_and_the_least_broken_is_kept(monkeypatc
         left = iter(answers)
         tried.clear()
 
-        def made(models: object, frames: object) -> Structure:
+        def made(models: object, frames: object, overlap: object) -> Structure:
             tried.append(next(left))
             return tried[-1]
 

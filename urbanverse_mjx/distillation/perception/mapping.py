@@ -3,7 +3,8 @@
 Schönberger and Frahm, "Structure-from-Motion Revisited", CVPR 2016: SIFT, matches between frames near in time,
 incremental mapping with bundle adjustment of one shared camera. The focal length is estimated beforehand from the
 fundamental matrices of all pairs. Where no match connects one frame to the next, the structure is split into several
-models. Breaks are mapped again by themselves (`bridges`); `pieces` joins what is left once it is metric.
+models; so it is where matches of similar objects link frames that see different places (`links`). Breaks are mapped
+again by themselves (`bridges`); `pieces` joins what is left once it is metric.
 """
 
 import dataclasses
@@ -18,6 +19,7 @@ import numpy as np
 from ... import settings
 from ...datatypes import Camera, ValidationError
 from ...work_folder import work_folder
+from . import links
 from .bridges import bridged
 from .frames import Frames
 from .parallax import check_parallax
@@ -144,7 +146,7 @@ def _best(
             most = max(most, count)
             if count < MIN_FRAMES:
                 continue
-            structure = bridge(_structure(models, frames))
+            structure = bridge(_structure(models, frames, options.overlap))
             breaks = len(cut(structure.model, structure.registered, structure.poses)) - len(np.unique(structure.model))
             score = breaks, -len(structure.registered)
             if score < best_score:
@@ -283,9 +285,9 @@ def _mapping(pycolmap: Any, refine_focal: bool) -> Any:
     return mapping
 
 
-def _structure(models: list[Any], frames: Frames) -> Structure:
+def _structure(models: list[Any], frames: Frames, overlap: int) -> Structure:
     """Combines COLMAP's models, the largest first; a frame belongs to the first model that contains it. Models that
-    share frames are merged."""
+    share frames are merged, and wrong links split (`links`; for overlap see `StructureOptions`)."""
     number = {name: k for k, name in enumerate(frames.names)}
     group = _laid_on_each_other(models)
     lens = next(iter(models[0].cameras.values()))
@@ -312,7 +314,7 @@ def _structure(models: list[Any], frames: Frames) -> Structure:
             straight.append(own.cam_from_img(bent) * focal + [cx, cy])
             poses.append(pose)
             registered.append(number[image.name])
-            owner.append(group[k])
+            owner.append(k)
     unsorted = Structure(
         camera=Camera(frames.width, frames.height, focal, focal, cx, cy),
         distortion=float(distortion),
@@ -323,9 +325,10 @@ def _structure(models: list[Any], frames: Frames) -> Structure:
         point=np.concatenate(point),
         pixel=np.concatenate(straight).astype(np.float32),
         error=float(models[0].compute_mean_reprojection_error()),
-        model=np.array(owner, np.int32),
+        model=np.array(group, np.int32)[owner],
     )
-    return unsorted.only(np.argsort(registered))
+    order = np.argsort(registered)
+    return links.split(unsorted.only(order), np.array(owner)[order], overlap)
 
 
 def _laid_on_each_other(models: list[Any]) -> list[int]:
