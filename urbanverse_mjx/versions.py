@@ -117,7 +117,7 @@ CODE: Mapping[str, Code] = {
         _below("distillation.perception_model", "augment", "conditions", "naming", "score", "targets", "views"),
     ),
     "distillation": Code(
-        8,
+        9,
         ("distillation", "pipeline.generation.distilling", "assets.selection.label_priors"),
         ("appearances",),
         (

@@ -134,6 +134,26 @@ def test_what_stands_inside_is_moved_out_or_removed_and_what_hangs_stays() -> No
     assert [(gone.id, gone.reason) for gone in done.removed] == [("middle", "it stands 3.3 m inside 'a' (house)")]
 
 
+def test_a_building_among_objects_with_more_evidence_is_removed() -> None:
+    """A house that views of several others make up, on the road; the second, of which there is more evidence than of
+    the tree inside it, stays."""
+    objects = (house("a", 0, 10), tree("left", -1, 10), tree("right", 1, 10), house("b", 30, 10), tree("lost", 30, 10))
+    evidence = {"a": 9.0, "left": 5.0, "right": 5.0, "b": 9.0, "lost": 5.0}
+    done = run(*objects, evidence=evidence)
+    assert [obj.id for obj in done.objects] == ["left", "right", "b"]
+    assert [(gone.id, gone.reason) for gone in done.removed] == [
+        ("a", "of the objects inside it there is more evidence"),
+        ("lost", "it stands 4.3 m inside 'b' (house)"),
+    ]
+    assert done.objects[0] == objects[1]
+    # What hangs on it and what can be moved out are no evidence against it.
+    sign = GraphObject("sign", "sign", (0.0, 10.0, 4.0), (0.2, 1.0, 1.0), 0.0)
+    kept = run(house("a", 0, 10), sign, tree("edge", 0, 5.5), evidence={"a": 1.0, "sign": 50.0, "edge": 50.0})
+    assert [obj.id for obj in kept.objects] == ["a", "sign", "edge"]
+    # Without evidence, as in a graph, the scores do not decide.
+    assert [obj.id for obj in run(*objects).objects] == ["a", "b"]
+
+
 def test_streets_without_overlap_are_left_as_they_are() -> None:
     scenes = pathlib.Path(__file__).parents[2] / "scenes"
     graph = SceneGraph.load(scenes / "residential_bins" / "graph.json")

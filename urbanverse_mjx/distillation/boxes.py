@@ -46,6 +46,12 @@ class BoxOptions:
         ones, outline, known shapes): what is added to their misfits, and the weights of the logarithms of the ratios.
         A logistic regression over the objects of 12 training streets with true poses and depth, three
         from images alone and four with exact inputs, but for buildings.
+      ground_height, ground_share: m and share of an object's height, the lesser of which its footprint leaves out above
+        its lowest points, because uncertain masks hold ground.
+      outline_share, rim: a point belongs to the object if it lies between the edges, widened by `rim` m, of this share
+        of as many views as the points that most views agree on.
+      min_body: least share of its points that an object keeps.
+      min_outlines: fewest views by whose edges points are left out.
       bins: of the histogram from which the density of points along a direction is computed.
     """
 
@@ -71,6 +77,12 @@ class BoxOptions:
     inner_points: tuple[float, float] = (0.05, 0.95)
     misfit_floors: tuple[float, float, float, float] = (0.1, 0.1, 2.0, 0.01)
     cue_weights: tuple[float, float, float, float] = (1.7, 1.7, 1.9, 2.3)
+    ground_height: float = 0.1
+    ground_share: float = 0.25
+    outline_share: float = 0.75
+    rim: float = 0.05
+    min_body: float = 0.3
+    min_outlines: int = 3
 
 
 _OPTIONS = BoxOptions()
@@ -202,10 +214,15 @@ def fit(
       sigma: m, standard error of the centre.
       seen: the object's views that the image's sides do not cut off, in the ground plane; None if there are none.
       axis: rad, direction of the surrounding objects, modulo a quarter turn; None where unknown.
-      exact: whether masks and depth are exact; then the sides alone decide which of them is the heading.
+      exact: whether masks and depth are exact; then the sides alone decide which of them is the heading, and all points
+        are the object's.
     """
     nearest = float(np.linalg.norm(viewpoints - points.mean(0), axis=1).min())
     blur = noise * nearest
+    bottom = np.inf
+    if not (exact or prior.faces_road):
+        bottom = float(np.quantile(points[:, 2], _trim(noise)))
+        points = _body(points, prior, blur, seen)
     footprint = _footprint(points, prior)
     blurred = footprint < _OPTIONS.min_shown_side and blur > _OPTIONS.shape_blur * footprint
     if blurred and axis is not None:
@@ -236,6 +253,7 @@ def fit(
         yaw, quarter = oriented, 0
         low, high, seen_from = _seen_along(yaw, points, viewpoints, noise, top)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
+    low[2] = min(low[2], bottom)
     low, high = _bounded(low, high, prior)
     shown = high - low
     outline = None
@@ -252,6 +270,35 @@ def fit(
     return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed, shown)
 
 
+def _trim(noise: float) -> float:
+    """Quantile of an object's points that its box leaves out at each end, by the relative error of depth."""
+    return min(0.002 + 0.4 * noise, 0.03)
+
+
+def _body(points: np.ndarray, prior: LabelPrior, blur: float, seen: Bearings | None) -> np.ndarray:
+    """(k, 3) m, the points of an object without the ground and the surroundings that its masks hold.
+
+    The ground around an object continues its depth, so that no gap separates them. What one view shows past the
+    object's edge is beside the object in views from other directions.
+    """
+    keep = np.ones(len(points), bool)
+    if prior.on_ground:
+        low, high = np.quantile(points[:, 2], (0.02, 0.98))
+        above = points[:, 2] > low + min(_OPTIONS.ground_height, _OPTIONS.ground_share * (high - low))
+        if above.mean() >= _OPTIONS.min_body:
+            keep = above
+    if seen is not None and len(seen.frame) >= _OPTIONS.min_outlines:
+        views = silhouettes.thinned(seen)
+        away = points[None, :, :2] - views.viewpoint[:, None]
+        turn = np.arctan2(away[..., 1], away[..., 0]) - views.direction[:, None]
+        off = np.abs(np.remainder(turn + np.pi, 2 * np.pi) - np.pi)
+        share = (off <= views.half[:, None] + (_OPTIONS.rim + blur) / views.reach[:, None]).mean(0)
+        between = keep & (share >= _OPTIONS.outline_share * np.quantile(share, 0.9))
+        if between.mean() >= _OPTIONS.min_body:
+            keep = between
+    return points[keep]
+
+
 def _seen_along(
     yaw: float, points: np.ndarray, viewpoints: np.ndarray, noise: float, top: float | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -259,7 +306,7 @@ def _seen_along(
     viewpoints in these axes."""
     turn = rotations.about_z(-yaw)
     local = points @ turn.T
-    trim = min(0.002 + 0.4 * noise, 0.03)
+    trim = _trim(noise)
     low, high = np.quantile(local, (trim, 1 - trim), axis=0)
     high[2] = max(high[2], low[2] if top is None else top)
     return low, np.maximum(high, low + _OPTIONS.min_side), viewpoints @ turn.T

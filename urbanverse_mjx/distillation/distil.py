@@ -133,7 +133,7 @@ def distil(
     if not regions:
         raise _no_ground(recording)
     kept, front = _with_fronts(kept, fused, regions, recording)
-    pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions)
+    pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions, fused.exact)
     if not options.place:
         pulled = np.zeros_like(pulled)
     left_out = len(objects) - len(kept)

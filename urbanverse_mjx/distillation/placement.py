@@ -9,6 +9,7 @@ import shapely.ops
 from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GroundRegion, LabelPrior, ground
+from ..geometry.polygons import rectangle
 from .boxes import Box
 from .ground import allowed_area
 
@@ -23,12 +24,14 @@ class PlacementOptions:
       max_sigmas: largest movement in standard errors of the object's depth, in addition to `cell_error`.
       cell_error: m, error of the outlines of ground, which are made from cells.
       max_move: m, largest movement.
+      front_distance: m, largest distance from a building to the ground before it.
       snap_distance: m; boxes whose lower end is within this distance of the ground are put on it.
     """
 
     max_sigmas: float = 3.0
     cell_error: float = 0.1
     max_move: float = 2.0
+    front_distance: float = 5.0
     snap_distance: float = 0.35
 
 
@@ -36,13 +39,15 @@ _OPTIONS = PlacementOptions()
 
 
 def place_on_ground(
-    boxes: Sequence[Box], priors: Sequence[LabelPrior], regions: tuple[GroundRegion, ...]
+    boxes: Sequence[Box], priors: Sequence[LabelPrior], regions: tuple[GroundRegion, ...], exact: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
     """Computes the movement of objects to suitable ground.
 
     Args:
       boxes, priors: n objects.
       regions: the ground.
+      exact: whether masks are exact; otherwise the lower end of a building, of which no ground is seen, is expected at
+        the height of the nearest ground.
 
     Returns:
       (n, 2) m the shift of each centre, (n,) m the height of the ground under it, NaN where there is none.
@@ -50,7 +55,8 @@ def place_on_ground(
     shift, floor = np.zeros((len(boxes), 2)), np.full(len(boxes), np.nan)
     solid = [r for r in regions if r.kind not in ground.PAINT_KINDS]
     areas: dict[tuple[str, ...], BaseGeometry] = {}
-    tree = shapely.STRtree([shapely.Polygon(r.polygon) for r in solid])
+    outlines = [shapely.Polygon(r.polygon) for r in solid]
+    tree = shapely.STRtree(outlines)
     for i, (box, prior) in enumerate(zip(boxes, priors, strict=True)):
         where = shapely.Point(*box.center[:2])
         if prior.stands_on and prior.on_ground:
@@ -59,6 +65,12 @@ def place_on_ground(
             shift[i] = _pull(where, areas[prior.stands_on], box)
             where = shapely.Point(*(box.center[:2] + shift[i]))
         hits = tree.query(where, predicate="intersects")
+        if not (len(hits) or exact) and prior.faces_road:
+            length, width, _ = box.size.tolist()
+            footprint = rectangle(length, width, box.yaw, float(box.center[0]), float(box.center[1]))
+            hits = tree.query_nearest(footprint, max_distance=_OPTIONS.front_distance)[:1]
+            if len(hits):
+                where = shapely.ops.nearest_points(outlines[hits[0]], where)[0]
         if len(hits):
             floor[i] = max(ground.height_at(solid[h].plane, where.x, where.y) for h in hits)
     return shift, floor

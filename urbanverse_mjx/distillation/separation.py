@@ -79,13 +79,15 @@ def separate(
     """
     weight = {obj.id: obj.score for obj in objects} if evidence is None else evidence
     buildings = {obj.id: obj for obj in objects if is_building(obj.label)}
+    others = [obj for obj in objects if obj.id not in buildings]
     removed, cut = _without_overlap(buildings, weight, path)
-    others, moved, inside = _outside(
-        [obj for obj in objects if obj.id not in buildings and obj.id not in removed and not is_building(obj.label)],
-        list(buildings.values()),
-        hangs,
-    )
-    found = {**buildings, **others}
+    stay, moved, inside = _outside(others, list(buildings.values()), hangs)
+    while evidence is not None and (refuted := _refuted(buildings, stay, others, hangs, evidence)) is not None:
+        removed[refuted] = "of the objects inside it there is more evidence"
+        del buildings[refuted]
+        cut.pop(refuted, None)
+        stay, moved, inside = _outside(others, list(buildings.values()), hangs)
+    found = {**buildings, **stay}
     gone = {**removed, **inside}
     return Separation(
         tuple(found[obj.id] for obj in objects if obj.id in found),
@@ -200,6 +202,24 @@ def _side_cost(obj: GraphObject, normal: np.ndarray, path: np.ndarray) -> float:
     if cosine > np.sqrt(0.5):
         return _OPTIONS.front_cost
     return _OPTIONS.side_cost if cosine > -np.sqrt(0.5) else 1.0
+
+
+def _refuted(
+    buildings: Mapping[str, GraphObject],
+    stay: Mapping[str, GraphObject],
+    others: Sequence[GraphObject],
+    hangs: Callable[[str], bool],
+    evidence: Mapping[str, float],
+) -> str | None:
+    """The building of which there is least evidence compared with all objects too far inside it, if it is less than
+    theirs: a building that several views of different ones make up stands on the road, among what is there."""
+    lost = [obj for obj in others if obj.id not in stay]
+    excess = {
+        name: sum(evidence[other] for other in _outside(lost, [building], hangs)[2]) / max(evidence[name], 1e-9)
+        for name, building in buildings.items()
+    }
+    worst = max(excess, key=lambda name: (excess[name], name), default=None)
+    return worst if worst is not None and excess[worst] > 1.0 else None
 
 
 def _outside(
