@@ -177,13 +177,18 @@ def test_ground_and_walls_in_the_masks_of_a_box_do_not_move_it(yaw: float) -> No
     assert np.linalg.norm(exact.center[:2]) > 0.15
 
 
-def test_a_flat_object_keeps_its_points() -> None:
-    """A slab 6 cm high, and one of whose points few are off the lowest: nothing is left out but a quarter of the
-    height, or nothing at all."""
+def test_what_is_low_or_widest_at_its_foot_keeps_its_sides() -> None:
+    """At most a quarter of the height is left out, of a post 0.3 m high on a base of 0.09 m; and nothing where hardly
+    anything would remain, of a plate with a knob."""
     rng = np.random.default_rng(7)
-    slab = np.c_[rng.uniform(-0.4, 0.4, (500, 2)), rng.uniform(0.0, 0.06, 500)]
-    prior = LabelPrior(np.array([[0.8, 0.8, 0.06]]))
     eyes = np.array([[-4.0, 0.0, 1.5], [0.0, -4.0, 1.5]])
-    assert boxes.fit(slab, eyes, prior, 0.002, 0.06, 0.05).seen == pytest.approx([0.8, 0.8, 0.06], abs=0.05)
-    slab[:400, 2] = 0.0
-    assert boxes.fit(slab, eyes, prior, 0.002, 0.06, 0.05).seen == pytest.approx([0.8, 0.8, 0.06], abs=0.05)
+    base = np.c_[rng.uniform(-0.4, 0.4, (500, 2)), rng.uniform(0.0, 0.09, 500)]
+    post = np.c_[rng.uniform(-0.1, 0.1, (500, 2)), rng.uniform(0.09, 0.3, 500)]
+    prior = LabelPrior(np.array([[0.8, 0.8, 0.3]]))
+    stand = boxes.fit(np.concatenate([base, post]), eyes, prior, 0.002, 0.3, 0.05)
+    assert stand.seen == pytest.approx([0.8, 0.8, 0.3], abs=0.08)
+    plate = np.c_[rng.uniform(-0.4, 0.4, (500, 2)), np.zeros(500)]
+    knob = np.c_[rng.uniform(-0.1, 0.1, (100, 2)), rng.uniform(0.0, 0.06, 100)]
+    prior = LabelPrior(np.array([[0.8, 0.8, 0.06]]))
+    cover = boxes.fit(np.concatenate([plate, knob]), eyes, prior, 0.002, 0.06, 0.05)
+    assert cover.seen == pytest.approx([0.8, 0.8, 0.06], abs=0.05)

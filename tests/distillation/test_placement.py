@@ -8,7 +8,7 @@ from urbanverse_mjx.distillation import placement
 from urbanverse_mjx.distillation.boxes import Box
 
 PAVEMENT = GroundRegion(
-    "pavement", "sidewalk", ((0.0, -20.0), (3.0, -20.0), (3.0, 20.0), (0.0, 20.0)), (0.0, 0.02, 0.1)
+    "pavement", "sidewalk", ((0.0, -20.0), (3.0, -20.0), (3.0, 20.0), (0.0, 20.0)), (0.03, 0.02, 0.1)
 )
 HOUSE = LabelPrior(np.array([[8.0, 10.0, 7.0]]), faces_road=True)
 
