@@ -1,6 +1,6 @@
 """Draws streets from robot height in direct light, in baked light, and with traced shadows besides.
 
-    python -m benchmarks.light_sheet --bank bank.npz --out docs/baked_light.jpg
+    python -m benchmarks.light_sheet --bank bank.npz --out docs/baked_light.webp
 
 Each row is one place on a route of another scene, looking along the route.
 """
