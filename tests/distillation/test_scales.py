@@ -75,7 +75,33 @@ def test_half_of_the_size_is_the_mean_of_what_a_pixel_covers():
     images = rng.random((2, 8, 12, 3)).astype(np.float32)
     small = np.asarray(scales.halved(jnp.asarray(images)))
     assert small.shape == (2, 4, 6, 3)
-    # A linear filter, half as wide as its spacing allows: every mean lies near that of the covered pixels.
     np.testing.assert_allclose(small.mean(), images.mean(), atol=0.02)
+    stripes = np.tile(np.arange(12) % 2, (1, 8, 1))[..., None].repeat(3, -1).astype(np.float32)
+    np.testing.assert_allclose(np.asarray(scales.halved(jnp.asarray(stripes)))[:, :, 1:-1], 0.5, atol=1e-5)
     flat = np.asarray(scales.halved(jnp.full((1, 8, 12, 3), 0.25)))
     np.testing.assert_allclose(flat, 0.25, atol=1e-6)
+
+
+def test_a_detection_half_as_large_again_is_no_second_object():
+    """Its uncovered part would be large enough to stay."""
+    found = scales.merged(_seen([(CAR, 0.9, np.s_[10:30, 0:20])]), _seen([(CAR, 0.6, np.s_[5:15, 0:19])], (20, 30)))
+    assert len(found.objects) == 1
+    assert (found.masks == 0).sum() == 400
+
+
+def test_the_surer_object_has_the_pixels_that_both_scales_claim():
+    fine, coarse = _seen([(PERSON, 0.4, np.s_[0:20, 0:20])]), _seen([(CAR, 0.99, np.s_[0:10, 7:17])], (20, 30))
+    found = scales.merged(fine, coarse)
+    assert [x.kind for x in found.objects] == [CAR, PERSON]
+    assert (found.masks == 0).sum() == 400
+    assert (found.masks == 1).sum() == 20 * 14
+
+
+def test_each_scale_has_its_own_calibration():
+    box, half, nothing = np.s_[10:30, 20:40], np.s_[5:15, 10:20], _seen([], (20, 30))
+    fine = scales.merged(_seen([(CAR, 0.6, box)]), nothing).objects[0].score
+    coarse = scales.merged(_seen([]), _seen([(CAR, 0.6, half)], (20, 30))).objects[0].score
+    alone = np.array([1.0, np.log(1.5), 1.0, 0.0, 0.0, 0.0, 0.0])
+    options = scales.MergeOptions()
+    assert fine == pytest.approx(1.0 / (1.0 + np.exp(-alone @ options.fine)))
+    assert coarse == pytest.approx(1.0 / (1.0 + np.exp(-alone @ options.coarse)))
