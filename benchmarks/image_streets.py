@@ -56,10 +56,10 @@ def streets() -> list[str]:
 
 
 def camera_path(places: np.ndarray) -> Any:
-    """The way (n, 4) of a block's camera (x, y, z in m, yaw in rad) as a film: a step of `STEP`, swaying
+    """The path (n, 4) of a block's camera (x, y, z in m, yaw in rad) as a film: a step of `STEP`, swaying
     and turning as the camera of `urbanverse capture`.
 
-    Where the way turns faster than that, as that of a vehicle at the end of a block, the camera is slower: between
+    Where the path turns faster than that, as that of a vehicle at the end of a block, the camera is slower: between
     frames without a common view no pose can be found.
 
     Returns:

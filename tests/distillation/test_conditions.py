@@ -41,6 +41,13 @@ def test_every_condition_gives_an_image_of_the_same_street(scene: np.ndarray):
     assert np.asarray(conditions._night(jax.random.key(2), x)).mean() < 0.7 * np.asarray(x).mean()
 
 
+def test_a_soft_image_has_less_detail_and_the_same_mean():
+    x = jnp.asarray(np.random.default_rng(3).random((64, 96, 3)), jnp.float32)
+    soft = np.asarray(conditions._soft(jax.random.key(1), x))
+    assert soft.std() < 0.7 * np.asarray(x).std()
+    assert soft.mean() == pytest.approx(float(x.mean()), abs=0.01)
+
+
 def test_rain_falls_in_streaks():
     """On a black image only streaks are seen, and they are longer than wide."""
     x = jnp.zeros((64, 96, 3))

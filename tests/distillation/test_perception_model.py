@@ -13,7 +13,7 @@ from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.ground import GROUND_KINDS
 from urbanverse_mjx.datatypes.recording import SKY
-from urbanverse_mjx.distillation.perception_model import classes, inference, score, weights
+from urbanverse_mjx.distillation.perception_model import classes, inference, scales, score, weights
 from urbanverse_mjx.distillation.perception_model.augment import augment, jpeg, recolour
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject, decode
 from urbanverse_mjx.distillation.perception_model.network import BLOCKS, LEAF_STRIDE, Seen, blocks_of
@@ -336,6 +336,20 @@ def test_the_model_takes_images_of_any_size(variables, monkeypatch: pytest.Monke
     assert observation.depth.shape == size
     assert set(np.unique(observation.surfaces)) <= {0, *range(1, len(GROUND_KINDS)), SKY}
     assert observation.masks.max() == len(observation.detections) - 1 or not observation.detections
+
+
+def test_the_model_sees_an_image_at_the_size_of_training_and_at_half_of_it(variables, monkeypatch: pytest.MonkeyPatch):
+    seen: list[tuple[tuple[int, ...], tuple[int, ...], float]] = []
+    real = scales.decoded
+
+    def decoded(fine: Seen, coarse: Seen, focal: float) -> Decoded:
+        seen.append((np.shape(fine.centre), np.shape(coarse.centre), focal))
+        return real(fine, coarse, focal)
+
+    monkeypatch.setattr(scales, "decoded", decoded)
+    monkeypatch.setattr(inference, "SIZE", (64, 128))
+    inference.PerceptionModel(variables, {}).decoded(np.zeros((30, 40, 3), np.uint8), 50.0)
+    assert seen == [((48, 64), (24, 32), 160.0)]
 
 
 @pytest.mark.parametrize(("kind", "threshold"), [(HOUSE, 0.7), (CAR, 0.4), (PERSON, 0.4)])

@@ -8,6 +8,13 @@ import pytest
 
 from urbanverse_mjx.distillation.perception_model import classes, scales
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject
+from urbanverse_mjx.distillation.perception_model.network import (
+    CANONICAL_FOCAL,
+    DEPTH_UNIT,
+    LEAF_STRIDE,
+    OFFSET_UNIT,
+    Seen,
+)
 
 CAR, PERSON = (classes.names().index(n) for n in ("car", "pedestrian adult"))
 
@@ -68,6 +75,29 @@ def test_agreement_tells_alone_from_same_and_from_another(kind: int):
     np.testing.assert_allclose(first, [1.0, odds, 0.0, *same], atol=1e-6)
     np.testing.assert_allclose(second, [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0], atol=1e-6)
     assert scales.agreement(dataclasses.replace(one, objects=(), masks=other.masks * 0 - 1), other).shape == (0, 7)
+
+
+def _outputs(shape: tuple[int, int], miss: float) -> Seen:
+    """A car whose pixels point past its peak by `miss` output pixels, or nothing where that is infinite."""
+    kinds, centre, offset = np.full(shape, 1), np.zeros(shape, np.float32), np.zeros((*shape, 2), np.float32)
+    if np.isfinite(miss):
+        height, width = shape
+        rows, columns = np.mgrid[height // 4 : height // 2, width // 4 : width // 2]
+        middle = rows.min() + len(rows) // 2, columns.min() + rows.shape[1] // 2
+        kinds[rows, columns], centre[middle] = CAR, 1.0
+        offset[rows, columns] = np.stack([middle[0] - rows, middle[1] + miss - columns], -1) / OFFSET_UNIT
+    leaves = np.zeros((shape[0] // LEAF_STRIDE, shape[1] // LEAF_STRIDE, len(classes.leaves())), np.float32)
+    return Seen(8.0 * np.identity(len(classes.names()))[kinds], centre, offset, np.zeros(shape), leaves)
+
+
+def test_pixels_may_miss_a_peak_by_as_much_of_the_image_at_both_scales():
+    nothing = float("inf")
+    large, small = (40, 60), (20, 30)
+    for fine, coarse, found in ((20.0, nothing, 1), (28.0, nothing, 0), (nothing, 8.0, 1), (nothing, 20.0, 0)):
+        seen = scales.decoded(_outputs(large, fine), _outputs(small, coarse), 2.0 * CANONICAL_FOCAL)
+        assert len(seen.objects) == found, (fine, coarse)
+        # Of the full size: an image of twice the canonical focal length shows twice the canonical depth.
+        np.testing.assert_allclose(seen.depth, 2.0 * DEPTH_UNIT, rtol=1e-6)
 
 
 def test_half_of_the_size_is_the_mean_of_what_a_pixel_covers():

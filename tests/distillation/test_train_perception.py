@@ -127,10 +127,19 @@ def test_a_grown_network_gives_the_outputs_of_the_smaller_one(small: dict[str, A
         network.grown(foreign, fresh)
 
 
-def test_devices_have_to_share_a_batch_evenly(capsys: pytest.CaptureFixture[str]):
+def test_devices_have_to_share_a_batch_evenly(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+):
+    words = ["--train", str(tmp_path / "a"), "--test", str(tmp_path / "b"), "--out", str(tmp_path / "c")]
     with pytest.raises(SystemExit):
-        train_perception.parse(["--train", "a", "--test", "b", "--out", "c", "--devices", "0"])
+        train_perception.parse([*words, "--devices", "0"])
     assert "--devices" in capsys.readouterr().err
+    monkeypatch.setattr(jax, "devices", lambda: ["a", "b", "c", "d"])
+    assert train_perception.sharing(3, 9) == ["a", "b", "c"]
+    assert train_perception.sharing(9, 8) == ["a", "b", "c", "d"]
+    # Before any file is read.
+    with pytest.raises(ValidationError, match="--batch: found 32, needed a multiple of 3, the number of devices"):
+        train_perception.train(train_perception.parse([*words, "--devices", "3"]))
 
 
 @pytest.mark.extended

@@ -12,6 +12,7 @@ import dataclasses
 
 import numpy as np
 
+from ..geometry import rotations
 from . import control_points
 from .depth_scale import DepthScale
 from .fusion import MIN_POSITION_ERROR, world_points
@@ -101,7 +102,7 @@ def measure(views: Views, poses: np.ndarray, scale: np.ndarray, pixel: float | N
         away = (world_points(views, poses, scale, rows) - poses[views.frame[rows], None, :3, 3])[..., :2]
         middle = away.mean(1)
         base = np.arctan2(middle[:, 1], middle[:, 0])
-        turn = np.sort(_wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[:, None]), axis=1)
+        turn = np.sort(rotations.wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[:, None]), axis=1)
         low, high = turn[:, skipped] - rim, turn[:, -1 - skipped] + rim
         direction[rows], half[rows] = base + (low + high) / 2, (high - low) / 2
         reach[rows] = np.median(np.linalg.norm(away, axis=-1), axis=1)
@@ -230,7 +231,7 @@ class _Problem:
         far = np.maximum(np.linalg.norm(away, axis=1), 0.3)
         unit = away / far[:, None]
         side = np.stack([-unit[:, 1], unit[:, 0]], -1)
-        turn = _wrapped(np.arctan2(away[:, 1], away[:, 0]) - self.seen.direction - change[:, 3])
+        turn = rotations.wrapped(np.arctan2(away[:, 1], away[:, 0]) - self.seen.direction - change[:, 3])
         misfit = np.stack([turn / self.across, (far - objects[self.which, 2] - self.seen.reach) / self.along], -1)
         slope, bend = np.zeros((len(far), 2, 3)), np.zeros((len(far), 2, 4))
         slope[:, 0, :2] = side / (far * self.across)[:, None]
@@ -279,7 +280,3 @@ class _Problem:
             normal += block.T @ block
             right += block.T @ value
         return np.linalg.solve(normal, right).reshape(count, 4)
-
-
-def _wrapped(angle: np.ndarray) -> np.ndarray:
-    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi

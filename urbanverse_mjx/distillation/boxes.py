@@ -291,7 +291,7 @@ def _body(points: np.ndarray, prior: LabelPrior, blur: float, seen: Bearings | N
         views = silhouettes.thinned(seen)
         away = points[None, :, :2] - views.viewpoint[:, None]
         turn = np.arctan2(away[..., 1], away[..., 0]) - views.direction[:, None]
-        off = np.abs(np.remainder(turn + np.pi, 2 * np.pi) - np.pi)
+        off = np.abs(rotations.wrapped(turn))
         share = (off <= views.half[:, None] + (_OPTIONS.rim + blur) / views.reach[:, None]).mean(0)
         between = keep & (share >= _OPTIONS.outline_share * np.quantile(share, 0.9))
         if between.mean() >= _OPTIONS.min_body:

@@ -330,9 +330,22 @@ def evaluate(frames: Iterable[Frame], cut: float = 0.0) -> dict[str, Any]:
     return result.table()
 
 
+def sharing(count: int, batch: int) -> list[Any]:
+    """At most `count` devices, which share batches.
+
+    Raises:
+      ValidationError: they cannot have equal parts of a batch.
+    """
+    devices = jax.devices()[:count]
+    if batch % len(devices):
+        raise ValidationError(f"--batch: found {batch}, needed a multiple of {len(devices)}, the number of devices.")
+    return devices
+
+
 def train(arguments: argparse.Namespace) -> dict[str, Any]:
     """Trains the network, writes the weights, and returns the table of the test streets."""
     started = time.monotonic()
+    devices = sharing(arguments.devices, arguments.batch)
     size = arguments.height, arguments.width
     views = Views.of(
         SceneBank.load(arguments.train),
@@ -361,11 +374,6 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.state is not None and arguments.state.is_file():
         learner, progress = _read_state(arguments.state, learner)
     if arguments.minutes > 0:
-        devices = jax.devices()[: arguments.devices]
-        if arguments.batch % len(devices):
-            raise ValidationError(
-                f"--batch: found {arguments.batch}, needed a multiple of {len(devices)}, the number of devices."
-            )
         step = Step(model, views, arguments.batch, options, devices)
         learner = step.placed(learner)
         _say({"event": "read", "seconds": round(time.monotonic() - started, 1)})

@@ -85,6 +85,11 @@ def from_rotation_vector(vector: Any) -> Any:
     return xp.concatenate([xp.cos(half), 0.5 * xp.sinc(half / np.pi) * vector], -1)
 
 
+def wrapped(angle: np.ndarray) -> np.ndarray:
+    """Returns the same angles (rad, NumPy) in [-pi, pi)."""
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
+
+
 def about_z(yaw: float) -> np.ndarray:
     """Returns the rotation matrix (3, 3) f64 by an angle (rad) about z, counter-clockwise seen from above."""
     c, s = np.cos(yaw), np.sin(yaw)
